@@ -7,7 +7,6 @@ use super::effort::Effort;
 use super::single::{self, Graded, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
-use crate::solver::measure::natural_residual::ROUNDED;
 
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
 const NEAR: f64 = 1e-3;
@@ -317,34 +316,6 @@ impl<'a, const P: usize> Local<'a, P> {
         };
         let (normal, tangent) = (single.normal(p), single.tangent(p));
         LocalSolution { phase, normal, tangent, slip, degenerate: found.degenerate }
-    }
-
-    /// The solution of a contact whose block is not sound and for which the closed forms have found none.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn rescued(
-        &self,
-        state: &ContactState,
-        effort: &mut Effort,
-    ) -> Option<Selection<P>> {
-        if self.block.sound {
-            return None;
-        }
-        let single = self.single();
-        let stick = single.stick();
-        let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
-        let starts = [
-            stick.map_or(ContactVector::zeros(), |found| found.percussion),
-            single.slipping(&last),
-        ];
-        let known = if last.amax() > 0.0 { &starts[..] } else { &starts[..1] };
-        let found = single.search(known, effort).into_iter().chain(stick);
-        let best = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
-        let phase = single.phase(&best.percussion).0;
-        (best.defect <= ROUNDED).then(|| Selection {
-            solution: self.with_phase(&single, &best, phase),
-            ambiguous: best.degenerate,
-        })
     }
 
     /// Slip found by Newton's method on all rows together, from sliding along a velocity.

@@ -46,7 +46,7 @@ pub(crate) fn solve(
         return sticks();
     }
     let given = ContactVector::from_fn(|i, _| start.get(i).copied().unwrap_or(0.0));
-    let found = single.search(&[given], effort).into_iter().chain(slides);
+    let found = single.search(given, effort).into_iter().chain(slides);
     let found = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
     selected(&found.percussion, found.degenerate)
 }

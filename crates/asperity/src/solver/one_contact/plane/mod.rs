@@ -41,7 +41,7 @@ pub(crate) fn first_found(
         Some(None) if local.block.sound => {}
         Some(Some(open)) => return Some(open),
         _ if !local.block.sound => return ill_conditioned(*local, state, guess(), buffer, effort),
-        _ => return select_among_all(*local, state, buffer, effort).map(|s| s.solution),
+        _ => return select_among_all(*local, state, buffer).map(|s| s.solution),
     }
     if state.phase != Phase::Slip
         && let Some(found) = isotropic::stick_or_slip(local, &guess)
@@ -53,14 +53,14 @@ pub(crate) fn first_found(
         let slip = Slip::new(local, local.law.bounds().largest_radius);
         newton(&slip, &guess()).or_else(|| newton_from_load(local, &slip))
     };
-    let mut others = |effort| select_among_all(*local, state, buffer, effort).map(|s| s.solution);
+    let mut others = || select_among_all(*local, state, buffer).map(|s| s.solution);
     match stick.holds() {
         true if state.phase != Phase::Slip || has_one_solution(local, &stick) => {
             Some(stick.solution())
         }
         // Where several are possible, the rule decides between all of them.
-        true => others(effort),
-        false => slips().or_else(|| others(effort)),
+        true => others(),
+        false => slips().or_else(others),
     }
 }
 
@@ -86,10 +86,8 @@ fn ill_conditioned(
     if found.is_some() {
         return found;
     }
-    if effort.walk() {
-        return select_among_all(local, state, buffer, effort).map(|s| s.solution);
-    }
-    local.rescued(state, effort).map(|s| s.solution)
+    let walks = effort.walk().then(|| select_among_all(local, state, buffer));
+    walks.flatten().map(|s| s.solution)
 }
 
 /// The solution that continues `state`, from all that there are.
@@ -99,12 +97,9 @@ pub(crate) fn select_among_all(
     local: Local<'_, 2>,
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
-    effort: &mut Effort,
 ) -> Option<Selection<2>> {
     let complete = solutions(&local, buffer);
-    let Some(solution) = local.select(buffer, state) else {
-        return local.rescued(state, effort);
-    };
+    let solution = local.select(buffer, state)?;
     let continuum = buffer.iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum || !complete })
 }
