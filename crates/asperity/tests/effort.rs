@@ -454,3 +454,43 @@ fn shortcuts_of_isotropic_friction_lead_to_its_solutions() {
         }
     }
 }
+
+/// Contacts in space that have no solution: what is spent on them is limited, by the sweeps as a whole as well, and every
+/// solve begins anew.
+#[test]
+fn what_is_spent_in_vain_is_limited() {
+    let convex = |a, b, c| Convex::from(Ellipsoid::new(Vector::<3>::new(a, b, c)).unwrap());
+    let (made, asked) = counted(&FrictionLaw::associated(convex(0.9, 0.8, 0.7)), 1.0);
+    let shared = Law::from(made);
+    // Friction pulls each contact in, as in Painlevé's paradox, and contacts influence each other a little.
+    let problem = |contacts: usize| {
+        let rows = 4 * contacts;
+        let mut delassus = DMatrix::identity(rows, rows) * 3.0;
+        let mut free = vec![0.0; rows];
+        for row in (0..rows).step_by(4) {
+            delassus[(row, row)] = 1.0;
+            (delassus[(row, row + 1)], delassus[(row + 1, row)]) = (2.0, 2.0);
+            (free[row], free[row + 1]) = (-1.0, 5.0);
+            (0..rows).step_by(4).filter(|other| *other != row).for_each(|other| {
+                delassus[(row, other)] = 1e-3;
+            });
+        }
+        let laws = (0..contacts).map(|_| (shared.clone(), NormalForce::Unilateral));
+        ContactProblem::new(delassus, free, laws).unwrap()
+    };
+    let spent = |contacts: usize, max_sweeps: usize, workspace: &mut Workspace| {
+        let problem = problem(contacts);
+        let mut memory = Memory::new(4 * contacts, contacts);
+        memory.states.fill(ContactState::new(Phase::Slip, [1.0, 0.2, 0.1]));
+        asked.store(0, Ordering::Relaxed);
+        let exact = Solver::Exact { max_sweeps };
+        let report = exact.solve(&problem, Stop::at(1e-10), &mut memory, workspace);
+        assert_ne!(report.status, Status::Converged, "{report:?}");
+        asked.load(Ordering::Relaxed)
+    };
+    let mut workspace = Workspace::default();
+    let alone = spent(1, 1, &mut workspace);
+    let [few, many] = [3, 60].map(|sweeps| spent(2, sweeps, &mut workspace));
+    check(&[("vain", [alone, few, many])], &[("vain", [8780, 1388, 6632])]);
+    assert_eq!(spent(2, 60, &mut workspace), many);
+}

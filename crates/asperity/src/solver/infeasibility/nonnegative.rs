@@ -75,6 +75,14 @@ mod tests {
                     assert!(*x >= 0.0 && *slope <= scale, "{rows} {columns}: {x} {slope}");
                     assert!(*x == 0.0 || slope.abs() <= scale, "{rows} {columns}: {x} {slope}");
                 }
+                let large = 2f64.powi(30);
+                for (unit, of_f) in
+                    [(large, 1.0), (1.0 / large, 1.0), (1.0, large), (1.0, 1.0 / large)]
+                {
+                    let other = least_squares(&(&a * unit), &(&f * of_f)).unwrap();
+                    let same = other.iter().map(|x| x * unit / of_f);
+                    assert!(same.eq(x.iter().copied()), "{rows} {columns}: {other:?} {x:?}");
+                }
             }
         }
     }

@@ -656,3 +656,19 @@ impl<'a, const P: usize> Single<'a, P> {
         inside + (end - inside) * low
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every direction to a face, an edge or a corner of a cube, once.
+    #[test]
+    fn directions_are_all_around() {
+        let mut all: Vec<[i8; 3]> =
+            around::<3>().map(|v| [v.x, v.y, v.z].map(|c| c as i8)).collect();
+        assert!(all.iter().flatten().all(|c| (-1..=1).contains(c)) && !all.contains(&[0; 3]));
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 26);
+    }
+}

@@ -12,6 +12,13 @@ pub(super) fn cross(a: &V, b: &V) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
+/// How far normal and position stray from their chords over a piece of the boundary.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    pub(super) normal: f64,
+    pub(super) position: f64,
+}
+
 /// The slip equation of one contact.
 pub(super) struct Slip<'a, 'b> {
     pub(super) local: &'a Local<'b, 2>,
@@ -63,8 +70,8 @@ impl<'a, 'b> Slip<'a, 'b> {
 
     /// The bounds of a cell of the table in the units of bdry *C*.
     #[inline]
-    pub(super) fn cell(&self, cell: &Cell) -> Cell {
-        Cell { position: self.scale * cell.position, product: self.scale * cell.product, ..*cell }
+    pub(super) fn bounds(&self, cell: &Cell) -> Bounds {
+        Bounds { normal: cell.normal, position: self.scale * cell.position }
     }
 
     /// How far `F` and `n·v` may stray from their chords over a cell.
