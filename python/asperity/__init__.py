@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING as _TYPE_CHECKING
 from asperity import (
     contact,
     cycles,
+    ensemble,
     errors,
     law,
     runs,
@@ -31,6 +32,7 @@ from asperity import (
 from asperity._core import __version__
 from asperity.contact import *
 from asperity.cycles import *
+from asperity.ensemble import *
 from asperity.errors import *
 from asperity.law import *
 from asperity.runs import *
@@ -52,6 +54,7 @@ if _TYPE_CHECKING:
 __all__ = ["__version__"]
 __all__ += contact.__all__
 __all__ += cycles.__all__
+__all__ += ensemble.__all__
 __all__ += errors.__all__
 __all__ += law.__all__
 __all__ += runs.__all__

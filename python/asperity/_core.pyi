@@ -25,6 +25,7 @@ __all__ = [
     "CallbackSystem",
     "Law",
     "LinearSystem",
+    "LinearVariants",
     "Outcome",
     "Problem",
     "RigidBodies",
@@ -34,13 +35,16 @@ __all__ = [
     "__version__",
     "advance",
     "build_profile",
+    "calls_python",
     "cone_polar",
     "cone_projection",
     "deepest_overlap",
     "evaluate",
     "flow_law",
     "integrate",
+    "integrate_many",
     "simulate",
+    "simulate_many",
     "star_shape",
 ]
 
@@ -199,6 +203,20 @@ class LinearSystem:
     ) -> LinearSystem: ...
 
 @final
+class LinearVariants:
+    def __new__(
+        cls,
+        mass: _Array,
+        stiffness: _Array,
+        damping: _Array,
+        force: _Array,
+        contacts: Sequence[dict[str, Any]],
+        laws: Sequence[str | None],
+        places: Sequence[tuple[str, int, int, list[str]]],
+        values: _Array,
+    ) -> LinearVariants: ...
+
+@final
 class CallbackSystem:
     def __new__(
         cls,
@@ -256,6 +274,7 @@ def evaluate(
 def advance(
     system: LinearSystem | CallbackSystem | RigidBodies, q: _Array, u: _Array, dt: float
 ) -> _Array: ...
+def calls_python(system: LinearSystem | CallbackSystem | RigidBodies) -> bool: ...
 def simulate(
     system: LinearSystem | CallbackSystem | RigidBodies,
     dt: float,
@@ -270,6 +289,40 @@ def simulate(
     save_every: int,
     until_rest: bool,
     raise_on_failure: bool,
+    progress: Callable[[int, int], object] | None,
+) -> tuple[dict[str, Any], BaseException | None]: ...
+
+_Runs: TypeAlias = tuple[
+    list[LinearSystem | CallbackSystem | RigidBodies],
+    LinearVariants | None,
+    NDArray[np.int64] | None,
+    _Array,
+    _Array,
+    int,
+]
+_Kept: TypeAlias = tuple[int | None, float, list[bool], tuple[_Array, float, float] | None]
+
+def simulate_many(
+    runs: _Runs,
+    dt: float,
+    steps: int,
+    solver: Solver,
+    tolerance: float,
+    until_rest: bool,
+    kept: _Kept,
+    threads: int | None,
+    progress: Callable[[int, int], object] | None,
+) -> tuple[dict[str, Any], BaseException | None]: ...
+def integrate_many(
+    runs: _Runs,
+    t_end: float,
+    tolerance: float,
+    sample: float | None,
+    max_step: float | None,
+    stop: tuple[_Array, float, float] | None,
+    max_events: int,
+    kept: _Kept,
+    threads: int | None,
     progress: Callable[[int, int], object] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
 def integrate(

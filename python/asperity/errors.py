@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from asperity.contact.certificate import Infeasibility
     from asperity.contact.problem import ContactProblem
+    from asperity.ensemble.result import AnyEnsemble
     from asperity.runs.run import Run
     from asperity.runs.trajectory import Trajectory
 
@@ -20,6 +21,7 @@ __all__ = [
     "ConvergenceError",
     "DimensionError",
     "DivergenceError",
+    "EnsembleInterrupted",
     "FitError",
     "NoCycleError",
     "NoSolutionError",
@@ -221,3 +223,18 @@ class SimulationInterrupted(KeyboardInterrupt):
         return (
             f"interrupted at t = {self.trajectory.t[-1]:.9g} s; .trajectory holds the part before"
         )
+
+
+class EnsembleInterrupted(KeyboardInterrupt):
+    """Many runs were stopped by Ctrl-C.
+
+    Attributes:
+        ensemble: the runs that are done; the others have the status `Outcome.INTERRUPTED`.
+    """
+
+    def __init__(self, ensemble: AnyEnsemble) -> None:
+        super().__init__(ensemble)
+        self.ensemble = ensemble
+
+    def __str__(self) -> str:
+        return f"interrupted; .ensemble holds what is done: {self.ensemble!r}"

@@ -25,11 +25,15 @@ mod _core {
     #[pymodule_export]
     use crate::runs::event::integrate;
     #[pymodule_export]
+    use crate::runs::many::{integrate_many, simulate_many};
+    #[pymodule_export]
     use crate::runs::simulate::simulate;
     #[pymodule_export]
     use crate::sets::cones::{cone_polar, cone_projection, star_shape};
     #[pymodule_export]
     use crate::sets::set::Set;
+    #[pymodule_export]
+    use crate::systems::any_system::calls_python;
     #[pymodule_export]
     use crate::systems::callback::CallbackSystem;
     #[pymodule_export]
@@ -40,6 +44,8 @@ mod _core {
     use crate::systems::rigid::RigidBodies;
     #[pymodule_export]
     use crate::systems::time_function::Signal;
+    #[pymodule_export]
+    use crate::systems::variants::LinearVariants;
     use pyo3::prelude::*;
 
     #[pymodule_init]

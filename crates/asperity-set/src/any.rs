@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::error::positive;
 use crate::{
-    Ball, Cone, ConvexSet, CoulombContensou, Cuboid, Ellipsoid, Embedded, Image, Intersection,
-    Matrix, MinkowskiSum, Planar, SetError, StarSet, Superellipsoid, Union, Vector,
+    Ball, Cone, ConvexSet, CoulombContensou, Cuboid, Ellipsoid, Embedded, Form, Image,
+    Intersection, Matrix, MinkowskiSum, Planar, SetError, StarSet, Superellipsoid, Union, Vector,
 };
 
 /// A convex set of a crate user; two are equal if they are the same object.
@@ -305,6 +305,10 @@ impl<const P: usize> StarSet<P> for Convex<P> {
         each_convex!(self, set => set.normal(x))
     }
 
+    fn form(&self) -> Form<'_, P> {
+        each_convex!(self, set => set.form())
+    }
+
     fn corners(&self) -> Vec<Vector<P>> {
         each_convex!(self, set => set.corners())
     }
@@ -359,6 +363,10 @@ impl<const P: usize> StarSet<P> for Star<P> {
     #[inline(always)]
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
         each_star!(self, set => set.gauge_jet(x))
+    }
+
+    fn form(&self) -> Form<'_, P> {
+        each_star!(self, set => set.form())
     }
 
     fn corners(&self) -> Vec<Vector<P>> {

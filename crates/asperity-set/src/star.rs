@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::Vector;
+use crate::{Form, Vector};
 
 /// A compact set with `x ∈ C ⇒ sx ∈ int C` for `0 ≤ s < 1` (\[WL19\] Def. 2).
 ///
@@ -46,6 +46,11 @@ pub trait StarSet<const P: usize>: Debug + Send + Sync {
     /// Whether `k(x) ≤ 1 + tolerance`.
     fn contains(&self, x: &Vector<P>, tolerance: f64) -> bool {
         self.gauge(x) <= 1.0 + tolerance
+    }
+
+    /// What is known of the set in closed form, from which comparisons with other sets follow without a search.
+    fn form(&self) -> Form<'_, P> {
+        Form::Any
     }
 
     /// Boundary points where the gradient of the gauge jumps or is infinite.

@@ -57,6 +57,7 @@ pub use nalgebra;
 
 mod argument;
 pub mod contact;
+pub mod ensemble;
 pub mod integrator;
 pub mod law;
 mod linear;

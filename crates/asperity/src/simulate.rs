@@ -212,21 +212,23 @@ pub fn simulate(
         Err(error) => return Ok(Run { trajectory, end: None, outcome: Outcome::Error(error) }),
     };
     let mut after = |step| observer(step, options.steps);
-    let outcome = run(options, &mut stepper, &mut trajectory, &Observer::new(&mut after));
+    let observer = Observer::new(&mut after);
+    let outcome = run(options, &mut stepper, &mut trajectory, &observer, &mut |_| {});
     let end = Some(stepper.state()).filter(State::is_finite);
     Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
 }
 
-/// The loop, and a sample of where it has ended.
-fn run(
+/// The loop, and a sample of where it has ended; `each_step` sees the state after every step.
+pub(crate) fn run(
     options: &Options,
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
     observer: &Observer<'_, usize>,
+    each_step: &mut impl FnMut(&Stepper<'_>),
 ) -> Result<Outcome, StepError> {
     trajectory.begin(stepper)?;
     let mut last = None;
-    let outcome = steps(options, stepper, trajectory, observer, &mut last);
+    let outcome = steps(options, stepper, trajectory, observer, each_step, &mut last);
     let recorded = match (&outcome, last) {
         (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
         (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
@@ -240,6 +242,7 @@ fn steps(
     stepper: &mut Stepper<'_>,
     trajectory: &mut Trajectory,
     observer: &Observer<'_, usize>,
+    each_step: &mut impl FnMut(&Stepper<'_>),
     unsaved: &mut Option<SolveReport>,
 ) -> Result<Outcome, StepError> {
     let (mut rested, mut fastest) = (0, 0.0_f64);
@@ -265,6 +268,7 @@ fn steps(
         }
         trajectory.failed_steps += usize::from(failed);
         trajectory.count(stepper, report.ambiguous);
+        each_step(stepper);
         *unsaved = Some(report);
         if options.until_rest {
             let speed = largest(stepper.u());

@@ -201,6 +201,8 @@ def _same(a: Any, b: Any) -> bool:
         return True
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_same(a[key], b[key]) for key in a)
     if _is_sparse(a) and _is_sparse(b):
         return bool(a.shape == b.shape) and all(map(_same, _parts(a), _parts(b)))
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
@@ -216,6 +218,8 @@ def _hashable(value: Any) -> Any:
         return value.shape, *map(_hashable, _parts(value))
     if isinstance(value, tuple):
         return tuple(map(_hashable, value))
+    if isinstance(value, dict):
+        return frozenset((key, _hashable(part)) for key, part in value.items())
     # Python hashes every NaN differently.
     return "nan" if _is_nan(value) else value
 

@@ -140,10 +140,7 @@ def integrate(
     """
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
-    if getattr(system, "_advances", False):
-        raise ParameterError(
-            "system", "must have its velocities as rates, but has its own `advance`"
-        )
+    check(system)
     state = beginning(system, q0, u0, start)
     if state.t < 0.0:
         raise ParameterError("start", f"must not be at a negative time, is at {state.t:.9g} s")
@@ -198,18 +195,32 @@ def integrate(
             len(motion.events),
         )
     if ended in _FAILURES:
-        raise _failure(ended, contact, motion, without_solution(unsolvable, system))
+        time = float(motion.t[-1]) if len(motion) else 0.0
+        found = {"ended": ended, "contact": contact, "time": time, "unsolvable": unsolvable}
+        raise unfinished(found, system, motion)
     return motion
 
 
-def _failure(ended: str, contact: Any, motion: Motion, proven: dict[str, Any]) -> ConvergenceError:
-    message, advice = _FAILURES[ended]
+def check(system: Model) -> None:
+    """Refuse systems whose coordinates do not have the velocities as rates."""
+    if getattr(system, "_advances", False):
+        raise ParameterError(
+            "system", "must have its velocities as rates, but has its own `advance`"
+        )
+
+
+def unfinished(
+    found: dict[str, Any], system: Model, motion: Motion | None = None
+) -> ConvergenceError:
+    """Return the error of an integration that has not come to its end, with the part before."""
+    message, advice = _FAILURES[found["ended"]]
     details: dict[str, Any] = {
-        "time": float(motion.t[-1]) if len(motion) else 0.0,
-        "contact": contact,
+        "time": found["time"],
+        "contact": found["contact"],
         "advice": advice,
         "trajectory": motion,
     }
-    if ended == "no_solution":
+    if found["ended"] == "no_solution":
+        proven = without_solution(found.get("unsolvable"), system)
         return NoSolutionError(message, **details, **proven)
     return ConvergenceError(message, **details)

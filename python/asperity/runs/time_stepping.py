@@ -111,8 +111,7 @@ def simulate(
     if start is None:
         t_end = arrays.positive(t_end, "t_end")
     state = beginning(system, q0, u0, start)
-    steps = _steps_from(state, dt, t_end)
-    _check_clock(state, dt, steps)
+    steps = steps_from(state, dt, t_end)
     options = TimeStepping(
         dt=dt,
         t_end=t_end,
@@ -167,7 +166,7 @@ def simulate(
             trajectory.steps,
         )
     if failure is not None and on_failure == "raise":
-        raise _failure(failure, trajectory, system)
+        raise unsolved(failure, system, trajectory)
     return trajectory
 
 
@@ -218,8 +217,8 @@ def _refuse_overlap(system: RigidBodies, q: Array, argument: str) -> None:
         )
 
 
-def _steps_from(state: State, dt: float, t_end: float) -> int:
-    """Return the number of steps that are left until `t_end`."""
+def steps_from(state: State, dt: float, t_end: float) -> int:
+    """Return the number of steps that are left until `t_end`, as far as the clock counts them."""
     if state.dt == dt:
         steps = _step_count(dt, t_end - state.t0) - state.steps
     else:
@@ -228,6 +227,7 @@ def _steps_from(state: State, dt: float, t_end: float) -> int:
         raise ParameterError(
             "t_end", f"must lie after the time of start, {state.t:.9g} s, got {t_end:.9g}"
         )
+    _check_clock(state, dt, steps)
     return steps
 
 
@@ -295,7 +295,10 @@ def raise_with(exception: BaseException, part: Run, when: str) -> NoReturn:
     raise exception
 
 
-def _failure(failure: dict[str, Any], trajectory: Trajectory, system: Model) -> ConvergenceError:
+def unsolved(
+    failure: dict[str, Any], system: Model, trajectory: Trajectory | None = None
+) -> ConvergenceError:
+    """Return the error of a contact problem that was not solved, with the part before."""
     status = Status(failure["status"])
     details: dict[str, Any] = {
         "advice": status.advice,

@@ -58,13 +58,21 @@ pub fn integrate<'py>(
     let Run { motion, outcome, .. } =
         with_system(system, |system| py.detach(|| run_core(system, &options, &mut observer)))??;
     let out = dictionary(py, motion)?;
+    let interrupted = matches!(outcome, Outcome::Interrupted);
+    let error = say_how_it_ended(&out, outcome)?;
+    let error = raised_meanwhile(system).or(error).or(raised.filter(|_| interrupted));
+    Ok((out, error.map(|error| error.into_value(py))))
+}
+
+/// Puts into a dictionary how an integration has ended; the exception that ended it, if one did.
+pub fn say_how_it_ended(out: &Bound<'_, PyDict>, outcome: Outcome) -> PyResult<Option<PyErr>> {
     let (name, contact, error) = match outcome {
         Outcome::Finished => ("finished", None, None),
         Outcome::Section => ("section", None, None),
-        Outcome::Interrupted => ("interrupted", None, raised),
+        Outcome::Interrupted => ("interrupted", None, None),
         Outcome::TooManyEvents => ("too_many_events", None, None),
         Outcome::NoSolution { contact, unsolvable } => {
-            let proven = unsolvable.map(|proof| without_solution(py, &proof)).transpose()?;
+            let proven = unsolvable.map(|proof| without_solution(out.py(), &proof)).transpose()?;
             out.set_item("unsolvable", proven)?;
             ("no_solution", Some(contact), None)
         }
@@ -74,8 +82,7 @@ pub fn integrate<'py>(
     };
     out.set_item("ended", name)?;
     out.set_item("contact", contact)?;
-    let error = raised_meanwhile(system).or(error);
-    Ok((out, error.map(|error| error.into_value(py))))
+    Ok(error)
 }
 
 fn dictionary(py: Python<'_>, motion: Motion) -> PyResult<Bound<'_, PyDict>> {

@@ -1,5 +1,6 @@
 //! Both integrators.
 
 pub mod event;
+pub mod many;
 mod samples;
 pub mod simulate;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use asperity::contact::{ContactState, Phase};
-use asperity::simulate::{Options, Outcome, Run, simulate as run_core};
+use asperity::simulate::{Failure as Unsolved, Options, Outcome, Run, simulate as run_core};
 use asperity::stepper::{ContactMemory, State};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;
@@ -154,18 +154,20 @@ pub fn simulate<'py>(
     let counts = PyArray1::from_vec(py, trajectory.phase_counts).reshape([n_c, 3])?;
     out.set_item("phase_counts", counts)?;
     out.set_item("end", end.map(|end| state_dict(py, end)).transpose()?)?;
-    let failure = failure.map(|failure| -> PyResult<_> {
-        let out = PyDict::new(py);
-        out.set_item("step", failure.step)?;
-        out.set_item("time", failure.time)?;
-        out.set_item("contact", failure.contact)?;
-        out.set_item("residual", failure.residual)?;
-        out.set_item("status", failure.status.name())?;
-        let unsolvable = failure.unsolvable.as_deref();
-        let unsolvable = unsolvable.map(|proof| without_solution(py, proof)).transpose()?;
-        out.set_item("unsolvable", unsolvable)?;
-        Ok(out)
-    });
-    out.set_item("failure", failure.transpose()?)?;
+    out.set_item("failure", failure.map(|failure| unsolved(py, &failure)).transpose()?)?;
     Ok((out, error.map(|error| error.into_value(py))))
+}
+
+/// A contact problem that was not solved, as a dictionary.
+pub fn unsolved<'py>(py: Python<'py>, failure: &Unsolved) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("step", failure.step)?;
+    out.set_item("time", failure.time)?;
+    out.set_item("contact", failure.contact)?;
+    out.set_item("residual", failure.residual)?;
+    out.set_item("status", failure.status.name())?;
+    let unsolvable = failure.unsolvable.as_deref();
+    let unsolvable = unsolvable.map(|proof| without_solution(py, proof)).transpose()?;
+    out.set_item("unsolvable", unsolvable)?;
+    Ok(out)
 }

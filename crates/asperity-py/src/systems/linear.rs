@@ -12,7 +12,7 @@ use crate::errors::Failure;
 #[pyclass(frozen, module = "asperity._core")]
 pub struct LinearSystem(pub system::LinearSystem);
 
-fn linear_contact(contact: &Bound<'_, PyDict>) -> PyResult<Contact> {
+pub fn linear_contact(contact: &Bound<'_, PyDict>) -> PyResult<Contact> {
     let array = |key: &str| -> PyResult<Vec<f64>> {
         Ok(numbers(&item(contact, key)?.extract::<Numbers<'_>>()?, key)?.to_vec())
     };

@@ -7,3 +7,4 @@ pub mod evaluate;
 pub mod linear;
 pub mod rigid;
 pub mod time_function;
+pub mod variants;

@@ -326,6 +326,12 @@ impl RigidBodies {
         taken(&self.raised)
     }
 
+    /// Whether there are functions of Python among its frames, motions and loads: each of them holds where it keeps
+    /// what it raises.
+    pub fn calls_python(&self) -> bool {
+        Arc::strong_count(&self.raised) > 1
+    }
+
     /// Coordinates and velocities, sample by sample.
     fn states<'a>(
         &self,

@@ -1,7 +1,7 @@
 //! Linear images of sets.
 
 use crate::numeric::vectors::{along, cast, quarter_turn};
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::SIZES, project};
+use crate::{Cone, ConvexSet, Form, Matrix, SetError, StarSet, Vector, error::SIZES, project};
 
 /// The image `{A x : x ∈ S}` under a regular map: `k(x) = k_S(A⁻¹x)`, `h(y) = h_S(Aᵀy)`
 /// (\[WL19\] (9)).
@@ -71,6 +71,10 @@ impl<const P: usize, S: StarSet<P>> StarSet<P> for Image<S, P> {
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
         let (gauge, gradient) = self.set.gauge_jet(&(self.inverse * x));
         (gauge, self.inverse.tr_mul(&gradient))
+    }
+
+    fn form(&self) -> Form<'_, P> {
+        Form::Image { of: &self.set, map: &self.map }
     }
 
     fn corners(&self) -> Vec<Vector<P>> {

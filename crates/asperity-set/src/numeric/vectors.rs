@@ -75,3 +75,35 @@ pub fn directions<const P: usize>(count: usize) -> Vec<Vector<P>> {
     };
     (0..count).map(direction).collect()
 }
+
+/// Rotates the columns of a matrix among themselves until they are orthogonal, by Jacobi's method, which keeps short ones
+/// accurate.
+pub(crate) fn orthogonalise<const P: usize>(columns: &mut Matrix<P>) {
+    for _ in 0..60 {
+        let mut rotated = false;
+        for i in 0..P {
+            for j in i + 1..P {
+                rotated |= orthogonalise_pair(columns, i, j);
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+}
+
+/// Rotates columns `i` and `j` among themselves until they are orthogonal; whether that was needed.
+fn orthogonalise_pair<const P: usize>(columns: &mut Matrix<P>, i: usize, j: usize) -> bool {
+    let (ci, cj) = (columns.column(i).clone_owned(), columns.column(j).clone_owned());
+    let (ni, nj) = (ci.norm(), cj.norm());
+    let overlap = ci.dot(&cj);
+    if overlap.abs() <= 4.0 * f64::EPSILON * ni * nj {
+        return false;
+    }
+    let zeta = (nj - ni) * (nj + ni) / (2.0 * overlap);
+    let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
+    let (cosine, sine) = (1.0 / tangent.hypot(1.0), tangent / tangent.hypot(1.0));
+    columns.set_column(i, &(ci * cosine - cj * sine));
+    columns.set_column(j, &(ci * sine + cj * cosine));
+    true
+}

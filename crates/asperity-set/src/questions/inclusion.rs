@@ -1,16 +1,20 @@
 //! How large a set fits inside another.
 
+use super::form::{TurningDirections, ratio_in_closed_form};
 use crate::numeric::vectors::along;
 use crate::{Cancelled, ConvexSet, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
-/// In the plane the boundary is scanned and every local maximum refined; in space the maxima are
-/// climbed from many directions.
+/// In closed form where there is one ([`ratio_in_closed_form`](super::ratio_in_closed_form)). Else, in the plane the
+/// boundary is scanned and every local maximum refined; in space the maxima are climbed from many directions.
 pub fn largest_scale_inside<const P: usize>(
     inner: &dyn ConvexSet<P>,
     outer: &dyn StarSet<P>,
 ) -> f64 {
+    if let Some((ratio, _)) = known_ratio(outer, inner, &|| false) {
+        return 1.0 / ratio;
+    }
     let largest = match P {
         1 => [1.0, -1.0].map(|s| outer.gauge(&inner.support_point(&Vector::repeat(s)))),
         2 => [climb(inner, outer), largest_ratio(outer, inner).0],
@@ -31,6 +35,9 @@ pub fn largest_ratio_unless<const P: usize>(
     b: &dyn StarSet<P>,
     cancelled: Cancelled<'_>,
 ) -> (f64, Vector<P>) {
+    if let Some(known) = known_ratio(a, b, cancelled) {
+        return known;
+    }
     // With nothing to gain anywhere every search ends after a few more moves.
     let ratio = |d: &Vector<P>| {
         if cancelled() { f64::NEG_INFINITY } else { a.gauge(d) / b.gauge(d) }
@@ -51,6 +58,22 @@ pub fn largest_ratio_unless<const P: usize>(
     let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d));
     let largest = refined.max_by(|p, q| p.0.total_cmp(&q.0));
     largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))
+}
+
+/// The largest ratio where a closed form gives it, or in the plane directions in which both sets are resolved.
+fn known_ratio<const P: usize>(
+    a: &dyn StarSet<P>,
+    b: &dyn StarSet<P>,
+    cancelled: Cancelled<'_>,
+) -> Option<(f64, Vector<P>)> {
+    ratio_in_closed_form(a, b).or_else(|| {
+        let around = TurningDirections::new(a, b)?;
+        let ratio = |d: &Vector<P>| {
+            if cancelled() { f64::NEG_INFINITY } else { a.gauge(d) / b.gauge(d) }
+        };
+        let (ratio, x) = around.largest(ratio);
+        Some((ratio, x.normalize()))
+    })
 }
 
 /// Largest gauge of `outer` on `inner`: from many directions, `x ← inner.support_point(∇k_outer(x))`,

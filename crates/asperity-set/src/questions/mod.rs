@@ -1,11 +1,13 @@
 //! Questions about sets: tangent cones, one set inside another, verdicts with witnesses, arguments of any size.
 
 mod checked;
+mod form;
 mod inclusion;
 mod tangent_cone;
 mod verdict;
 
 pub use checked::Checked;
+pub use form::{Form, TurningDirections, ratio_in_closed_form};
 pub use inclusion::{largest_ratio, largest_ratio_unless, largest_scale_inside};
 pub use tangent_cone::tangent_cone;
 pub use verdict::{

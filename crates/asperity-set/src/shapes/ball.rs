@@ -1,6 +1,6 @@
 //! The ball, in the plane the disk.
 
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
+use crate::{ConvexSet, Form, Matrix, SetError, StarSet, Vector, error::size};
 
 /// `{x : ‖x‖ ≤ r}` in any dimension: isotropic friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +42,11 @@ impl<const P: usize> StarSet<P> for Ball {
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
         let norm = x.norm();
         (norm / self.radius, x / (norm * self.radius))
+    }
+
+    fn form(&self) -> Form<'_, P> {
+        let ball = Matrix::identity();
+        Form::Ellipsoid { from_ball: ball * self.radius, to_ball: ball / self.radius }
     }
 }
 

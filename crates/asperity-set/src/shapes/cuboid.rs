@@ -1,7 +1,7 @@
 //! The axis-parallel box, in one dimension the interval.
 
 use crate::numeric::vectors::along;
-use crate::{Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
+use crate::{Cone, ConvexSet, Form, Matrix, SetError, StarSet, Vector, error::size};
 
 /// `{x : lowerᵢ ≤ xᵢ ≤ upperᵢ}` with `lower < 0 < upper`: the X–Y table (\[WL19\] (36)), and in one
 /// dimension friction that differs between forward and backward sliding.
@@ -79,6 +79,10 @@ impl<const P: usize> StarSet<P> for Cuboid<P> {
         let ratio = |i: usize| x[i] / self.face(x, i);
         let axis = (1..P).fold(0, |best, i| if ratio(i) > ratio(best) { i } else { best });
         (ratio(axis), along(axis, 1.0 / self.face(x, axis)))
+    }
+
+    fn form(&self) -> Form<'_, P> {
+        Form::Powers { lower: -self.lower, upper: self.upper, reciprocal: 0.0 }
     }
 
     fn corners(&self) -> Vec<Vector<P>> {

@@ -1,7 +1,8 @@
 //! The ellipsoid, in the plane the ellipse.
 
+use crate::numeric::vectors::orthogonalise;
 use crate::project::jet::on_level;
-use crate::{ConvexSet, Matrix, SetError, StarSet, Vector, error::size};
+use crate::{ConvexSet, Form, Matrix, SetError, StarSet, Vector, error::size};
 
 /// How far axes that are given may be from orthonormal ones: they come from rotations and factorisations.
 const ORTHONORMAL: f64 = 1e-12;
@@ -58,20 +59,9 @@ impl<const P: usize> Ellipsoid<P> {
 
     /// The image of the unit ball under a regular `map`.
     ///
-    /// One-sided Jacobi rotations make the columns orthogonal; they keep small axes accurate.
     pub(crate) fn from_map(map: &Matrix<P>) -> Result<Self, SetError> {
         let mut columns = *map;
-        for _ in 0..60 {
-            let mut rotated = false;
-            for i in 0..P {
-                for j in i + 1..P {
-                    rotated |= orthogonalise(&mut columns, i, j);
-                }
-            }
-            if !rotated {
-                break;
-            }
-        }
+        orthogonalise(&mut columns);
         let semi_axes = Vector::from_fn(|i, _| columns.column(i).norm());
         Self::along(semi_axes, Matrix::from_fn(|i, j| columns[(i, j)] / semi_axes[j]))
     }
@@ -103,22 +93,6 @@ impl<const P: usize> Ellipsoid<P> {
     pub(crate) fn rotated(&self, rotation: &Matrix<P>) -> Result<Self, SetError> {
         Self::along(self.semi_axes, rotation * self.axes)
     }
-}
-
-/// Rotates columns `i` and `j` among themselves until they are orthogonal; whether that was needed.
-fn orthogonalise<const P: usize>(columns: &mut Matrix<P>, i: usize, j: usize) -> bool {
-    let (ci, cj) = (columns.column(i).clone_owned(), columns.column(j).clone_owned());
-    let (ni, nj) = (ci.norm(), cj.norm());
-    let overlap = ci.dot(&cj);
-    if overlap.abs() <= 4.0 * f64::EPSILON * ni * nj {
-        return false;
-    }
-    let zeta = (nj - ni) * (nj + ni) / (2.0 * overlap);
-    let tangent = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-    let (cosine, sine) = (1.0 / tangent.hypot(1.0), tangent / tangent.hypot(1.0));
-    columns.set_column(i, &(ci * cosine - cj * sine));
-    columns.set_column(j, &(ci * sine + cj * cosine));
-    true
 }
 
 impl Ellipse {
@@ -161,6 +135,10 @@ impl<const P: usize> StarSet<P> for Ellipsoid<P> {
     #[inline]
     fn normal(&self, x: &Vector<P>) -> Vector<P> {
         self.to_ball.tr_mul(&(self.to_ball * x))
+    }
+
+    fn form(&self) -> Form<'_, P> {
+        Form::Ellipsoid { from_ball: self.from_ball, to_ball: self.to_ball }
     }
 }
 

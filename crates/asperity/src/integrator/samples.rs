@@ -1,5 +1,7 @@
 //! Samples of a motion, whatever has computed it.
 
+use std::ops::Range;
+
 use crate::contact::Phase;
 
 /// Samples of a motion, time first. Vectors of contacts whose law has less than `p` dimensions are padded with NaN.
@@ -81,6 +83,76 @@ impl Samples {
         self.t.push(t);
         self.q.extend_from_slice(q);
         self.u.extend_from_slice(u);
+    }
+
+    /// The columns of numbers with their entries per sample.
+    fn columns(&self) -> [(&Vec<f64>, usize); 6] {
+        let Self { t, q, u, slip, force, normal_force, contacts, .. } = self;
+        let row = contacts * self.p;
+        [
+            (t, 1),
+            (q, self.coordinates),
+            (u, self.dof),
+            (slip, row),
+            (force, row),
+            (normal_force, *contacts),
+        ]
+    }
+
+    fn columns_mut(&mut self) -> [(&mut Vec<f64>, usize); 6] {
+        let Self { t, q, u, slip, force, normal_force, contacts, .. } = self;
+        let row = *contacts * self.p;
+        [
+            (t, 1),
+            (q, self.coordinates),
+            (u, self.dof),
+            (slip, row),
+            (force, row),
+            (normal_force, *contacts),
+        ]
+    }
+
+    /// Time, coordinates and velocities of a sample.
+    pub(crate) fn state(&self, sample: usize) -> (f64, &[f64], &[f64]) {
+        let q = &self.q[sample * self.coordinates..][..self.coordinates];
+        (self.t[sample], q, &self.u[sample * self.dof..][..self.dof])
+    }
+
+    /// The last one, if there is one.
+    pub(crate) fn last(&self) -> Option<(f64, &[f64], &[f64])> {
+        self.len().checked_sub(1).map(|last| self.state(last))
+    }
+
+    /// What the contacts do in a sample.
+    pub(crate) fn phases(&self, sample: usize) -> impl Iterator<Item = Phase> {
+        let numbers = &self.phase[sample * self.contacts..][..self.contacts];
+        numbers.iter().map(|&number| Phase::from_number(number).unwrap_or(Phase::Unknown))
+    }
+
+    /// Appends samples of another run of the same system.
+    pub(crate) fn copy(&mut self, of: &Self, samples: Range<usize>) {
+        for ((to, width), (from, _)) in self.columns_mut().into_iter().zip(of.columns()) {
+            to.extend_from_slice(&from[samples.start * width..samples.end * width]);
+        }
+        let phases = samples.start * of.contacts..samples.end * of.contacts;
+        self.phase.extend_from_slice(&of.phase[phases]);
+    }
+
+    /// Appends samples that there are not: NaN, and phases unknown.
+    pub(crate) fn leave_out(&mut self, samples: usize) {
+        for (to, width) in self.columns_mut() {
+            to.resize(to.len() + samples * width, f64::NAN);
+        }
+        let phases = self.phase.len() + samples * self.contacts;
+        self.phase.resize(phases, Phase::Unknown as i8);
+    }
+
+    /// Replaces samples from one on by others.
+    pub(crate) fn overwrite(&mut self, first: usize, by: &Self) {
+        for ((to, width), (from, _)) in self.columns_mut().into_iter().zip(by.columns()) {
+            to[first * width..][..from.len()].copy_from_slice(from);
+        }
+        self.phase[first * by.contacts..][..by.phase.len()].copy_from_slice(&by.phase);
     }
 
     /// Keeps the first samples, without contacts of one that is not complete.

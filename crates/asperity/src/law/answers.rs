@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
 
+use super::Bounds;
 use super::boundary::BoundaryPiece;
 use super::contact_equation::inclusion;
 use super::contact_equation::lorentz::{self, LorentzCone};
 use super::contact_equation::natural_map::{self, ContactPoint, Derivatives};
 use super::extended::FrictionLaw;
 use super::rate::Stribeck;
-use super::walk_table::Bounds;
 
 /// A shared friction law of any dimension.
 #[derive(Debug, Clone)]

@@ -3,11 +3,11 @@
 use std::sync::OnceLock;
 
 use asperity_set::{
-    Ball, Convex, ConvexSet, Matrix, SetError, Star, StarSet, Vector, directions, largest_ratio,
-    largest_scale_inside,
+    Ball, Convex, ConvexSet, Form, Matrix, SetError, Star, StarSet, Vector, directions,
+    largest_ratio, largest_scale_inside, ratio_in_closed_form,
 };
 
-use super::{Bounds, LawError, Stribeck, WalkTable};
+use super::{AmbiguousLoads, Bounds, LawError, Stribeck, WalkTable};
 
 /// The law `γ ∈ N_D(−αλ)`, `α(x) = 1/(k_D(x) − k_C(x) + 1)` at `x = −λ` (\[WL19\] (55), (56)), for
 /// unit normal force.
@@ -34,11 +34,20 @@ pub struct FrictionLaw<const P: usize> {
     reservoir: Star<P>,
     direction: Convex<P>,
     direction_scale: f64,
-    alpha_min: f64,
+    associated: bool,
     rate: Option<Stribeck>,
-    table: OnceLock<Box<WalkTable>>,
     /// Coefficient of isotropic friction.
     isotropic: Option<f64>,
+    searched: Searched,
+}
+
+/// What takes a search over the boundaries, made when it is first needed: most runs need none of it.
+#[derive(Debug, Default)]
+struct Searched {
+    alpha_min: OnceLock<f64>,
+    bounds: OnceLock<Bounds>,
+    table: OnceLock<Box<WalkTable>>,
+    ambiguous: OnceLock<Box<AmbiguousLoads>>,
 }
 
 /// The boundary of a direction set as a table; of isotropic laws, that of the unit disk.
@@ -78,14 +87,19 @@ impl<const P: usize> FrictionLaw<P> {
             scale = 1.0;
         }
         let direction = if scale == 1.0 { direction } else { direction.scaled(scale)? };
-        if let Some(same) = reservoir.as_convex().filter(|c| are_equal(*c, &direction)) {
+        if let Some(same) = reservoir.as_convex().filter(|c| are_equal(&direction, *c)) {
             // D = aC up to rounding is the associated law.
             return Ok(Self { direction_scale: scale, ..Self::associated(same.clone()) });
         }
-        let alpha_min = 1.0 / largest_ratio(&direction, &reservoir).0;
-        let table = OnceLock::new();
-        let (rate, isotropic) = (None, None);
-        Ok(Self { reservoir, direction, direction_scale: scale, alpha_min, rate, table, isotropic })
+        Ok(Self {
+            reservoir,
+            direction,
+            direction_scale: scale,
+            associated: false,
+            rate: None,
+            isotropic: None,
+            searched: Searched::default(),
+        })
     }
 
     /// The associated law `D = C` (\[WL19\] Def. 12): maximal dissipation, maximal monotone.
@@ -99,9 +113,9 @@ impl<const P: usize> FrictionLaw<P> {
             reservoir: Star::Convex(reservoir.clone()),
             direction: reservoir,
             direction_scale: 1.0,
-            alpha_min: 1.0,
+            associated: true,
             rate: None,
-            table: OnceLock::new(),
+            searched: Searched::default(),
         }
     }
 
@@ -137,8 +151,7 @@ impl<const P: usize> FrictionLaw<P> {
     /// Whether the direction set is the reservoir.
     #[inline]
     pub fn is_associated(&self) -> bool {
-        // Otherwise D, the largest inside C, leaves some of it out.
-        self.alpha_min == 1.0
+        self.associated
     }
 
     /// The coefficient, if the law is isotropic Coulomb friction.
@@ -163,7 +176,11 @@ impl<const P: usize> FrictionLaw<P> {
 
     /// `min r_D/r_C` over all directions: prox iterations are slow where it is small.
     pub fn alpha_min(&self) -> f64 {
-        self.alpha_min
+        if self.associated {
+            return 1.0;
+        }
+        let search = || 1.0 / largest_ratio(&self.direction, &self.reservoir).0;
+        *self.searched.alpha_min.get_or_init(search)
     }
 
     /// `α(x) = 1/(k_D(x) − k_C(x) + 1)` (\[WL19\] (56)).
@@ -288,18 +305,33 @@ impl FrictionLaw<2> {
         Ok(Self { rate: self.rate, ..turned })
     }
 
-    /// Bounds from the table, which isotropic friction does not need.
+    /// Bounds over the boundaries of both sets.
     #[inline]
     pub(crate) fn bounds(&self) -> Bounds {
         match self.isotropic {
-            Some(mu) => Bounds { smallest_sine: 1.0, largest_radius: mu, largest_advance: mu },
-            None => self.table().bounds,
+            Some(mu) => Bounds::isotropic(mu),
+            None => *self.searched.bounds.get_or_init(|| self.searched_bounds()),
         }
     }
 
-    /// The table of the exact one-contact solver, made when it is first needed.
+    #[cold]
+    fn searched_bounds(&self) -> Bounds {
+        Bounds::of_smooth_sets(&self.reservoir, &self.direction)
+            .unwrap_or_else(|| self.table().bounds(&self.direction))
+    }
+
+    /// The table of the exact one-contact solver.
     pub(crate) fn table(&self) -> &WalkTable {
-        self.table.get_or_init(|| Box::new(WalkTable::new(&self.reservoir, &self.direction)))
+        let make = || Box::new(WalkTable::new(&self.reservoir, &self.direction));
+        self.searched.table.get_or_init(make)
+    }
+
+    /// Whether a load `y = c₀/a` with gauge `k_C(y)` may have several solutions with `A = aI`.
+    #[inline]
+    pub(crate) fn may_be_ambiguous(&self, load: &Vector<2>, gauge: f64) -> bool {
+        let (reservoir, direction) = (&self.reservoir, &self.direction);
+        let make = || Box::new(AmbiguousLoads::new(&self.table().nodes, reservoir, direction));
+        self.searched.ambiguous.get_or_init(make).may_hold(load, gauge)
     }
 
     /// What the exact one-contact solver walks along; isotropic laws share one walk.
@@ -359,19 +391,32 @@ fn probes<const P: usize>() -> Vec<Vector<P>> {
     directions(if P == 3 { 500 } else { 1440 })
 }
 
-/// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction.
+/// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction; the gauges of closed forms
+/// are numbers.
 fn check_size<const P: usize>(
     argument: &'static str,
     set: &dyn StarSet<P>,
 ) -> Result<(), SetError> {
+    if matches!(set.form(), Form::Ellipsoid { .. } | Form::Powers { .. }) {
+        return Ok(());
+    }
     match probes().iter().map(|d| set.gauge(d)).find(|&k| !(k.is_finite() && k > 0.0)) {
         Some(gauge) => Err(SetError::Degenerate { argument, gauge }),
         None => Ok(()),
     }
 }
 
-/// Whether two sets are the same up to rounding.
-fn are_equal<const P: usize>(a: &Convex<P>, b: &Convex<P>) -> bool {
-    let close = |x: f64, y: f64| (x - y).abs() <= 1e-13 * x.abs();
-    probes::<P>().iter().all(|d| close(a.gauge(d), b.gauge(d)) && close(a.support(d), b.support(d)))
+/// Whether two sets are the same up to rounding, the one inside the other.
+fn are_equal<const P: usize>(inner: &Convex<P>, outer: &Convex<P>) -> bool {
+    const ROUNDING: f64 = 1e-13;
+    if let Some((ratio, _)) = ratio_in_closed_form(inner, outer) {
+        return ratio - 1.0 <= ROUNDING;
+    }
+    let close = |x: f64, y: f64| (x - y).abs() <= ROUNDING * x.abs();
+    let same = |d: &Vector<P>| {
+        close(inner.gauge(d), outer.gauge(d)) && close(inner.support(d), outer.support(d))
+    };
+    // Most are told apart in the first direction.
+    let first = Vector::repeat(1.0);
+    same(&first) && probes::<P>().iter().all(same)
 }

@@ -2,6 +2,7 @@
 
 mod answers;
 mod boundary;
+mod bounds;
 mod classify;
 mod contact_equation;
 #[cfg(feature = "serde")]
@@ -15,6 +16,7 @@ mod walk_table;
 pub use answers::Law;
 pub(crate) use answers::{Components, Friction, ProxParameter, inclusion_defect};
 pub(crate) use boundary::BoundaryPiece;
+pub(crate) use bounds::Bounds;
 pub(crate) use contact_equation::natural_map::map as natural_map;
 pub(crate) use contact_equation::{ContactMatrix, ContactPoint, ContactVector, Derivatives, Rho};
 pub use error::LawError;
@@ -22,4 +24,4 @@ pub use extended::FrictionLaw;
 pub(crate) use extended::Walk;
 pub use flow::{FlowReport, FlowSets, flow_sets};
 pub use rate::{Fall, Stribeck};
-pub(crate) use walk_table::{Bounds, COARSE, Cell, Columns, Node, WalkTable};
+pub(crate) use walk_table::{AmbiguousLoads, COARSE, Cell, Columns, Node, WalkTable};

@@ -4,7 +4,7 @@ mod projection;
 
 use crate::numeric::vectors::along;
 use crate::{
-    Cone, ConvexSet, Matrix, SetError, StarSet, Vector, error::positive, error::size, project,
+    Cone, ConvexSet, Form, Matrix, SetError, StarSet, Vector, error::positive, error::size, project,
 };
 
 /// `{x : Σ|xᵢ/aᵢ|^s ≤ 1}` (\[WL19\] (37)): rhombus at `s = 1`, ellipse at `s = 2`, box as `s → ∞`.
@@ -142,6 +142,11 @@ impl<const P: usize> StarSet<P> for Superellipsoid<P> {
         let gauge = power_sum.norm(self.exponent);
         let slopes = power_sum.conjugate(&w, gauge, self.exponent);
         (gauge, Vector::from_fn(|i, _| sign(x[i]) * slopes[i] / self.semi_axes[i]))
+    }
+
+    fn form(&self) -> Form<'_, P> {
+        let (lower, upper) = (self.semi_axes, self.semi_axes);
+        Form::Powers { lower, upper, reciprocal: 1.0 / self.exponent }
     }
 
     fn corners(&self) -> Vec<Vector<P>> {

@@ -38,23 +38,23 @@ fn sector(y: &Vector<2>) -> usize {
     (turn * (SECTORS / 4) as f64) as usize % SECTORS
 }
 
-/// Gauges of the loads `y = c₀/a` that may have several solutions with `A = aI`, sector by sector.
+/// Gauges `k_C(y)` of the loads `y = c₀/a` that may have several solutions with `A = aI`, sector by sector.
 #[derive(Debug, Clone)]
-pub(super) struct AmbiguousLoads {
+pub(crate) struct AmbiguousLoads {
     sectors: [Gauges; SECTORS],
     /// The same over all sectors.
     anywhere: Gauges,
 }
 
 impl AmbiguousLoads {
-    pub(super) fn new(nodes: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> Self {
+    pub(crate) fn new(nodes: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> Self {
         let sectors = ambiguous_gauges(nodes, reservoir, direction);
         Self { anywhere: sectors.iter().fold(Gauges::NONE, |all, own| all.join(*own)), sectors }
     }
 
     /// Whether a load with gauge `k_C(y)` may have several solutions.
     #[inline]
-    pub(super) fn may_hold(&self, load: &Vector<2>, gauge: f64) -> bool {
+    pub(crate) fn may_hold(&self, load: &Vector<2>, gauge: f64) -> bool {
         self.anywhere.hold(gauge) && self.sectors[sector(load)].hold(gauge)
     }
 }

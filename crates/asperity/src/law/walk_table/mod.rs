@@ -14,9 +14,11 @@ use std::f64::consts::TAU;
 
 use asperity_set::{Arc, BoundaryPoint, Convex, ConvexSet, Star, StarSet, Vector};
 
-use ambiguous_loads::AmbiguousLoads;
+pub(crate) use ambiguous_loads::AmbiguousLoads;
 pub(crate) use node::Node;
 use node::angle;
+
+use super::Bounds;
 
 /// Number of coarse cells.
 pub(crate) const COARSE: usize = 64;
@@ -50,25 +52,6 @@ pub(crate) struct Columns {
     pub(crate) product: [f64; COARSE],
 }
 
-/// Bounds over the boundaries of both sets, for the one-contact solver.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bounds {
-    /// Smallest sine of the angle from the normal of *D* to the tangent of *C*: 1 for associated laws, negative where
-    /// the sliding velocity may point into the reservoir.
-    pub smallest_sine: f64,
-    /// Largest radius of *C*.
-    pub largest_radius: f64,
-    /// Largest way of `x` along bdry *C* per angle by which the normal of *D* turns; infinite where no bound is known.
-    pub largest_advance: f64,
-}
-
-impl Bounds {
-    /// Of a set on a line, where nothing turns.
-    pub(crate) fn on_a_line(largest_radius: f64) -> Self {
-        Self { smallest_sine: 0.0, largest_radius, largest_advance: f64::INFINITY }
-    }
-}
-
 /// See the module page.
 #[derive(Debug, Clone)]
 pub(crate) struct WalkTable {
@@ -78,9 +61,8 @@ pub(crate) struct WalkTable {
     pub(crate) fine_per_coarse: usize,
     pub(crate) fine: Vec<Cell>,
     pub(crate) columns: Box<Columns>,
-    pub(crate) bounds: Bounds,
-    /// Loads that may have several solutions with `A ∝ I`.
-    ambiguous: AmbiguousLoads,
+    /// Factor of what is sampled, for what lies between the samples.
+    margin: f64,
 }
 
 impl WalkTable {
@@ -123,19 +105,17 @@ impl WalkTable {
             normal: coarse.map(|cell| cell.normal),
             product: coarse.map(|cell| cell.product),
         });
-        let bounds = Bounds {
-            smallest_sine: smallest_sine(&nodes),
-            largest_radius: nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max),
-            largest_advance: margin * largest_stretch(&nodes) * largest_curvature_radius(direction),
-        };
-        let ambiguous = AmbiguousLoads::new(&nodes, reservoir, direction);
-        Self { nodes, fine_per_coarse, fine, columns, bounds, ambiguous }
+        Self { nodes, fine_per_coarse, fine, columns, margin }
     }
 
-    /// Whether a load `y = c₀/a` with gauge `k_C(y)` may have several solutions with `A = aI`.
-    #[inline]
-    pub(crate) fn may_be_ambiguous(&self, load: &Vector<2>, gauge: f64) -> bool {
-        self.ambiguous.may_hold(load, gauge)
+    /// What the nodes say of the whole boundary.
+    pub(super) fn bounds(&self, direction: &Convex<2>) -> Bounds {
+        let Self { nodes, margin, .. } = self;
+        Bounds {
+            smallest_sine: smallest_sine(nodes),
+            largest_radius: nodes.iter().map(|node| node.x.norm()).fold(0.0, f64::max),
+            largest_advance: margin * largest_stretch(nodes) * largest_curvature_radius(direction),
+        }
     }
 }
 
@@ -219,8 +199,9 @@ fn nodes(
         })
         .collect();
     chain.extend(corners);
-    chain.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
-    chain.dedup_by(|a, b| walk_angle(a) - walk_angle(b) < 1e-12);
+    let mut chain = in_turn(chain);
+    chain.dedup_by(|a, b| a.0 - b.0 < 1e-12);
+    let chain: Vec<BoundaryPoint> = chain.into_iter().map(|(_, point)| point).collect();
     let next = |i: usize| chain[(i + 1) % chain.len()];
     let pending = |start, end| Pending::new(Arc { start, end }, reservoir, direction);
     let mut heap: BinaryHeap<Pending> =
@@ -231,9 +212,16 @@ fn nodes(
         heap.push(pending(arc.start, middle));
         heap.push(pending(middle, arc.end));
     }
-    let mut starts: Vec<BoundaryPoint> = heap.into_iter().map(|p| p.arc.start).collect();
-    starts.sort_by(|a, b| walk_angle(a).total_cmp(&walk_angle(b)));
-    starts.into_iter().map(|point| Node::new(reservoir, point)).collect()
+    let starts = in_turn(heap.into_iter().map(|pending| pending.arc.start));
+    starts.into_iter().map(|(_, point)| Node::new(reservoir, point)).collect()
+}
+
+/// Points with their walk angles, sorted by these.
+fn in_turn(points: impl IntoIterator<Item = BoundaryPoint>) -> Vec<(f64, BoundaryPoint)> {
+    let mut turned: Vec<(f64, BoundaryPoint)> =
+        points.into_iter().map(|point| (walk_angle(&point), point)).collect();
+    turned.sort_by(|a, b| a.0.total_cmp(&b.0));
+    turned
 }
 
 /// `θ + φ`, position angle plus normal angle, in `[0, 4π)`: never decreases along the walk.

@@ -176,7 +176,7 @@ fn has_one_solution(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
     };
     match shape {
         Shape::Monotone => true,
-        Shape::Scalar => !local.law.table().may_be_ambiguous(&stick.load, stick.gauge),
+        Shape::Scalar => !local.law.may_be_ambiguous(&stick.load, stick.gauge),
         Shape::General => false,
     }
 }

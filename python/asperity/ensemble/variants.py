@@ -1,0 +1,329 @@
+"""Systems that are alike but for some of their parts."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity import _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.ensemble.places import Key, Place, part_at, places, replaced
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.law import file as law_file
+from asperity.runs.model import Model
+from asperity.sets import (
+    Ball,
+    Box,
+    CappedRectangle,
+    Disk,
+    Ellipse,
+    Ellipsoid,
+    Interval,
+    Rectangle,
+    Superellipse,
+    Superellipsoid,
+    WedgeAsperity,
+)
+from asperity.system import LinearSystem, MassOnBelt, SlidingPoint
+
+_BY_NUMBERS = (
+    Ball,
+    Box,
+    CappedRectangle,
+    Disk,
+    Ellipse,
+    Ellipsoid,
+    Interval,
+    Rectangle,
+    Superellipse,
+    Superellipsoid,
+    WedgeAsperity,
+)
+"""Sets that are a few numbers."""
+_CoreChange = tuple[tuple[str, int, int, list[str]], Array]
+"""A place of the core's linear systems, with a number per variant."""
+
+
+class Variants(Value):
+    """A system and others that differ from it in some parts, or a sequence of systems.
+
+    Args:
+        systems: a system, or a sequence of systems with as many coordinates and contacts.
+        replace: values by dotted names of what they replace. The values of a name are an array
+            whose last axes are those of the part that it replaces, or a sequence of objects such
+            as laws; the axes before are broadcast against each other.
+    """
+
+    systems: Any
+    values: dict[str, NDArray[Any]]
+    shape: tuple[int, ...]
+
+    def __init__(
+        self, systems: Model | Sequence[Model], replace: Mapping[str, Any] | None = None
+    ) -> None:
+        first: Any = systems
+        shape: tuple[int, ...] = ()
+        if not isinstance(systems, Model):
+            systems = _listed(systems)
+            first, shape = systems[0], (len(systems),)
+        values: dict[str, NDArray[Any]] = {}
+        changed: dict[str, list[Place]] = {}
+        if replace:
+            if shape:
+                raise ParameterError("replace", "needs one system, not a sequence of them")
+            if not isinstance(first, Value):
+                raise ParameterError(
+                    "replace", f"needs a system of values, which {type(first).__name__} is not"
+                )
+            for name, given in replace.items():
+                changed[name] = places(first, name)
+                values[name] = _values(given, name, part_at(first, changed[name][0]))
+            _refuse_overlapping(changed)
+            shape = _common_shape(
+                {name: _lead(v, first, changed[name]) for name, v in values.items()}
+            )
+        self._set(systems=systems, replace=values)
+        self._keep(first=first, values=values, shape=shape, _places=changed)
+
+    first: Model
+    _places: dict[str, list[Place]]
+
+    @property
+    def listed(self) -> tuple[Model, ...]:
+        """The systems that are there: those of the sequence, or the one."""
+        return self.systems if isinstance(self.systems, tuple) else (self.first,)
+
+    @property
+    def count(self) -> int:
+        """Number of systems."""
+        return math.prod(self.shape)
+
+    def system(self, variant: int) -> Model:
+        """Return one of them, by its number in the order of the axes.
+
+        Raises:
+            ParameterError: as the constructors of its parts do.
+        """
+        if isinstance(self.systems, tuple):
+            system: Model = self.systems[variant]
+            return system
+        if not self._places:
+            return self.first
+        index = np.unravel_index(variant, self.shape)
+        parts = {
+            place: self._value(name, index)
+            for name, found in self._places.items()
+            for place in found
+        }
+        made: Model = replaced(self.first, parts)
+        return made
+
+    def _value(self, name: str, index: tuple[Any, ...]) -> Any:
+        values = self.values[name]
+        lead = _lead(values, self.first, self._places[name])
+        wide = np.broadcast_to(values, (*self.shape, *values.shape[len(lead) :]))
+        value = wide[index]
+        return value.item() if isinstance(value, np.generic) else value
+
+    def of_the_core(self) -> _core.LinearVariants | None:
+        """Return what makes them without Python: of linear systems that differ in numbers."""
+        if {"mass", "gravity"} <= self.values.keys() and isinstance(self.first, SlidingPoint):
+            return None  # Each of them changes the normal force.
+        changes: list[_CoreChange] = []
+        for name, found in self._places.items():
+            for place in found:
+                values = self._columns(name)
+                added = None if values is None else _core_changes(self.first, place, values)
+                if added is None:
+                    return None
+                changes.extend(added)
+        linear = _linear(self.first)
+        if not changes or linear is None or type(linear) is not LinearSystem:
+            return None
+        numbers = {place[1] for place, _ in changes if place[0] == "law"}
+        laws = [
+            json.dumps(law_file.table_of(contact.law, "law")) if i in numbers else None
+            for i, contact in enumerate(linear.contacts)
+        ]
+        return _core.LinearVariants(
+            linear.mass,
+            linear.stiffness,
+            linear.damping,
+            linear.force,
+            [contact._core_data() for contact in linear.contacts],
+            laws,
+            [place for place, _ in changes],
+            np.stack([column for _, column in changes], axis=-1),
+        )
+
+    def _columns(self, name: str) -> Array | None:
+        """Return the values as an array ``(variants, …)``; None of objects."""
+        values = self.values[name]
+        if values.dtype == object:
+            return None
+        lead = _lead(values, self.first, self._places[name])
+        inner = values.shape[len(lead) :]
+        return np.broadcast_to(values, (*self.shape, *inner)).reshape(self.count, *inner)
+
+
+def _listed(systems: Any) -> tuple[Model, ...]:
+    listed = arrays.several(systems, "systems")
+    if not listed:
+        raise ParameterError("systems", "must not be empty")
+    for system in listed:
+        if not isinstance(system, Model):
+            raise ParameterError("systems", f"must be systems such as SlidingPoint, got {system!r}")
+    return listed
+
+
+def _values(given: Any, name: str, part: Any) -> NDArray[Any]:
+    """Return the values of a name as an array of numbers, or of objects where the part is one."""
+    if isinstance(part, Value) or isinstance(given, Value):
+        listed = (given,) if isinstance(given, Value) else arrays.several(given, name)
+        values = np.empty(len(listed), dtype=object)
+        values[:] = listed
+        return values.reshape(() if isinstance(given, Value) else (-1,))
+    return arrays.read_only(arrays.with_gaps(given, name))
+
+
+def _lead(values: NDArray[Any], system: Any, found: list[Place]) -> tuple[int, ...]:
+    """Return the axes of values that are not those of the part that they replace."""
+    part = part_at(system, found[0])
+    inner = part.shape if isinstance(part, np.ndarray) else ()
+    if inner and values.shape[len(values.shape) - len(inner) :] != inner:
+        name = _name(found[0])
+        wanted = ", ".join(["...", *map(str, inner)])
+        raise DimensionError(
+            "replace", f"of {name!r} must have shape ({wanted}), has {values.shape}"
+        )
+    return values.shape[: values.ndim - len(inner)]
+
+
+def _name(place: Place) -> str:
+    text = ""
+    for key in place:
+        if isinstance(key, str):
+            text += f".{key}"
+        else:
+            text += f"[{', '.join(map(str, key)) if isinstance(key, tuple) else key}]"
+    return text.removeprefix(".")
+
+
+def _common_shape(shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{name!r} {shape}" for name, shape in shapes.items())
+        raise DimensionError("replace", f"must hold arrays that broadcast, got {listed}") from None
+
+
+def _refuse_overlapping(changed: Mapping[str, list[Place]]) -> None:
+    """Refuse names of which one means a part of what the other one means."""
+    seen: dict[Place, str] = {}
+    for name, found in changed.items():
+        for place in found:
+            for length in range(len(place) + 1):
+                other = seen.get(place[:length])
+                if other is not None and other != name:
+                    raise ParameterError("replace", f"has {other!r} and a part of it, {name!r}")
+        seen.update(dict.fromkeys(found, name))
+    for name, found in changed.items():
+        for place in found:
+            for length in range(len(place)):
+                if seen.get(place[:length], name) != name:
+                    other = seen[place[:length]]
+                    raise ParameterError("replace", f"has {other!r} and a part of it, {name!r}")
+
+
+def _linear(system: Model) -> LinearSystem | None:
+    """Return the linear system behind one."""
+    if type(system) in (SlidingPoint, MassOnBelt):
+        linear: LinearSystem = system.linear  # type: ignore[attr-defined]
+        return linear
+    return system if type(system) is LinearSystem else None
+
+
+def _core_changes(system: Model, place: Place, values: Array) -> list[_CoreChange] | None:
+    """Return what the values at a place change in the core; None where Python has to make it."""
+    if isinstance(system, SlidingPoint | MassOnBelt):
+        if place[0] == "law":
+            return _law_change(system.law, 0, place[1:], values)
+        if isinstance(system, MassOnBelt) and (values > 0.0).all() and place == ("normal_force",):
+            return [(("normal_force", 0, 0, []), values)]
+        if isinstance(system, SlidingPoint) and place in (("mass",), ("gravity",)):
+            return _of_the_point(system, place, values)
+        if place[0] == "belt_velocity" and np.isfinite(values).all():
+            return _entries("velocity", (0,), place[1:], -values)
+        if place == ("mass",) and isinstance(system, MassOnBelt) and (values > 0.0).all():
+            return [(("mass", i, i, []), values) for i in range(system.dof)]
+        if place[0] == "stiffness" and np.isfinite(values).all():
+            return _entries("stiffness", (), place[1:], values)
+        return None
+    if not isinstance(system, LinearSystem) or not np.isfinite(values).all():
+        return None
+    match place:
+        case ("stiffness" | "damping" | "force" as kind, *entry):
+            return _entries(str(kind), (), tuple(entry), values)
+        case ("contacts", int(i), "law", *rest):
+            return _law_change(system.contacts[i].law, i, tuple(rest), values)
+        case ("contacts", int(i), "normal_force") if not system.contacts[i].unilateral:
+            return [(("normal_force", i, 0, []), values)] if (values >= 0.0).all() else None
+        case ("contacts", int(i), "gap") if system.contacts[i].unilateral:
+            return [(("gap", i, 0, []), values)]
+        case ("contacts", int(i), "velocity", *entry):
+            return _entries("velocity", (i,), tuple(entry), values)
+    return None
+
+
+def _of_the_point(system: SlidingPoint, place: Place, values: Array) -> list[_CoreChange] | None:
+    if not ((values > 0.0) & np.isfinite(values)).all():
+        return None
+    if place == ("gravity",):
+        return [(("normal_force", 0, 0, []), system.mass * values)]
+    mass: list[_CoreChange] = [(("mass", i, i, []), values) for i in range(system.dof)]
+    return [*mass, (("normal_force", 0, 0, []), values * system.gravity)]
+
+
+def _entries(kind: str, front: tuple[int, ...], entry: Place, values: Array) -> list[_CoreChange]:
+    """Return the change of an array, or of one of its entries."""
+    columns: dict[tuple[int, ...], Array] = {}
+    if entry:
+        (index,) = entry
+        if not isinstance(index, str):
+            columns[index if isinstance(index, tuple) else (index,)] = values
+    else:
+        columns = {index: values[:, *index] for index in np.ndindex(values.shape[1:])}
+    changes: list[_CoreChange] = []
+    for index, column in columns.items():
+        i, j, *_ = (*front, *index, 0)
+        changes.append(((kind, i, j, []), column))
+    return changes
+
+
+def _law_change(
+    law: FrictionLaw, contact: int, keys: tuple[Key, ...], values: Array
+) -> list[_CoreChange] | None:
+    """Return the change of a number of a law, if its table says it in the same words."""
+    # Others are kept by the core in forms that their tables give back to the last digit only.
+    if not all(type(one) in _BY_NUMBERS for one in (law.reservoir, law.direction)):
+        return None
+    if not keys or not isinstance(part_at(law, keys), float):
+        return None
+    table: Any = law_file.table_of(law, "law")
+    words = [str(key[0] if isinstance(key, tuple) else key) for key in keys]
+    for word in words:
+        try:
+            table = table[int(word) if isinstance(table, list) else word]
+        except (KeyError, IndexError, ValueError, TypeError):
+            return None
+    if not isinstance(table, float) or not np.isfinite(values).all():
+        return None
+    return [(("law", contact, 0, words), values)]
