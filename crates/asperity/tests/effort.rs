@@ -332,7 +332,8 @@ const CASES: usize = 24;
 
 /// Questions that solutions with sound blocks, with any and with deficient ones take, and sweeps over contacts with sound
 /// and with deficient blocks, each with the number of sweeps, then lists of all solutions: what they took when this was
-/// written, to one in fifty: other roundings of a law change one in a hundred. Whoever makes solutions cheaper writes less.
+/// written, to one in fifty, as a law whose last digits are others changes one in a hundred. Whoever makes solutions
+/// cheaper writes less.
 const PLANAR: [(&str, [usize; 8]); 24] = [
     ("isotropic", [966, 1362, 23661, 2541, 93, 20913, 53, 329]),
     ("ellipse 3:1", [1168, 1373, 27086, 2596, 92, 22509, 53, 327]),
