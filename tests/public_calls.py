@@ -5,6 +5,7 @@ import inspect
 import math
 import re
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,6 +90,12 @@ PROBLEMS = [
     ),
     asp.ContactProblem(np.eye(2), free_velocity=[0.2, 3.0], laws=LAW, normal_force=1.0),
 ]
+
+
+def _drawn(mu, rng):
+    return mu + rng.normal()
+
+
 OBJECTS = [
     *PROBLEMS,
     BODIES,
@@ -206,6 +213,20 @@ ARGUMENTS = {
     "simulate": {"system": BELT, "dt": 0.1, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
     "integrate": {"system": BELT, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
     "limit_cycle": {"system": STICK_SLIP},
+    "simulate_many": {
+        "systems": BELT,
+        "dt": 0.1,
+        "t_end": 1.0,
+        "q0": [0.0, 0.0],
+        "u0": [[0.0, 0.0], [0.1, 0.0]],
+    },
+    "integrate_many": {"systems": BELT, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
+    "limit_cycle_many": {"systems": STICK_SLIP},
+    "Ensemble.repeat": {"index": 0},
+    "Ensemble.system": {"index": 0},
+    "CycleEnsemble.cycle": {"index": 0},
+    "CycleEnsemble.system": {"index": 0},
+    "MemberFailure": {"index": (0,), "time": 0.1, "error": ValueError("no")},
     "bifurcation_diagram": {
         "family": mechanisms.stribeck_block,
         "parameter": "belt_velocity",
@@ -220,6 +241,14 @@ ARGUMENTS = {
     "slice": {"t0": 0.0, "t1": 0.1},
     "LimitCycle.phases": {"contact": 0},
     "LimitCycle.share": {"contact": 0, "phase": asp.Phase.STICK},
+    # sweeps
+    "sweep": {
+        "function": _drawn,
+        "grid": {"mu": [0.2, 0.3]},
+        "executor": ThreadPoolExecutor(1),
+        "seed": 1,
+        "chunk": 1,
+    },
     # identification
     "identify.read_csv": {"paths": TABLE},
     "identify.average_turns": {"phi": DATA.phi, "values": DATA.phi, "turn": DATA.turn},
@@ -344,6 +373,7 @@ RESULTS = {
     "Trajectory",
     "PathComparison",
     "Percussions",
+    "SweepStatus",
     "Bands",
     "Candidate",
     "Comparison",

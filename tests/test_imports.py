@@ -16,12 +16,13 @@ PACKAGE = Path(asp.__file__).parent
 LAYERS = [
     {"errors"},
     {"_base", "_core", "status"},
-    {"sets"},
+    {"sets", "sweeps"},
     {"law", "solvers"},
     {"contact", "system"},
     {"runs"},
     {"steady_sliding"},
     {"cycles"},
+    {"ensemble"},
     {"identify", "mechanisms", "plot", "problems", "track"},
     {"demo", "predict"},
     {"commands"},
@@ -37,7 +38,7 @@ ROOMS_WITHIN = {
     "track": ["film", "image", "following"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
-MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "commands"}
+MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "ensemble", "commands", "sweeps"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 
@@ -124,7 +125,7 @@ def test_no_function_hides_a_module():
 def test_importing_the_package_is_light():
     script = (
         "import sys, asperity; "
-        "heavy = {'jinja2', 'matplotlib', 'scipy', 'tqdm'}; "
+        "heavy = {'distributed', 'jinja2', 'matplotlib', 'scipy', 'tqdm', 'xarray', 'zarr'}; "
         "print(sorted({m.split('.')[0] for m in sys.modules} & heavy))"
     )
     done = subprocess.run(

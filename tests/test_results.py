@@ -9,6 +9,7 @@ import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from asperity import mechanisms
 from asperity._base.result import Result, TableResult
 from asperity._base.storage.result_file import SavedResult
 from public_calls import (
@@ -57,6 +58,8 @@ RESULTS = [
     asp.simulate(asp.SlidingDisk(LAW, velocity=(1.0, 0.0)), dt=1e-3, t_end=0.02),
     MOTION,
     CYCLE,
+    asp.simulate_many(BELT, dt=0.1, t_end=1.0, u0=[[0.0, 0.0], [0.1, 0.0]], keep=5),
+    asp.limit_cycle_many(mechanisms.stribeck_block()),
     DIAGRAM,
     asp.stability(BELT),
     asp.equilibrium(BELT),
@@ -73,6 +76,8 @@ RESULTS = [
     PREDICTION,
     LAW_SHEET,
     STABILITY_SHEET,
+    asp.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
+    asp.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
 ]
 TABLES = [result for result in RESULTS if isinstance(result, TableResult)]
 SAVED = [result for result in RESULTS if hasattr(result, "save")]

@@ -25,6 +25,8 @@ BELT = asp.MassOnBelt(
     belt_velocity=[0.1, 0.2],
 )
 CYCLE = asp.limit_cycle(BELT)
+ENSEMBLE = asp.simulate_many(BELT, dt=0.1, t_end=1.0, u0=[[0.0, 0.0], [0.1, 0.0]], keep="extent")
+CYCLES = asp.limit_cycle_many([BELT])
 SIGNAL = asp.Signal([0.0, 1.0, 2.0], [0.5, 1.0, 0.5], interpolation="cubic", periodic=True)
 SHAKER = asp.Sine([0.0, 1e-3, 0.0], frequency=50.0, phase=[0.1, 0.0, 0.0], offset=0.1)
 SUMMARISED = (
@@ -32,6 +34,8 @@ SUMMARISED = (
     asp.Trajectory,
     asp.Motion,
     asp.LimitCycle,
+    asp.Ensemble,
+    asp.CycleEnsemble,
     asp.BifurcationDiagram,
     asp.CriticalIntervals,
     asp.GrowthChart,
@@ -102,6 +106,9 @@ VALUES = [
     MOTION.options,
     CYCLE.motion.options,
     CYCLE,
+    ENSEMBLE,
+    CYCLES,
+    asp.MemberFailure((1, 2), 0.5, ValueError("no")),
     asp.equilibrium(BELT),
     asp.BifurcationDiagram(
         "speed", [0.1, 0.2], [asp.stability(BELT), None], [CYCLE, None], ["", "stuck"]

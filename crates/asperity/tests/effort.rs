@@ -332,8 +332,8 @@ const CASES: usize = 24;
 
 /// Questions that solutions with sound blocks, with any and with deficient ones take, and sweeps over contacts with sound
 /// and with deficient blocks, each with the number of sweeps, then lists of all solutions: what they took when this was
-/// written, to one in fifty, as a law whose last digits are others changes one in a hundred. Whoever makes solutions
-/// cheaper writes less.
+/// written, to three in a hundred. Whoever makes solutions cheaper writes less. With the last digit of the scale of *D*
+/// the numbers of some laws change by as much as two in a hundred.
 const PLANAR: [(&str, [usize; 8]); 24] = [
     ("isotropic", [966, 1362, 23661, 2541, 93, 20913, 53, 329]),
     ("ellipse 3:1", [1168, 1373, 27086, 2596, 92, 22509, 53, 327]),
@@ -374,7 +374,7 @@ fn check<const N: usize>(all: &[(&str, [usize; N])], expected: &[(&str, [usize; 
     assert_eq!(all.len(), expected.len());
     all.iter().for_each(|(name, found)| println!("(\"{name}\", {found:?}),"));
     for ((name, found), (same, expected)) in all.iter().zip(expected) {
-        let near = |(f, e): (&usize, &usize)| f.abs_diff(*e) <= e.div_ceil(50);
+        let near = |(f, e): (&usize, &usize)| f.abs_diff(*e) <= (3 * e).div_ceil(100);
         let nearly = found.iter().zip(expected).all(near);
         assert!(name == same && nearly, "{name}: {found:?} instead of {same}: {expected:?}");
     }

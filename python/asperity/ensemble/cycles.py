@@ -57,7 +57,7 @@ class CycleEnsemble(AnyEnsemble):
     """
 
     _endings = ("found", "none", "failed", "interrupted")
-    _noun = "search"
+    _noun, _plural = "search", "searches"
     _meanings: ClassVar[Mapping[str, Meaning]] = {
         "period": Meaning((), "s", "period of the cycle"),
         "minimum": Meaning(("coordinate",), "", "least coordinates"),
@@ -137,6 +137,9 @@ def limit_cycle_many(
     [12.001031, 9.953457]
     """
     arrays.choice(on_failure, "on_failure", ["record", "raise"])
+    tolerance = arrays.positive(tolerance, "tolerance")
+    t_end = None if t_end is None else arrays.positive(t_end, "t_end")
+    arrays.of_kind(section, "section", Section | None, "a Section or None")
     members = Members(Variants(systems, replace), q0, u0, axes)
     options = {"section": section, "t_end": t_end, "tolerance": tolerance}
     again = Again(members, limit_cycle, options)

@@ -66,7 +66,7 @@ class Ensemble(AnyEnsemble):
     """
 
     _endings = tuple(str(outcome) for outcome in OUTCOMES)
-    _noun = "run"
+    _noun, _plural = "run", "runs"
     _meanings: ClassVar[Mapping[str, Meaning]] = {
         "t": Meaning((), "s", "time at the end"),
         "q": Meaning(("coordinate",), "", "coordinates at the end"),
@@ -129,7 +129,10 @@ class Ensemble(AnyEnsemble):
         yield f"They took {counted(int(self.steps.sum()), 'step')}."
 
     def _more_variables(self) -> dict[str, Any]:
-        return {
-            f"sampled_{name}": ((*self.axes, "sample", *self._meanings[name].axes), values)
-            for name, values in self.samples.items()
-        }
+        found = {}
+        for name, values in self.samples.items():
+            axes, unit, description = self._meanings[name]
+            words = {"long_name": description.replace("at the end", "on the way"), "units": unit}
+            attributes = {key: word for key, word in words.items() if word}
+            found[f"sampled_{name}"] = ((*self.axes, "sample", *axes), values, attributes)
+        return found

@@ -54,7 +54,7 @@ def kept(keep: Any, after: float, states: int) -> Kept:
     after = arrays.non_negative(after, "after")
     if isinstance(keep, str | Section):
         keep = (keep,)
-    elif not isinstance(keep, Iterable):
+    elif not isinstance(keep, Iterable) or getattr(keep, "ndim", 1) == 0:
         if isinstance(keep, bool):
             raise ParameterError("keep", _ALLOWED.format(keep))
         return Kept(arrays.positive(keep, "keep"), frozenset(), None, after)

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
-from asperity._base.value import Value
+from asperity._base.value import Number, Record, Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.status import Phase
 from asperity.system.labels import Labels
@@ -38,8 +37,11 @@ class Meaning(NamedTuple):
     description: str
 
 
-@dataclass(frozen=True)
-class MemberFailure:
+def _index(value: Any, argument: str) -> tuple[int, ...]:
+    return tuple(arrays.count(one, argument, least=0) for one in arrays.several(value, argument))
+
+
+class MemberFailure(Record):
     """A run of an ensemble that failed.
 
     Attributes:
@@ -48,8 +50,10 @@ class MemberFailure:
         error: what `simulate` or `integrate` would have raised.
     """
 
-    index: tuple[int, ...]
-    time: float
+    _descriptive = frozenset({"error"})
+
+    index: Annotated[tuple[int, ...], _index]
+    time: Number
     error: BaseException
 
     def __str__(self) -> str:
@@ -63,6 +67,7 @@ class AnyEnsemble(TableResult, Value):
     _endings: ClassVar[tuple[str, ...]]
     """The words for how a computation ends, by number."""
     _noun: ClassVar[str]
+    _plural: ClassVar[str]
     _descriptive = frozenset({"labels", "again"})
 
     shape: tuple[int, ...]
@@ -83,10 +88,21 @@ class AnyEnsemble(TableResult, Value):
         labels: Labels,
         again: Any = None,
     ) -> None:
+        numbers = np.asarray(endings)
+        known = (
+            numbers.dtype.kind in "iu" and ((numbers >= 0) & (numbers < len(self._endings))).all()
+        )
+        if not known or np.ma.is_masked(endings):
+            raise ParameterError("endings", f"must be numbers of {', '.join(self._endings)}")
         series = {name: arrays.read_only(array) for name, array in series.items()}
+        for name, array in series.items():
+            if array.shape[: numbers.ndim] != numbers.shape:
+                raise DimensionError(
+                    name, f"must have the axes {numbers.shape} first, has the shape {array.shape}"
+                )
         self._set(
             series=series,
-            endings=arrays.read_only(endings),
+            endings=arrays.read_only(numbers.astype(np.int8)),
             others=dict(others),
             failures=tuple(failures),
             values={name: arrays.read_only(array) for name, array in values.items()},
@@ -94,7 +110,7 @@ class AnyEnsemble(TableResult, Value):
             labels=labels,
             again=again,
         )
-        self._keep(shape=endings.shape, **others)
+        self._keep(shape=numbers.shape, **others)
         self._keep(**{name: series.get(name) for name in self._meanings})
 
     @property
@@ -132,7 +148,7 @@ class AnyEnsemble(TableResult, Value):
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name} {n}" for name, n in zip(self.axes, self.shape, strict=True))
-        count = counted(len(self), self._noun)
+        count = counted(len(self), self._noun, self._plural)
         return f"<{type(self).__name__}: {count} ({sizes}), {self._ends()}>"
 
     def _ends(self) -> str:
@@ -150,7 +166,7 @@ class AnyEnsemble(TableResult, Value):
         return "\n".join(lines)
 
     def _sentences(self) -> Iterator[str]:
-        yield f"{counted(len(self), self._noun)}: {self._ends()}."
+        yield f"{counted(len(self), self._noun, self._plural)}: {self._ends()}."
 
     def _table(self) -> Table:
         """Return a row for each; the values that were replaced are columns."""
@@ -187,7 +203,7 @@ class AnyEnsemble(TableResult, Value):
             )
         facts: dict[str, str | int | float] = {
             "title": repr(self)[1:-1],
-            f"{self._noun}s": count,
+            self._plural: count,
             "failed": len(self.failures),
         }
         return Table(axes, series, facts)
