@@ -583,6 +583,21 @@ fn direction_sets_equal_up_to_rounding_are_the_reservoir() {
     assert_eq!((law.direction_scale(), law.direction()), (1.0, &disk));
 }
 
+/// A law takes another value of its own direction set as it is, and no other set.
+#[test]
+fn laws_hold_the_direction_set_that_they_are_given_again() {
+    let reservoir = flat_ellipse(0.6, 0.3, 40.0);
+    let law = FrictionLaw::new(reservoir.into(), flat_ellipse(3.0, 2.0, 0.0)).unwrap();
+    let scale = law.direction_scale();
+    let own = flat_ellipse(3.0 * scale, 2.0 * scale, 1e-15);
+    let again = law.with_direction(own.clone()).unwrap();
+    assert_eq!((again.direction(), again.direction_scale()), (&own, 1.0));
+    assert!((again.alpha_min() - law.alpha_min()).abs() < 1e-12 && !again.is_associated());
+    for other in [flat_ellipse(3.0, 2.0, 0.0), flat_ellipse(3.0 * scale, 2.01 * scale, 0.0)] {
+        assert!(matches!(law.with_direction(other), Err(LawError::Set(_))));
+    }
+}
+
 #[test]
 fn laws_of_all_dimensions_say_what_they_are() {
     let rate = Stribeck::new(Fall::Hyperbolic, 1.0, 0.5, 1.0, 0.0).unwrap();
