@@ -404,9 +404,7 @@ def test_another_version_source_or_seed_is_refused(tmp_path, monkeypatch):
     swept(noisy, GRID, seed=1, store=store)
     with pytest.raises(asp.ParameterError, match="seed: 1 there, 2 here"):
         swept(noisy, GRID, seed=2, store=store)
-    from asperity.sweeps import labelled_sweep
-
-    monkeypatch.setattr(labelled_sweep, "__version__", "9.9")
+    monkeypatch.setattr(asp, "__version__", "9.9")
     with pytest.raises(asp.ParameterError, match=r"asperity: .* there, 9.9 here"):
         swept(noisy, GRID, seed=1, store=store)
 
@@ -444,7 +442,7 @@ def test_equal_constants_are_the_same_in_every_process():
         for k in range(2)
     }
     assert len(found) == 1
-    one, two = (asp.FrictionLaw(asp.Ellipse(0.6, 0.3), asp.Disk(radius)) for radius in (0.3, 0.2))
+    one, two = (asp.FrictionLaw(asp.Ellipse(0.6, b), asp.Disk(0.3)) for b in (0.3, 0.2))
     from asperity.sweeps.identity import identity_of
 
     assert identity_of(len, {"law": one}) != identity_of(len, {"law": two})
