@@ -336,6 +336,25 @@ def test_failed_points_are_computed_again_if_asked(tmp_path):
         np.testing.assert_array_equal(chart["sum"], expected)
 
 
+def test_the_status_of_a_chunk_is_written_after_all_that_it_vouches_for(tmp_path, monkeypatch):
+    from asperity.sweeps.folder import Folder
+
+    store, written, put = tmp_path / "x.zarr", [], Folder._put
+
+    def noted(self, name, *arguments):
+        known = (store / "failures.jsonl").exists() and (store / "failures.jsonl").read_text()
+        written.append((name, bool(known)))
+        put(self, name, *arguments)
+
+    monkeypatch.setattr(Folder, "_put", noted)
+    swept(several, GRID, seed=SEED, store=store, chunk=9, executor=ThreadPoolExecutor(1))
+    names = [name for name, _ in written]
+    assert names == ["product", "drawn", "phase", "large", "status"] * 13
+    # The last chunk has a point that failed.
+    assert written[-1] == ("status", True)
+    assert written[-2] == ("large", False)
+
+
 def test_a_store_can_be_watched_while_it_grows(tmp_path):
     store, seen = tmp_path / "x.zarr", []
 

@@ -149,12 +149,13 @@ class Execution:
                 "sweep again with another one, or give a function that returns executors"
             )
         self._workers.renew()
-        self._submit(task)
-        wait(self._running)
-        for future in list(self._running):
-            if self._taken(future):
-                self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
-                self._workers.renew()
+        if self._submit(task):
+            [future] = self._running
+            wait([future])
+            if not self._taken(future):
+                return
+        self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
+        self._workers.renew()
 
     def _give_up(self, task: Task, error: BaseException) -> None:
         count = math.prod(block_shape(task.block))
