@@ -118,7 +118,8 @@ class Execution:
     def _collect(self) -> list[Task]:
         """Wait for tasks and commit them; return those whose workers have died."""
         ready, _ = wait(self._running, return_when=FIRST_COMPLETED)
-        return [task for future in ready for task in self._taken(future)]
+        in_order = sorted(ready, key=lambda future: self._running[future].number)
+        return [task for future in in_order for task in self._taken(future)]
 
     def _collect_all(self) -> list[Task]:
         wait(self._running)
