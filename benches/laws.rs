@@ -16,6 +16,7 @@ use nalgebra::{Matrix2, Vector2};
 
 type V = Vector<2>;
 type Sets = (Star<2>, Convex<2>);
+type Kind = (&'static str, fn(usize) -> Sets);
 
 const DT: f64 = 1e-3;
 const MANY: usize = 1000;
@@ -82,7 +83,7 @@ fn microseconds(run: &mut dyn FnMut(usize) -> f64) -> f64 {
 }
 
 fn main() {
-    let kinds: [(&str, fn(usize) -> Sets); 4] = [
+    let kinds: [Kind; 4] = [
         ("ellipses", ellipses),
         ("slender ellipses", slender),
         ("superellipses", superellipses),

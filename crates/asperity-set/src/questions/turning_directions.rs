@@ -69,7 +69,7 @@ pub struct TurningDirections<const P: usize> {
 }
 
 impl<const P: usize> TurningDirections<P> {
-    /// Those of two sets, on the boundary of `b`, corners of both among them; `None` where not enough is known of the
+    /// Those of two sets, near the boundary of `b`, corners of both among them; `None` where not enough is known of the
     /// sets, and in other dimensions.
     pub fn new(a: &dyn StarSet<P>, b: &dyn StarSet<P>) -> Option<Self> {
         if P != 2 {
@@ -88,7 +88,11 @@ impl<const P: usize> TurningDirections<P> {
         if ![a, b].iter().all(|set| set.form().add_directions(quarter, &mut points)) {
             return None;
         }
-        let place = |(i, x): (usize, Vector<P>)| (diamond(&cast(&x)), i < corners, x / b.gauge(&x));
+        let place = |(i, x): (usize, Vector<P>)| {
+            // By a power of two, so that no direction is rounded off a cusp.
+            let near = x * 2f64.powi(-b.gauge(&x).log2().round() as i32);
+            (diamond(&cast(&x)), i < corners, near)
+        };
         let mut sorted: Vec<(f64, bool, Vector<P>)> =
             points.into_iter().enumerate().map(place).collect();
         sorted.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
