@@ -19,7 +19,7 @@ import asperity as asp
 import numpy as np
 import zarr
 
-WORKERS, CHUNK, TURNS = 2, 500, 5
+WORKERS, CHUNK, TURNS = 2, 500, 3
 
 
 def point(a, b):
@@ -96,6 +96,6 @@ def many(points):
 
 
 if __name__ == "__main__":
-    compare(100_000)
+    compare(300_000)
     for count in map(int, sys.argv[1:] or ("100000", "1000000")):
         many(count)

@@ -38,7 +38,7 @@ ROOMS_WITHIN = {
     "track": ["film", "image", "following"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
-MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "ensemble", "commands", "sweeps"}
+MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "ensemble", "commands"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 

@@ -336,6 +336,25 @@ def test_failed_points_are_computed_again_if_asked(tmp_path):
         np.testing.assert_array_equal(chart["sum"], expected)
 
 
+def test_the_status_of_a_chunk_is_written_after_all_that_it_vouches_for(tmp_path, monkeypatch):
+    from asperity.sweeps.folder import Folder
+
+    store, written, put = tmp_path / "x.zarr", [], Folder._put
+
+    def noted(self, name, *arguments):
+        known = (store / "failures.jsonl").exists() and (store / "failures.jsonl").read_text()
+        written.append((name, bool(known)))
+        put(self, name, *arguments)
+
+    monkeypatch.setattr(Folder, "_put", noted)
+    swept(several, GRID, seed=SEED, store=store, chunk=9, executor=ThreadPoolExecutor(1))
+    names = [name for name, _ in written]
+    assert names == ["product", "drawn", "phase", "large", "status"] * 13
+    # The last chunk has a point that failed.
+    assert written[-1] == ("status", True)
+    assert written[-2] == ("large", False)
+
+
 def test_a_store_can_be_watched_while_it_grows(tmp_path):
     store, seen = tmp_path / "x.zarr", []
 
@@ -404,9 +423,7 @@ def test_another_version_source_or_seed_is_refused(tmp_path, monkeypatch):
     swept(noisy, GRID, seed=1, store=store)
     with pytest.raises(asp.ParameterError, match="seed: 1 there, 2 here"):
         swept(noisy, GRID, seed=2, store=store)
-    from asperity.sweeps import labelled_sweep
-
-    monkeypatch.setattr(labelled_sweep, "__version__", "9.9")
+    monkeypatch.setattr(asp, "__version__", "9.9")
     with pytest.raises(asp.ParameterError, match=r"asperity: .* there, 9.9 here"):
         swept(noisy, GRID, seed=1, store=store)
 
@@ -444,7 +461,7 @@ def test_equal_constants_are_the_same_in_every_process():
         for k in range(2)
     }
     assert len(found) == 1
-    one, two = (asp.FrictionLaw(asp.Ellipse(0.6, 0.3), asp.Disk(radius)) for radius in (0.3, 0.2))
+    one, two = (asp.FrictionLaw(asp.Ellipse(0.6, b), asp.Disk(0.3)) for b in (0.3, 0.2))
     from asperity.sweeps.identity import identity_of
 
     assert identity_of(len, {"law": one}) != identity_of(len, {"law": two})

@@ -126,8 +126,18 @@ fn degenerate_sets_are_refused() {
     }
     let custom = Star::Custom(asperity::set::CustomStar(std::sync::Arc::new(Flat)));
     let disk: Convex<2> = Ball::new(1.0).unwrap().into();
-    let error = FrictionLaw::new(custom, disk).unwrap_err();
+    let error = FrictionLaw::new(custom, disk.clone()).unwrap_err();
     assert_eq!(error.argument(), "reservoir");
+    // Without bound on one side.
+    #[derive(Debug)]
+    struct Half;
+    impl StarSet<2> for Half {
+        fn gauge(&self, x: &V) -> f64 {
+            x.x.max(0.0)
+        }
+    }
+    let custom = Star::Custom(asperity::set::CustomStar(std::sync::Arc::new(Half)));
+    assert_eq!(FrictionLaw::new(custom, disk).unwrap_err().argument(), "reservoir");
     assert!(Ellipse::new(V::new(0.0, 1.0)).is_err());
     assert!(Ball::new(f64::NAN).is_err());
 }
@@ -548,6 +558,10 @@ fn sliding_directions_are_told_within_the_tolerance() {
     assert_eq!(at(0.85, 0.1).unwrap(), V::zeros());
     assert_eq!(at(1.15, 0.1), Err(LawError::OutsideReservoir { gauge: 1.15 }));
     assert!(at(f64::NAN, 0.1).is_err());
+    // The tolerance itself is within.
+    for (gauge, tolerance) in [(1.0, 0.0), (0.75, 0.25), (1.25, 0.25)] {
+        assert_eq!(at(gauge, tolerance).unwrap(), V::new(1.0, 0.0), "{gauge}");
+    }
 }
 
 /// A direction set that is the reservoir but for its size, found by another way, is the reservoir to the bit; one that

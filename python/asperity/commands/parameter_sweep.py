@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import math
+import os
 import re
 import sys
 from collections.abc import Callable, Sequence
@@ -25,8 +26,9 @@ if TYPE_CHECKING:
 
 _DEGREE = math.pi / 180.0
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_RANGE = re.compile(rf"({_NUMBER}):({_NUMBER}):(\d+)([^\d\s].*)?")
-_VALUE = re.compile(rf"({_NUMBER})([^\d\s].*)?")
+_UNIT = r"([^\d\s:][^:]*)?"
+_RANGE = re.compile(rf"({_NUMBER}):({_NUMBER}):(\d+){_UNIT}")
+_VALUE = re.compile(rf"({_NUMBER}){_UNIT}")
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -121,7 +123,7 @@ class _Scheduler:
                 self._client = library("distributed", extra="sweep").Client(self._address)
             except (OSError, ValueError) as error:
                 raise ParameterError("scheduler", f"cannot be reached: {error}") from None
-            self._client.upload_file(self._file)
+            self._client.upload_file(os.fspath(self._file))
         return self._client
 
     def __exit__(self, *_: object) -> None:

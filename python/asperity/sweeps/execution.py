@@ -118,7 +118,8 @@ class Execution:
     def _collect(self) -> list[Task]:
         """Wait for tasks and commit them; return those whose workers have died."""
         ready, _ = wait(self._running, return_when=FIRST_COMPLETED)
-        return [task for future in ready for task in self._taken(future)]
+        in_order = sorted(ready, key=lambda future: self._running[future].number)
+        return [task for future in in_order for task in self._taken(future)]
 
     def _collect_all(self) -> list[Task]:
         wait(self._running)
@@ -149,12 +150,13 @@ class Execution:
                 "sweep again with another one, or give a function that returns executors"
             )
         self._workers.renew()
-        self._submit(task)
-        wait(self._running)
-        for future in list(self._running):
-            if self._taken(future):
-                self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
-                self._workers.renew()
+        if self._submit(task):
+            [future] = self._running
+            wait([future])
+            if not self._taken(future):
+                return
+        self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
+        self._workers.renew()
 
     def _give_up(self, task: Task, error: BaseException) -> None:
         count = math.prod(block_shape(task.block))
