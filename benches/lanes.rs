@@ -85,7 +85,7 @@ fn main() {
         let reference = run(&belts, steps, Lanes::None);
         let mut best = [f64::INFINITY; 2];
         let mut found = Vec::new();
-        for round in 0..5 {
+        for round in 0..7 {
             for ((_, lanes), best) in kinds.iter().zip(&mut best) {
                 let start = Instant::now();
                 let many = run(&belts, steps, *lanes);
