@@ -17,7 +17,7 @@ class Phase(IntEnum):
     NONE = -1
     """Not known, as in the initial state."""
     OPEN = 0
-    """No contact: percussion zero."""
+    """No contact force: apart, or touching without load."""
     STICK = 1
     """Closed and at rest: slip velocity zero."""
     SLIP = 2

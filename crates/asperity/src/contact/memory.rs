@@ -14,7 +14,7 @@ pub enum Phase {
     /// Nothing is known yet.
     #[default]
     Unknown = -1,
-    /// No contact force.
+    /// No contact force: apart, or touching without load.
     Open = 0,
     /// The reservoir holds the force strictly or on its boundary, and the slip vanishes.
     Stick = 1,

@@ -13,9 +13,9 @@ use crate::integrator::samples::{ContactSample, Samples};
 pub enum EventKind {
     /// A contact begins to stick.
     Stick,
-    /// A contact begins to slip, or its slip passes through zero.
+    /// A contact begins to slip, or its slip passes through zero, or it carries load again while it slips.
     Slip,
-    /// A contact opens.
+    /// A contact opens, or stays closed and carries no load any more.
     Open,
     /// A contact closes, with or without a jump of the velocities.
     Impact,

@@ -1,6 +1,7 @@
 //! What closed contacts without slip do next: the contact problem on the level of accelerations.
 
 use crate::contact::{ContactProblem, Phase};
+use crate::integrator::event::contact_problem::load_bearing::{ClosedContact, load_bearing};
 use crate::integrator::event::contact_problem::problem::{
     Decision, Participants, Question, Solved, Solving,
 };
@@ -15,13 +16,66 @@ const AT_REST: f64 = 1e-11;
 /// of their solution: at 1e-11, boxes that a growing force pulled began to slip too early, by 1.3e-8 of the time.
 const AT_REST_SHARED: f64 = 1e-9;
 
+/// How often contacts are set aside or return at most, besides once for each of them.
+const MORE_EXCHANGES: usize = 4;
+
 /// Closed contacts that the contact problem leaves out.
-#[derive(Default)]
 struct SetAside {
     /// Those that the slipping contacts hold in all their directions already.
     immobile: Vec<usize>,
-    /// Those that would have to pull to have their share of the normal forces.
-    unloaded: Vec<usize>,
+    /// Those that carry no load.
+    unloaded: Vec<Unloaded>,
+}
+
+/// A closed contact that carries no load.
+struct Unloaded {
+    contact: usize,
+    /// Whether its slip vanishes, so that the contact problem would decide on it.
+    at_rest: bool,
+}
+
+impl SetAside {
+    /// The contacts that carried no load before.
+    fn before(dynamics: &mut Dynamics<'_>) -> Self {
+        let mut aside = Self { immobile: Vec::new(), unloaded: Vec::new() };
+        for i in 0..dynamics.contacts.len() {
+            if dynamics.contacts[i].unloaded {
+                aside.unload(dynamics, i);
+            }
+        }
+        aside
+    }
+
+    /// Takes the load of a contact.
+    fn unload(&mut self, dynamics: &mut Dynamics<'_>, i: usize) {
+        let contact = &mut dynamics.contacts[i];
+        self.unloaded.push(Unloaded { contact: i, at_rest: contact.undecided });
+        (contact.mode, contact.unloaded, contact.undecided) = (Phase::Open, true, false);
+    }
+
+    /// Sets contacts aside or lets them return, as they carry load or not; whether there are any.
+    fn exchange(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        closed: &[ClosedContact],
+        carries: &[bool],
+    ) -> bool {
+        let mut changed = false;
+        for (closed, &carries) in closed.iter().zip(carries) {
+            let before = self.unloaded.iter().position(|u| u.contact == closed.contact);
+            if let Some(place) = before.filter(|_| carries) {
+                let Unloaded { contact, at_rest } = self.unloaded.swap_remove(place);
+                let contact = &mut dynamics.contacts[contact];
+                (contact.unloaded, contact.undecided) = (false, at_rest);
+                contact.mode = if at_rest { Phase::Open } else { Phase::Slip };
+                changed = true;
+            } else if closed.carries && !carries {
+                self.unload(dynamics, closed.contact);
+                changed = true;
+            }
+        }
+        changed
+    }
 }
 
 /// Decides on the contacts that are undecided. Afterwards the dynamics hold the accelerations, the modes, and for
@@ -37,7 +91,8 @@ pub(crate) fn decide(
 ) -> Result<Decision, EvaluationError> {
     let asked = dynamics.contacts.clone();
     let closed = |contact: &&ContactVariables| !contact.is_free() && contact.prescribed.is_none();
-    if asked.iter().filter(closed).count() > 1 {
+    let unloaded = asked.iter().any(|contact| contact.unloaded);
+    if unloaded || asked.iter().filter(closed).count() > 1 {
         dynamics.undecided_share = true;
         let shared = decide_with_shares(dynamics, state, question, solving);
         dynamics.undecided_share = false;
@@ -60,10 +115,9 @@ fn decide_with_shares(
     question: Question,
     solving: &Solving<'_, '_>,
 ) -> Result<Decision, EvaluationError> {
-    let mut aside = SetAside::default();
-    let mut returned = 0;
-    // A slipping contact that the others lift opens, one that the contact problem leaves out is set aside, and all decide
-    // again.
+    let mut aside = SetAside::before(dynamics);
+    let mut exchanges = 0;
+    // Contacts that would have to pull are set aside, those that would carry come back, and all decide again.
     loop {
         dynamics.contacts.iter_mut().filter(|c| c.undecided).for_each(|c| c.mode = Phase::Open);
         dynamics.evaluate(state.t, &state.q, &state.u, SlidingForces::Updated)?;
@@ -91,33 +145,51 @@ fn decide_with_shares(
             Ok(solved) => solved,
             Err(outcome) => return Ok(Decision::Ended(outcome)),
         };
-        if let Some(i) = most_lifted(dynamics, &participants, &problem, &solved) {
-            dynamics.contacts[i].undecided = false;
-            aside.unloaded.push(i);
-            continue;
-        }
         for (k, force) in solved.found.percussion.iter().enumerate() {
             add(&mut dynamics.acceleration, *force, &participants.responses[k * n..][..n]);
             add(&mut normal_forces, *force, &answers[k * slipping.len()..][..slipping.len()]);
         }
         let smallest =
             (0..slipping.len()).min_by(|&a, &b| normal_forces[a].total_cmp(&normal_forces[b]));
-        if let Some(lifted) = smallest.filter(|&k| normal_forces[k] < 0.0) {
-            dynamics.contacts[slipping[lifted] / ROWS].mode = Phase::Open;
-            continue;
-        }
-        let scale = largest(&load).max(dynamics.load);
-        let approach = |&i: &usize| dynamics.rate(ROWS * i, &dynamics.acceleration);
-        let closes = |i: &usize| approach(i) < -AT_REST_SHARED * scale;
-        if let Some(k) = aside.unloaded.iter().position(closes) {
-            let contact = aside.unloaded.swap_remove(k);
-            returned += 1;
-            if returned > dynamics.contacts.len() {
-                let cause = Stagnation::Unsolved;
-                return Ok(Decision::Ended(Outcome::Stagnated { cause, contact: Some(contact) }));
+        let lifted = smallest.filter(|&k| normal_forces[k] < 0.0).map(|k| slipping[k] / ROWS);
+        if !dynamics.undecided_share {
+            if let Some(contact) = lifted {
+                aside.unload(dynamics, contact);
+                continue;
             }
-            dynamics.contacts[contact].undecided = true;
-            continue;
+        } else if lifted.is_some() || dynamics.sharing.dependent || !aside.unloaded.is_empty() {
+            let rests = (participants.contacts.iter().zip(problem.contacts()).enumerate())
+                .filter(|(_, (i, _))| dynamics.contacts[**i].prescribed.is_none())
+                .map(|(k, (&i, rows))| {
+                    let opens = solved.found.states[k].phase == Phase::Open;
+                    let force = rows.normal_percussion(&solved.found.percussion);
+                    let carries = !opens || dynamics.sharing.includes(i);
+                    ClosedContact { contact: i, slips: false, force, carries }
+                });
+            let slips = slipping.iter().zip(&normal_forces);
+            let slips = slips.map(|(row, &force)| ClosedContact {
+                contact: row / ROWS,
+                slips: true,
+                force,
+                carries: true,
+            });
+            let set_aside = aside.unloaded.iter().map(|unloaded| ClosedContact {
+                contact: unloaded.contact,
+                slips: !unloaded.at_rest,
+                force: 0.0,
+                carries: false,
+            });
+            let closed: Vec<_> = slips.chain(set_aside).chain(rests).collect();
+            let Some(carries) = load_bearing(dynamics, &closed) else {
+                return Ok(unsolved(closed[0].contact));
+            };
+            if aside.exchange(dynamics, &closed, &carries) {
+                exchanges += 1;
+                if exchanges > closed.len() + MORE_EXCHANGES {
+                    return Ok(unsolved(closed[0].contact));
+                }
+                continue;
+            }
         }
         for (row, &force) in slipping.iter().zip(&normal_forces) {
             // The evaluation knew nothing of the contacts that have been decided on.
@@ -130,34 +202,43 @@ fn decide_with_shares(
             (contact.force, contact.slip) = ([0.0; 3], [0.0; 3]);
             contact.normal_force = contact.prescribed.unwrap_or(0.0);
         }
-        for &i in &aside.unloaded {
-            let rows = dynamics.rows_of(i);
-            let rates = rows.map(|row| dynamics.rate(row, &dynamics.acceleration).abs());
-            let rests = rates.fold(0.0, f64::max) <= AT_REST_SHARED * scale;
-            let contact = &mut dynamics.contacts[i];
-            contact.mode = if rests { Phase::Stick } else { Phase::Open };
-            (contact.normal_force, contact.force, contact.slip) = (0.0, [0.0; 3], [0.0; 3]);
-            contact.tolerated_excess = 0.0;
-        }
         adopt(dynamics, &participants, &problem, &solved);
         stick_at_limit(dynamics, &participants, &problem, &solved.velocity);
+        let scale = largest(&load).max(dynamics.load);
+        settle_unloaded(dynamics, &aside.unloaded, AT_REST_SHARED * scale);
         return Ok(Decision::Made { ambiguous: solved.ambiguous });
     }
 }
 
-/// The contact that opens fastest among those that share normal forces: its share would pull, and the others share
-/// without it.
-fn most_lifted(
-    dynamics: &Dynamics<'_>,
-    participants: &Participants,
-    problem: &ContactProblem,
-    solved: &Solved,
-) -> Option<usize> {
-    let shares = |k: &usize| dynamics.sharing.includes(participants.contacts[*k]);
-    let opens = |k: &usize| solved.found.states[*k].phase == Phase::Open;
-    let speed = |k: &usize| solved.velocity[problem.contacts()[*k].offset];
-    let lifted = (0..participants.contacts.len()).filter(|k| shares(k) && opens(k));
-    lifted.max_by(|a, b| speed(a).total_cmp(&speed(b))).map(|k| participants.contacts[k])
+/// The contact forces are not found.
+fn unsolved(contact: usize) -> Decision {
+    let cause = Stagnation::Unsolved;
+    Decision::Ended(Outcome::Stagnated { cause, contact: Some(contact) })
+}
+
+/// Contacts without load open, stick where all that they touch rests, or else stay closed by the contacts that carry load.
+fn settle_unloaded(dynamics: &mut Dynamics<'_>, unloaded: &[Unloaded], at_rest: f64) {
+    if unloaded.is_empty() {
+        return;
+    }
+    let parts = dynamics.parts_of_contacts();
+    for &Unloaded { contact: i, at_rest: still } in unloaded {
+        let rate = |row| dynamics.rate(row, &dynamics.acceleration);
+        let slips = |k: usize| parts[k] == parts[i] && dynamics.contacts[k].mode == Phase::Slip;
+        let rests = still
+            && dynamics.rows_of(i).all(|row| rate(row).abs() <= at_rest)
+            && !(0..parts.len()).any(slips);
+        let opens = rate(ROWS * i) > at_rest;
+        let contact = &mut dynamics.contacts[i];
+        contact.mode = if rests { Phase::Stick } else { Phase::Open };
+        // Beyond the shares of equal compliance nothing tells when an unloaded contact would carry again.
+        contact.unloaded = !rests && !opens && dynamics.undecided_share;
+        (contact.normal_force, contact.force) = (0.0, [0.0; 3]);
+        contact.tolerated_excess = 0.0;
+        if still {
+            contact.slip = [0.0; 3];
+        }
+    }
 }
 
 /// Takes over modes, forces and slip accelerations of the contacts that have been decided on.

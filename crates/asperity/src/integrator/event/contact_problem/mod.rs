@@ -5,6 +5,7 @@
 
 pub(crate) mod accelerations;
 pub(crate) mod impacts;
+pub(crate) mod load_bearing;
 pub(crate) mod problem;
 pub(crate) mod redundancy;
 

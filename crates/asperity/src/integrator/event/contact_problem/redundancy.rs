@@ -44,11 +44,11 @@ fn redistribute(
     solving: &Solving<'_, '_>,
 ) -> Result<bool, EvaluationError> {
     let (kept, acceleration) = (dynamics.contacts.clone(), dynamics.acceleration.clone());
-    for contact in &mut dynamics.contacts {
-        contact.undecided = contact.mode == Phase::Stick;
-    }
+    dynamics.leave_stick_undecided();
     let decision = decide(dynamics, state, Question::WhetherStickGoesOn, solving)?;
-    let goes_on = |(now, kept): (&ContactVariables, &ContactVariables)| now.mode == kept.mode;
+    let goes_on = |(now, kept): (&ContactVariables, &ContactVariables)| {
+        (now.mode, now.unloaded) == (kept.mode, kept.unloaded)
+    };
     let all_go_on = matches!(decision, Decision::Made { .. })
         && dynamics.contacts.iter().zip(&kept).all(goes_on);
     for (contact, kept) in dynamics.contacts.iter_mut().zip(kept) {
@@ -62,6 +62,7 @@ fn redistribute(
     if all_go_on {
         // The constraints hold exactly there, in the contact problem to the accuracy of its solver only.
         dynamics.acceleration = acceleration;
+        dynamics.find_unloaded_shares();
     }
     Ok(all_go_on)
 }

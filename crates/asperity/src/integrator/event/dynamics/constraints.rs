@@ -58,15 +58,19 @@ impl Dynamics<'_> {
             contact.is_closed_unilateral() || may_close
         };
         let all = self.contacts.len();
-        let mobility =
-            |i: usize, j: usize| self.mobility(ROWS * i, ROWS * j, self.response(ROWS * j));
-        let rate = |i: usize| {
-            let size: f64 = self.row(ROWS * i).iter().map(|w| w.abs()).sum();
-            let scale = self.load * size + self.drift[ROWS * i].abs();
-            Rate { value: self.rate(ROWS * i, &self.acceleration), scale }
+        let mobility = |i, j| self.normal_mobility(i, j);
+        let rate = |i: usize| Rate {
+            value: self.rate(ROWS * i, &self.acceleration),
+            scale: self.normal_rate_scale(i),
         };
         sharing.find((0..all).filter(pressing), all, mobility, rate);
         self.sharing = sharing;
+    }
+
+    /// The size of what the normal acceleration of a contact is the sum of.
+    pub(crate) fn normal_rate_scale(&self, i: usize) -> f64 {
+        let size: f64 = self.row(ROWS * i).iter().map(|w| w.abs()).sum();
+        self.load * size + self.drift[ROWS * i].abs()
     }
 
     fn factor_constraints(&self, Constraints { rows, columns, matrix, .. }: &mut Constraints) {
@@ -80,8 +84,8 @@ impl Dynamics<'_> {
         let n = self.n;
         self.factor_constraints(system);
         // Where all stick, accelerations do not depend on shares.
-        let slips = |contact: &ContactVariables| contact.mode == Phase::Slip;
-        if system.matrix.singular && self.sharing.is_empty() && self.contacts.iter().any(slips) {
+        let depends = |contact: &ContactVariables| contact.mode == Phase::Slip || contact.unloaded;
+        if system.matrix.singular && self.sharing.is_empty() && self.contacts.iter().any(depends) {
             self.share_normal_forces();
             if !self.sharing.is_empty() {
                 self.factor_constraints(system);

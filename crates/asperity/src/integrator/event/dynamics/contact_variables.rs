@@ -1,7 +1,9 @@
 //! What a contact does in the present mode, with its gap, its slip and its forces.
 
 use crate::contact::Phase;
+use crate::integrator::event::state::ZERO_VELOCITY;
 use crate::system::ContactLaw;
+use crate::vectors::norm;
 
 /// Rows of a contact: the normal one, then up to three tangential ones.
 pub(crate) const ROWS: usize = 4;
@@ -14,6 +16,12 @@ pub(crate) struct ContactVariables {
     /// Whether the contact is closed without slip and a contact problem is about to decide what it does. Until then
     /// its mode is open.
     pub(crate) undecided: bool,
+    /// Whether the contact is open only in that it carries nothing: it is closed, and stays so while the contacts that
+    /// carry load do, as its normal row depends on theirs.
+    pub(crate) unloaded: bool,
+    /// Normal force that an unloaded contact would carry by its share, less what rounding may make of none; `None` where
+    /// the contacts that carry load do not keep it closed.
+    pub(crate) share: Option<f64>,
     /// Whether its force was found by the contact problem of all closed contacts, which share their forces in many
     /// ways.
     pub(crate) redistributed: bool,
@@ -56,9 +64,14 @@ impl ContactVariables {
         self.speed.max(self.creep)
     }
 
+    /// Whether the slip vanishes but for rounding.
+    pub(crate) fn is_still(&self) -> bool {
+        norm(&self.slip) <= ZERO_VELOCITY * self.reference_speed()
+    }
+
     /// Whether the contact is unilateral and not closed.
     pub(crate) fn is_free(&self) -> bool {
-        self.mode == Phase::Open && !self.undecided && self.prescribed.is_none()
+        self.mode == Phase::Open && !self.undecided && !self.unloaded && self.prescribed.is_none()
     }
 
     /// Whether the contact is unilateral and sticks or slips.

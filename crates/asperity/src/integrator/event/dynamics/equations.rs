@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
+use crate::contact::Phase;
 use crate::integrator::event::dynamics::buffers::{
     Constraints, Projection, SmoothJacobian, Stencil, TimeParts,
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::dynamics::sharing::Sharing;
+use crate::integrator::event::dynamics::unloaded::Unloaded;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
@@ -59,6 +61,7 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) stencil: Stencil,
     pub(crate) constraints: Constraints,
     pub(crate) sharing: Sharing,
+    pub(crate) unloaded: Unloaded,
     /// Whether contacts that are undecided share normal forces with those that are not.
     pub(crate) undecided_share: bool,
     pub(crate) smooth: SmoothJacobian,
@@ -101,11 +104,20 @@ impl<'a> Dynamics<'a> {
             stencil: Stencil::new(rows),
             constraints: Constraints::default(),
             sharing: Sharing::default(),
+            unloaded: Unloaded::default(),
             undecided_share: false,
             smooth: SmoothJacobian::new(n, rows),
             projection: Projection::default(),
             scratch_rows: vec![0.0; ROWS * n],
             scratch: vec![0.0; n],
+        }
+    }
+
+    /// Contacts that stick are undecided, and those without load that would stick with it.
+    pub(crate) fn leave_stick_undecided(&mut self) {
+        for contact in &mut self.contacts {
+            let would_stick = contact.unloaded && contact.is_still();
+            contact.undecided = contact.mode == Phase::Stick || would_stick;
         }
     }
 
@@ -140,6 +152,11 @@ impl<'a> Dynamics<'a> {
         let (own, other) = (&self.spans[row / ROWS], &self.spans[of / ROWS]);
         let span = own.start.max(other.start)..own.end.min(other.end);
         if span.is_empty() { 0.0 } else { dot(&self.row(row)[span.clone()], &response[span]) }
+    }
+
+    /// `w_NᵀM⁻¹w_N` of two contacts.
+    pub(crate) fn normal_mobility(&self, i: usize, j: usize) -> f64 {
+        self.mobility(ROWS * i, ROWS * j, self.response(ROWS * j))
     }
 
     /// `γ_N` or a component of γ at these velocities.
@@ -245,6 +262,15 @@ impl<'a> Dynamics<'a> {
         }
         self.chart.pull_acceleration(out);
         Ok(())
+    }
+
+    /// Friction of a contact that slips, for unit normal force, whether or not it carries load.
+    pub(crate) fn sliding(&self, i: usize) -> [f64; 3] {
+        let contact = &self.contacts[i];
+        match contact.mode {
+            Phase::Slip => contact.sliding,
+            _ => self.law(i).sliding(&contact.slip).unwrap_or_default(),
+        }
     }
 
     /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N` of a slipping unilateral contact.

@@ -52,6 +52,7 @@ impl Dynamics<'_> {
         }
         self.add_prescribed_friction();
         self.add_constraint_forces();
+        self.find_unloaded_shares();
         Ok(())
     }
 

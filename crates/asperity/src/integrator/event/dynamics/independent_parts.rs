@@ -5,6 +5,19 @@ use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::IndependentParts;
 
 impl Dynamics<'_> {
+    /// The part of every contact: bodies that closed contacts connect are of one.
+    pub(crate) fn parts_of_contacts(&self) -> Vec<usize> {
+        let mut parts = Components::default();
+        parts.separate(self.system.blocks().count());
+        let touched = |i: usize| self.system.touched(i);
+        let closed = (0..self.contacts.len()).filter(|&i| !self.contacts[i].is_free());
+        for touched in closed.map(touched) {
+            touched.iter().for_each(|&block| parts.join(touched[0], block));
+        }
+        let part = |i: usize| touched(i).first().map_or(usize::MAX, |&block| parts.first(block));
+        (0..self.contacts.len()).map(part).collect()
+    }
+
     /// The parts of a system of several blocks that do not act on each other in the present modes, as the Jacobian shows
     /// that has just been computed.
     pub(crate) fn independent_parts(&self) -> IndependentParts {

@@ -16,9 +16,11 @@ mod jacobian;
 mod projection;
 mod rounding;
 mod sharing;
+mod unloaded;
 
 pub(crate) use chart::Chart;
-pub(crate) use constraint_matrix::ConstraintMatrix;
+pub(crate) use constraint_matrix::{ConstraintMatrix, RANK};
 pub(crate) use contact_variables::{ContactVariables, ROWS};
 pub(crate) use equations::Dynamics;
 pub(crate) use evaluation::SlidingForces;
+pub(crate) use sharing::{DEPENDENT, LIGHT, PARTS, mean_mobility, null_projection};

@@ -19,7 +19,13 @@ use crate::linear::{BlockLu, LeastNorm};
 /// Part of the normal accelerations in the directions of `Z`, over what they are made of, which tells surfaces that part
 /// from rounding and from differences along the motion: these gave at most 5e-15 in 255,000 evaluations of boxes that slid
 /// and turned, a jack under one of three feet 2e-4.
-const PARTS: f64 = 1e-10;
+pub(crate) const PARTS: f64 = 1e-10;
+/// What is left of the mobility of a normal row beside others, over the whole, of a row that depends on them.
+pub(crate) const DEPENDENT: f64 = 1e-10;
+/// Normal force over the largest one of the contacts that share, beyond which a contact without load carries again: where
+/// its share vanishes for good, rounding must not load and unload it in turns. What the motion changes by it is less than
+/// the tolerance.
+pub(crate) const LIGHT: f64 = 1e-10;
 
 /// A normal acceleration, and the size of what it is the sum of.
 pub(crate) struct Rate {
@@ -36,6 +42,27 @@ pub(crate) struct Sharing {
     /// The group of each contact that shares, and its place there.
     places: Vec<Option<Place>>,
     groups: Vec<DMatrix<f64>>,
+    /// Whether normal rows depend on each other, whether or not the contacts share.
+    pub(crate) dependent: bool,
+}
+
+/// `ρP` of normal rows with the mobility `N = W_NᵀM⁻¹W_N`, which is factored, and ρ the mean of its diagonal; nothing where
+/// they do not depend on each other.
+pub(crate) fn null_projection(
+    mobility: &DMatrix<f64>,
+    factors: &LeastNorm,
+) -> Option<DMatrix<f64>> {
+    let (size, range) = (mobility.nrows(), factors.range());
+    if range.ncols() == size {
+        return None;
+    }
+    let projection = DMatrix::identity(size, size) - range * range.transpose();
+    Some(projection * mean_mobility(mobility))
+}
+
+/// The mean `ρ` of the diagonal of `N`.
+pub(crate) fn mean_mobility(mobility: &DMatrix<f64>) -> f64 {
+    mobility.trace() / mobility.nrows() as f64
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -51,6 +78,7 @@ impl Sharing {
     }
 
     pub(crate) fn clear(&mut self) {
+        self.dependent = false;
         self.groups.clear();
         self.places.clear();
     }
@@ -90,7 +118,7 @@ impl Sharing {
         rate: impl Fn(usize) -> Rate,
     ) {
         self.clear();
-        let Self { mobility: matrix, contacts, places, groups } = self;
+        let Self { mobility: matrix, contacts, places, groups, dependent } = self;
         contacts.clear();
         contacts.extend(among);
         let count = contacts.len();
@@ -102,23 +130,19 @@ impl Sharing {
             let size = members.len();
             let entry = |i: usize, j: usize| entries[members[i] * count + members[j]];
             let part = DMatrix::from_fn(size, size, entry);
-            let scale = part.trace() / size as f64;
-            let Some(factors) = LeastNorm::new(part, RANK) else { return };
-            let range = factors.range();
-            if range.ncols() == size {
-                return;
-            }
-            let projection = DMatrix::identity(size, size) - range * range.transpose();
+            let Some(factors) = LeastNorm::new(part.clone(), RANK) else { return };
+            let Some(projection) = null_projection(&part, &factors) else { return };
+            *dependent = true;
             let rates = members.iter().map(|&member| rate(contacts[member]));
             let (values, scales): (Vec<f64>, Vec<f64>) = rates.map(|r| (r.value, r.scale)).unzip();
             let parting = (&projection * DVector::from_vec(values)).amax();
-            if parting > PARTS * scales.into_iter().fold(0.0, f64::max) {
+            if parting > PARTS * mean_mobility(&part) * scales.into_iter().fold(0.0, f64::max) {
                 return;
             }
             for (row, &member) in members.iter().enumerate() {
                 places[contacts[member]] = Some(Place { group: groups.len(), row });
             }
-            groups.push(projection * scale);
+            groups.push(projection);
         });
     }
 }

@@ -12,11 +12,14 @@ use crate::integrator::event::dynamics::Dynamics;
 const AT_LIMIT: f64 = 1e-9;
 
 /// A function that is not positive while a contact stays in its mode. It becomes positive where a gap closes, a
-/// sticking force leaves the reservoir, or the normal force of a slipping contact vanishes.
+/// sticking force leaves the reservoir, the normal force of a slipping contact vanishes, or a closed contact without load
+/// would carry some.
 pub(crate) fn contact_event_function(dynamics: &Dynamics<'_>, i: usize) -> f64 {
     let contact = &dynamics.contacts[i];
     match (contact.mode, contact.prescribed) {
-        (Phase::Open, None) => -contact.gap - dynamics.rounded_overlap(i),
+        (Phase::Open, None) => {
+            contact.share.unwrap_or_else(|| -contact.gap - dynamics.rounded_overlap(i))
+        }
         (Phase::Stick | Phase::Slip, _) if contact.redistributed => -1.0,
         (Phase::Stick, _) => excess(dynamics, i),
         (Phase::Slip, None) => -contact.normal_force,

@@ -3,6 +3,7 @@
 use crate::integrator::event::collocation::{NewtonGoal, STAGES, SlidingStart, Tableau};
 use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::SlidingForces;
+use crate::integrator::event::integration::impact::touches;
 use crate::integrator::event::integration::variables::Integration;
 use crate::integrator::event::state::EvaluationError;
 use crate::vectors::largest;
@@ -78,6 +79,13 @@ impl Integration<'_> {
         Ok(evaluated?)
     }
 
+    /// Contacts without load that others have kept closed, and do no more, have opened.
+    fn part_unloaded_contacts(&mut self) {
+        for contact in &mut self.dynamics.contacts {
+            contact.unloaded &= touches(contact);
+        }
+    }
+
     /// Takes the end of the attempt, or of the last step by [`solve_to`](Self::solve_to), as the present state.
     pub(crate) fn take_end(&mut self, t: f64, of_attempt: bool) -> Result<(), EvaluationError> {
         let step = if of_attempt { &self.step } else { &self.probe };
@@ -89,6 +97,7 @@ impl Integration<'_> {
         self.keep_sliding();
         self.slope = None;
         self.step_size.account_for(&mut self.dynamics, &self.state, h);
+        self.part_unloaded_contacts();
         if h > 0.0 {
             self.motion.steps += 1;
             self.step_size.step_taken(&self.dynamics, h, growth_rate);

@@ -60,8 +60,10 @@ impl Integration<'_> {
         let before = self.modes();
         for i in 0..self.memory.len() {
             let contact = &self.dynamics.contacts[i];
-            if contact.is_closed_unilateral() && self.approach(i) > still {
-                self.dynamics.contacts[i].mode = Phase::Open;
+            let closed = contact.is_closed_unilateral() || contact.unloaded;
+            if closed && self.approach(i) > still {
+                let contact = &mut self.dynamics.contacts[i];
+                (contact.mode, contact.unloaded) = (Phase::Open, false);
                 self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
             } else if contact.mode != Phase::Open {
                 self.close_contact(i);

@@ -6,7 +6,7 @@ use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, State, ZERO_VELOCITY};
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::norm;
 
 /// Slip over the speed of the contact that the first step of a slip has to reach: rounding must not decide on
@@ -17,7 +17,8 @@ impl Integration<'_> {
     /// A contact without approach slips, or sticks until it is decided on.
     pub(crate) fn close_contact(&mut self, i: usize) {
         let contact = &mut self.dynamics.contacts[i];
-        if norm(&contact.slip) > ZERO_VELOCITY * contact.reference_speed() {
+        contact.unloaded = false;
+        if !contact.is_still() {
             contact.mode = Phase::Slip;
             self.memory[i] = ContactState::new(Phase::Slip, contact.slip);
         } else {
@@ -31,9 +32,8 @@ impl Integration<'_> {
     pub(crate) fn decide_modes(&mut self, before: &[Option<Phase>]) -> Ending {
         self.dynamics.project(&mut self.state)?;
         for contact in &mut self.dynamics.contacts {
-            let still = norm(&contact.slip) <= ZERO_VELOCITY * contact.reference_speed();
-            contact.undecided =
-                contact.mode == Phase::Stick || (contact.mode == Phase::Slip && still);
+            let may_slip = contact.mode == Phase::Slip || contact.unloaded;
+            contact.undecided = contact.mode == Phase::Stick || (may_slip && contact.is_still());
         }
         let state = self.state.clone();
         let outcome = self.decide_modes_at(&state, before)?;
@@ -69,6 +69,10 @@ impl Integration<'_> {
                 let remembered = if begins { slip } else { self.memory[i].slip };
                 self.memory[i] = ContactState::new(mode, remembered);
                 contact.slip = [0.0; 3];
+            } else if mode != self.memory[i].phase {
+                // It has been given load, or has lost it.
+                let slipping = if mode == Phase::Slip { slip } else { self.memory[i].slip };
+                self.memory[i] = ContactState::new(mode, slipping);
             }
             if before[i].is_some_and(|before| before != mode) {
                 let kind = match mode {

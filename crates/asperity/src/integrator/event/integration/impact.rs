@@ -29,7 +29,7 @@ impl Integration<'_> {
             .filter(|&i| {
                 let variables = &self.dynamics.contacts[i];
                 let meets = touches(variables) && self.approach(i) <= still;
-                variables.is_closed_unilateral() || meets || i == contact
+                variables.is_closed_unilateral() || variables.unloaded || meets || i == contact
             })
             .collect();
         let (start, mut after) = (self.state.clone(), vec![0.0; involved.len()]);
@@ -53,7 +53,8 @@ impl Integration<'_> {
             ambiguous |= self.drives_back(&involved)?;
         }
         for &i in &involved {
-            if before[i] == Some(Phase::Open) {
+            let unloaded = self.dynamics.contacts[i].unloaded && i != contact;
+            if before[i] == Some(Phase::Open) && !unloaded {
                 self.record_event(Some(i), EventKind::Impact, ambiguous);
                 before[i] = None;
             }
@@ -122,7 +123,8 @@ impl Integration<'_> {
             let closed = self.dynamics.contacts[i].mode != Phase::Open;
             match place {
                 Some(k) if after[k] > still => {
-                    self.dynamics.contacts[i].mode = Phase::Open;
+                    let contact = &mut self.dynamics.contacts[i];
+                    (contact.mode, contact.unloaded) = (Phase::Open, false);
                     self.memory[i] = ContactState::new(Phase::Open, self.memory[i].slip);
                 }
                 Some(_) => self.close_contact(i),

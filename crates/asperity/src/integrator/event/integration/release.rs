@@ -2,7 +2,7 @@
 
 use crate::contact::{ContactState, Phase};
 use crate::integrator::event::contact_problem::{Decision, Question, Solving, accelerations};
-use crate::integrator::event::dynamics::ROWS;
+use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::event_function;
 use crate::integrator::event::integration::decision::ONSET_SLIP;
 use crate::integrator::event::integration::variables::{Ending, Integration};
@@ -35,14 +35,15 @@ impl Integration<'_> {
         let carried = self.carried();
         let shared = before.iter().filter(|mode| **mode == Some(Phase::Stick)).count() > 1;
         let direction = self.dynamics.law(i).normal(&contact.force);
-        let kept = self.memory.clone();
+        let (kept, contacts) = (self.memory.clone(), self.dynamics.contacts.clone());
         let mut ahead = self.state.clone();
         let mut later = FIRST_TRIAL * self.step.h;
         loop {
             ahead.extrapolate(&self.state, &stuck, later);
             self.memory.clone_from(&kept);
             self.memory[i] = ContactState::new(Phase::Slip, direction);
-            self.leave_undecided(&before);
+            self.dynamics.contacts.clone_from(&contacts);
+            self.dynamics.leave_stick_undecided();
             let (events, samples) = (self.motion.events.len(), self.motion.samples.len());
             self.step_size.h = length;
             let outcome = self.decide_modes_at(&ahead, &before)?;
@@ -62,6 +63,9 @@ impl Integration<'_> {
             if last {
                 // The contact can go on sticking: its force has been outside of the reservoir by rounding only.
                 (self.a0, self.memory) = (stuck, kept);
+                for (contact, kept) in self.dynamics.contacts.iter_mut().zip(&contacts) {
+                    contact.unloaded = kept.unloaded;
+                }
                 let contact = &mut self.dynamics.contacts[i];
                 let shorter = if excess <= rounding { self.step.h } else { 0.25 * self.step.h };
                 contact.tolerated_excess += (2.0 * excess).clamp(1e-3 * rounding, rounding);
@@ -86,7 +90,7 @@ impl Integration<'_> {
         }
         let at_onset = if shared {
             ahead.extrapolate(&self.state, &stuck, 2.0 * later);
-            self.change_at_onset(&ahead, &before, &stuck, &change)?
+            self.change_at_onset(&ahead, &contacts, &stuck, &change)?
         } else {
             None
         };
@@ -100,14 +104,6 @@ impl Integration<'_> {
         Ok(None)
     }
 
-    /// Contacts are in the modes that they were in, and those that stuck are undecided.
-    fn leave_undecided(&mut self, before: &[Option<Phase>]) {
-        for (contact, mode) in self.dynamics.contacts.iter_mut().zip(before) {
-            contact.mode = mode.unwrap_or_default();
-            contact.undecided = contact.mode == Phase::Stick;
-        }
-    }
-
     /// What the end of a stick that several contacts share has changed in the accelerations at once: extrapolated from what
     /// it changes a little later, and at `ahead` twice as late, if the contacts do the same there. The time of this end is
     /// known to about 1e-8 of itself only, and accelerations that differ from those of the stages would make the first step
@@ -115,19 +111,21 @@ impl Integration<'_> {
     fn change_at_onset(
         &mut self,
         ahead: &State,
-        before: &[Option<Phase>],
+        contacts: &[ContactVariables],
         stuck: &[f64],
         change: &[f64],
     ) -> Result<Option<Vec<f64>>, EvaluationError> {
         let decided = self.dynamics.contacts.clone();
-        self.leave_undecided(before);
+        self.dynamics.contacts.copy_from_slice(contacts);
+        self.dynamics.leave_stick_undecided();
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: ahead.t };
         let decision =
             accelerations::decide(&mut self.dynamics, ahead, Question::WhatNext, &solving)?;
         let twice = difference(&self.dynamics.acceleration, stuck);
         let mut modes = self.dynamics.contacts.iter().zip(&decided);
         let same = matches!(decision, Decision::Made { .. })
-            && modes.all(|(twice, once)| twice.mode == once.mode);
+            && modes
+                .all(|(twice, once)| (twice.mode, twice.unloaded) == (once.mode, once.unloaded));
         self.dynamics.contacts = decided;
         self.stale = true;
         let at_onset: Vec<f64> = change.iter().zip(&twice).map(|(c, t)| 2.0 * c - t).collect();

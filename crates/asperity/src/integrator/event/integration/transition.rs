@@ -42,8 +42,14 @@ impl Integration<'_> {
             Phase::Stick => self.release(number),
             Phase::Slip => {
                 let before = self.modes();
-                self.dynamics.contacts[number].mode = Phase::Open;
+                let contact = &mut self.dynamics.contacts[number];
+                (contact.mode, contact.unloaded) = (Phase::Open, true);
                 self.memory[number] = ContactState::new(Phase::Open, self.memory[number].slip);
+                self.decide_modes(&before)
+            }
+            _ if self.dynamics.contacts[number].share.is_some() => {
+                let before = self.modes();
+                self.close_contact(number);
                 self.decide_modes(&before)
             }
             // Closed a moment ago, by rounding.

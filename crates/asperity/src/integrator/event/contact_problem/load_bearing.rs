@@ -1,0 +1,390 @@
+//! Which closed contacts carry load, and which touch without any.
+//!
+//! Contacts of one and the same normal compliance ε yield by ελ_N. With friction in proportion to the normal force where
+//! contacts slip, and as it is where they rest, normal forces and normal accelerations are a linear complementarity problem
+//!
+//! `0 ≤ λ_N ⊥ γ̈_N + ελ_N ≥ 0`, `γ̈_N = K λ_N + b`, `K = W_NᵀM⁻¹(W_N + W F)`,
+//!
+//! and the forces of rigid contacts are its limit for ε → 0. In the limit the contacts L that carry load have
+//! `γ̈_L = 0` and, as `Zᵀγ̈_L = 0` for the null space `W_L Z = 0` of their rows, `Zᵀλ_L = 0`: `λ_L = W_Lᵀx`, see
+//! [`Sharing`](crate::integrator::event::dynamics::sharing). For a contact without load `γ̈_N + ελ_N` is
+//! `γ̈_i − ε w_iᵀx`, the second term where its row depends on those of L, `w_i = W_L β` with `β = N_LL⁺ N_Li`, and with it
+//! its acceleration: then `γ̈_i = βᵀγ̈_L = −ε βᵀλ_L`. Such a contact is closed by the others and carries nothing while
+//! its share `βᵀλ_L = w_iᵀx` would pull; all others without load open. So the signs of the pairs (γ̈_i, −βᵀλ_L),
+//! read as words of a dictionary are, and those of λ_L tell whether L is the right set. Where surfaces part, `Zᵀb_L ≠ 0`, forces
+//! grow with 1/ε, `λ_L = μ/ε` with `(K + ρP) μ = −ρPb`, and contacts with `μ_i < 0` do not carry.
+//!
+//! Without friction K is symmetric and has no negative eigenvalue: for every ε the solution is unique, the limit is the one
+//! of least `‖λ_N‖`, and nothing depends on the order of the contacts or on what they did before. The same holds with
+//! friction as long as no principal minor of K is negative: those of K + ε1 are positive then, so that the solution is
+//! unique (\[CottlePangStone1992\] theorem 3.3.7). Where friction wedges contacts or lifts them there may be several
+//! solutions: what the contacts did before is kept where it is one. Boxes as high as wide do this now and then: the share
+//! of a foot without load presses and its load with it would pull, and the box tips over.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::integrator::event::dynamics::{
+    DEPENDENT, Dynamics, LIGHT, PARTS, RANK, ROWS, mean_mobility, null_projection,
+};
+use crate::linear::LeastNorm;
+use crate::vectors::{add, largest};
+
+/// Normal acceleration, over what it is the sum of, that counts as none: solvers leave as much.
+const AT_REST: f64 = 1e-9;
+/// Pivots of Lemke's method at most, for each contact.
+const PIVOTS: usize = 20;
+/// Compliance, over the mean mobility, that comes close to none and is far from rounding, and entries of the tableau that
+/// are no pivots.
+const COMPLIANCE: f64 = 1e-7;
+const SMALL_PIVOT: f64 = 1e-12;
+/// Rounds without fewer contacts of the wrong sign before another way is taken.
+const PATIENCE: usize = 3;
+
+/// A closed unilateral contact.
+pub(crate) struct ClosedContact {
+    pub(crate) contact: usize,
+    /// Whether it slips, so that its friction is in proportion to its normal force.
+    pub(crate) slips: bool,
+    /// Its normal force.
+    pub(crate) force: f64,
+    /// Whether it has been taken to carry load.
+    pub(crate) carries: bool,
+}
+
+/// Whether each of some closed contacts carries load, with the friction of those at rest with which the dynamics hold the
+/// accelerations; `None` if that is not found.
+pub(crate) fn load_bearing(dynamics: &Dynamics<'_>, closed: &[ClosedContact]) -> Option<Vec<bool>> {
+    let parts = dynamics.parts_of_contacts();
+    let mut carries: Vec<bool> = closed.iter().map(|contact| contact.carries).collect();
+    let mut left: Vec<usize> = (0..closed.len()).collect();
+    left.sort_unstable_by_key(|&k| (parts[closed[k].contact], closed[k].contact));
+    for together in left.chunk_by(|&k, &l| parts[closed[k].contact] == parts[closed[l].contact]) {
+        let members: Vec<&ClosedContact> = together.iter().map(|&k| &closed[k]).collect();
+        let start = members.iter().map(|contact| contact.carries).collect();
+        let found = NormalForces::of(dynamics, &members).load_bearing(start)?;
+        together.iter().zip(found).for_each(|(&k, found)| carries[k] = found);
+    }
+    Some(carries)
+}
+
+/// The complementarity problem of the normal forces of closed contacts.
+struct NormalForces {
+    /// `K`: normal accelerations that unit normal forces give, with the friction in proportion to them.
+    effects: DMatrix<f64>,
+    /// `N = W_NᵀM⁻¹W_N`.
+    mobility: DMatrix<f64>,
+    /// `b`: normal accelerations without normal forces, and the sizes of what they are made of.
+    free: Vec<f64>,
+    sizes: Vec<f64>,
+}
+
+impl NormalForces {
+    fn of(dynamics: &Dynamics<'_>, closed: &[&ClosedContact]) -> Self {
+        let count = closed.len();
+        let column = |closed: &ClosedContact| {
+            let normal = ROWS * closed.contact;
+            let mut column = dynamics.response(normal).to_vec();
+            let friction = if closed.slips { dynamics.sliding(closed.contact) } else { [0.0; 3] };
+            for (r, force) in friction[..dynamics.contacts[closed.contact].p].iter().enumerate() {
+                add(&mut column, *force, dynamics.response(normal + 1 + r));
+            }
+            column
+        };
+        let columns: Vec<Vec<f64>> = closed.iter().map(|closed| column(closed)).collect();
+        let row = |k: usize| ROWS * closed[k].contact;
+        let effects =
+            DMatrix::from_fn(count, count, |k, l| dynamics.mobility(row(k), row(l), &columns[l]));
+        let mobility = DMatrix::from_fn(count, count, |k, l| {
+            dynamics.normal_mobility(closed[k].contact, closed[l].contact)
+        });
+        let free = |k: usize| {
+            let forces = closed.iter().enumerate();
+            let given = forces.map(|(l, closed)| effects[(k, l)] * closed.force).sum::<f64>();
+            dynamics.rate(row(k), &dynamics.acceleration) - given
+        };
+        let free = (0..count).map(free).collect();
+        let sizes = closed.iter().map(|closed| dynamics.normal_rate_scale(closed.contact));
+        Self { sizes: sizes.collect(), effects, mobility, free }
+    }
+
+    /// Whether each contact carries load, looked for from `start` on; `None` if that is not found.
+    fn load_bearing(&self, start: Vec<bool>) -> Option<Vec<bool>> {
+        self.exchanged(start).or_else(|| self.exchanged(self.of_compliant_contacts()?))
+    }
+
+    /// Exchanges all contacts of the wrong sign until there are none; `None` where they do not become fewer.
+    fn exchanged(&self, start: Vec<bool>) -> Option<Vec<bool>> {
+        let mut loaded = start;
+        let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
+        while patience > 0 {
+            let wrong = self.of_wrong_sign(&loaded)?;
+            if wrong.is_empty() {
+                return Some(loaded);
+            }
+            patience = if wrong.len() < fewest { PATIENCE } else { patience - 1 };
+            fewest = fewest.min(wrong.len());
+            wrong.iter().for_each(|&i| loaded[i] = !loaded[i]);
+        }
+        None
+    }
+
+    /// The contacts that carry load with the small compliance [`COMPLIANCE`], by Lemke's method
+    /// (\[CottlePangStone1992\] section 4.4), which goes on where K has negative principal minors; `None` where it ends on a
+    /// ray.
+    fn of_compliant_contacts(&self) -> Option<Vec<bool>> {
+        let count = self.free.len();
+        let scale = mean_mobility(&self.mobility);
+        // Rows of `w − (K/ρ + ε) z − z₀ = b/ρ`: w, z, z₀, right-hand side.
+        let (cover, right) = (2 * count, 2 * count + 1);
+        let mut tableau = DMatrix::<f64>::zeros(count, 2 * count + 2);
+        for k in 0..count {
+            tableau[(k, k)] = 1.0;
+            for l in 0..count {
+                tableau[(k, count + l)] = -self.effects[(k, l)] / scale;
+            }
+            tableau[(k, count + k)] -= COMPLIANCE;
+            tableau[(k, cover)] = -1.0;
+            tableau[(k, right)] = self.free[k] / scale;
+        }
+        let mut basis: Vec<usize> = (0..count).collect();
+        let least = |&k: &usize, &l: &usize| self.free[k].total_cmp(&self.free[l]);
+        let mut row = (0..count).min_by(least).filter(|&k| self.free[k] < 0.0);
+        let mut entering = cover;
+        for _ in 0..=PIVOTS * count {
+            let Some(leaves) = row else { break };
+            let element = tableau[(leaves, entering)];
+            tableau.row_mut(leaves).unscale_mut(element);
+            let pivot = tableau.row(leaves).clone_owned();
+            for k in (0..count).filter(|&k| k != leaves) {
+                let factor = tableau[(k, entering)];
+                tableau.row_mut(k).zip_apply(&pivot, |entry, p| *entry -= factor * p);
+            }
+            let left = std::mem::replace(&mut basis[leaves], entering);
+            if left == cover {
+                row = None;
+                continue;
+            }
+            entering = (left + count) % (2 * count);
+            let ratio = |k: usize| tableau[(k, right)] / tableau[(k, entering)];
+            let mut first: Option<usize> = None;
+            for k in (0..count).filter(|&k| tableau[(k, entering)] > SMALL_PIVOT) {
+                // Of equal ratios, that of the covering vector, which ends the search.
+                let earlier =
+                    |f: usize| ratio(k) < ratio(f) || (ratio(k) == ratio(f) && basis[k] == cover);
+                if first.is_none_or(earlier) {
+                    first = Some(k);
+                }
+            }
+            row = Some(first?);
+        }
+        let mut loaded = vec![false; count];
+        basis.iter().filter(|&&k| k >= count && k < cover).for_each(|&k| loaded[k - count] = true);
+        (!basis.contains(&cover)).then_some(loaded)
+    }
+
+    /// The contacts whose load, or without load whose acceleration or share, has the wrong sign; `None` if the contacts with
+    /// load have no forces.
+    fn of_wrong_sign(&self, loaded: &[bool]) -> Option<Vec<usize>> {
+        let (with, without): (Vec<usize>, Vec<usize>) = (0..loaded.len()).partition(|&i| loaded[i]);
+        let Load { forces, unbounded, dependence } = self.load(&with)?;
+        let none = LIGHT * largest(forces.as_slice());
+        let pulls = |k: &usize| forces[*k] < -none;
+        let mut wrong: Vec<usize> = (0..with.len()).filter(pulls).map(|k| with[k]).collect();
+        if unbounded {
+            // Squeezed contacts all press.
+            return Some(wrong).filter(|wrong| !wrong.is_empty());
+        }
+        for i in without {
+            let parts = with.iter().zip(&forces).map(|(&j, force)| self.effects[(i, j)] * force);
+            let start = (self.free[i], self.sizes[i]);
+            let (rate, size) =
+                parts.fold(start, |(rate, size), part| (rate + part, size + part.abs()));
+            let share = || {
+                let row = with.iter().map(|&j| self.mobility[(i, j)]);
+                let row = DVector::from_iterator(with.len(), row);
+                let weights = dependence.as_ref()?.solve(&row);
+                let left = self.mobility[(i, i)] - row.dot(&weights);
+                (left <= DEPENDENT * self.mobility[(i, i)]).then(|| weights.dot(&forces))
+            };
+            let carries = || rate <= AT_REST * size && share().is_some_and(|share| share > none);
+            if rate < -AT_REST * size || carries() {
+                wrong.push(i);
+            }
+        }
+        wrong.sort_unstable();
+        Some(wrong)
+    }
+
+    /// The forces of the contacts that carry load.
+    fn load(&self, with: &[usize]) -> Option<Load> {
+        if with.is_empty() {
+            let forces = DVector::zeros(0);
+            return Some(Load { forces, unbounded: false, dependence: None });
+        }
+        let count = with.len();
+        let entries =
+            |of: &DMatrix<f64>| DMatrix::from_fn(count, count, |k, l| of[(with[k], with[l])]);
+        let (mut matrix, mobility) = (entries(&self.effects), entries(&self.mobility));
+        let dependence = LeastNorm::new(mobility.clone(), RANK)?;
+        let mut free = DVector::from_iterator(count, with.iter().map(|&i| self.free[i]));
+        let mut unbounded = false;
+        if let Some(sharing) = null_projection(&mobility, &dependence) {
+            let size = with.iter().map(|&i| self.sizes[i]).fold(0.0, f64::max);
+            let parting = &sharing * &free;
+            unbounded = largest(parting.as_slice()) > PARTS * mean_mobility(&mobility) * size;
+            if unbounded {
+                free = parting;
+            }
+            matrix += sharing;
+        }
+        let forces = matrix.lu().solve(&-free)?;
+        let finite = forces.iter().all(|force| force.is_finite());
+        finite.then_some(Load { forces, unbounded, dependence: Some(dependence) })
+    }
+}
+
+/// What contacts carry.
+struct Load {
+    /// Their forces, or what these are over 1/ε if no forces keep all of the contacts closed.
+    forces: DVector<f64>,
+    unbounded: bool,
+    /// `N` of these contacts.
+    dependence: Option<LeastNorm>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Feet in the plane under a body of mass one, with its radii of inertia one, that stand still under a load at the
+    /// origin if they can; friction presses each foot's normal force sideways at the height `h` below the centre of mass.
+    struct Feet {
+        places: Vec<[f64; 2]>,
+        friction: Vec<[f64; 2]>,
+        h: f64,
+    }
+
+    impl Feet {
+        fn random(seed: usize, h: f64) -> Self {
+            let draw =
+                |k: usize| ((78.2 * seed as f64 + 12.9 * k as f64).sin() * 4.3e4).fract().abs();
+            let count = 3 + seed % 7;
+            let places = (0..count)
+                .map(|k| [2.0 * draw(5 * k + 1) - 1.0, 2.0 * draw(5 * k + 2) - 1.0])
+                .collect();
+            let friction = (0..count).map(|k| {
+                let angle = 6.0 * draw(5 * k + 3);
+                [0.3 * angle.cos(), 0.3 * angle.sin()]
+            });
+            Self { places, friction: friction.collect(), h }
+        }
+
+        fn row(&self, k: usize) -> DVector<f64> {
+            DVector::from_vec(vec![1.0, self.places[k][0], self.places[k][1]])
+        }
+
+        fn column(&self, k: usize) -> DVector<f64> {
+            let [x, y] = self.friction[k];
+            self.row(k) + self.h * DVector::from_vec(vec![0.0, x, y])
+        }
+
+        fn normal_forces(&self) -> NormalForces {
+            let n = self.places.len();
+            NormalForces {
+                effects: DMatrix::from_fn(n, n, |k, l| self.row(k).dot(&self.column(l))),
+                mobility: DMatrix::from_fn(n, n, |k, l| self.row(k).dot(&self.row(l))),
+                free: vec![-1.0; n],
+                sizes: vec![1.0; n],
+            }
+        }
+    }
+
+    fn starts(count: usize) -> [Vec<bool>; 3] {
+        [vec![true; count], vec![false; count], (0..count).map(|k| k % 2 == 0).collect()]
+    }
+
+    /// The smallest of the forces that no sign is asked of, over all sets of contacts.
+    #[test]
+    fn without_friction_the_forces_are_the_smallest_that_hold_the_load() {
+        let mut unloaded = 0;
+        for seed in 0..300 {
+            let feet = Feet::random(seed, 0.0);
+            let (problem, n) = (feet.normal_forces(), feet.places.len());
+            let load = DVector::from_vec(vec![1.0, 0.0, 0.0]);
+            let mut best: Option<(f64, Vec<bool>)> = None;
+            for set in 1..1_usize << n {
+                let with: Vec<usize> = (0..n).filter(|k| set >> k & 1 == 1).collect();
+                let rows: Vec<_> = with.iter().map(|&k| feet.row(k)).collect();
+                let rows = DMatrix::from_columns(&rows);
+                let forces = LeastNorm::new(rows.clone(), 1e-9).unwrap().solve(&load);
+                let holds = (rows * &forces - &load).amax() < 1e-9 && forces.min() > 0.0;
+                if holds && best.as_ref().is_none_or(|(least, _)| forces.norm() < *least) {
+                    let carries = (0..n).map(|k| with.contains(&k)).collect();
+                    best = Some((forces.norm(), carries));
+                }
+            }
+            let Some((_, expected)) = best else { continue };
+            unloaded += expected.iter().filter(|carries| !**carries).count();
+            for start in starts(n) {
+                assert_eq!(problem.load_bearing(start), Some(expected.clone()), "{seed}");
+            }
+        }
+        assert!(unloaded > 50, "{unloaded}");
+    }
+
+    /// Where no principal minor of K + ε1 is negative, the only one of all sets of contacts that fits a small compliance ε.
+    #[test]
+    fn with_friction_the_contacts_are_those_of_a_small_compliance() {
+        let (mut unloaded, mut tried) = (0, 0);
+        for seed in 0..300 {
+            let feet = Feet::random(seed, 0.4);
+            let (problem, n) = (feet.normal_forces(), feet.places.len());
+            let mut positive = true;
+            let mut solutions: Vec<Vec<bool>> = Vec::new();
+            for set in 1..1_usize << n {
+                let with: Vec<usize> = (0..n).filter(|k| set >> k & 1 == 1).collect();
+                let compliant = DMatrix::from_fn(with.len(), with.len(), |k, l| {
+                    let compliance = if k == l { 1e-6 } else { 0.0 };
+                    problem.effects[(with[k], with[l])] + compliance
+                });
+                let factors = compliant.lu();
+                positive &= factors.determinant() > 0.0;
+                let right = DVector::from_element(with.len(), 1.0);
+                let Some(forces) = factors.solve(&right) else { continue };
+                let closes = |k: usize| {
+                    let parts = with.iter().zip(&forces);
+                    parts.map(|(&l, f)| problem.effects[(k, l)] * f).sum::<f64>() < 1.0
+                };
+                let fits = forces.min() > 0.0 && !(0..n).any(|k| !with.contains(&k) && closes(k));
+                if fits {
+                    solutions.push((0..n).map(|k| with.contains(&k)).collect());
+                }
+            }
+            if !positive {
+                continue;
+            }
+            tried += 1;
+            assert_eq!(solutions.len(), 1, "{seed}");
+            unloaded += solutions[0].iter().filter(|carries| !**carries).count();
+            for start in starts(n) {
+                assert_eq!(problem.load_bearing(start).as_ref(), solutions.first(), "{seed}");
+            }
+        }
+        assert!(tried > 100 && unloaded > 100, "{tried} {unloaded}");
+    }
+
+    /// Two contacts at one place, of which one surface sinks away; if both rise at different rates, one carries.
+    #[test]
+    fn of_surfaces_that_part_the_highest_carries() {
+        let one = DMatrix::from_element(2, 2, 1.0);
+        let problem = NormalForces {
+            effects: one.clone(),
+            mobility: one,
+            free: vec![-9.0, -10.0],
+            sizes: vec![10.0; 2],
+        };
+        for start in starts(2) {
+            assert_eq!(problem.load_bearing(start), Some(vec![false, true]));
+        }
+    }
+}
