@@ -25,7 +25,7 @@ print(f"{several.sum()} of {several.size} loads have several solutions")
 with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.4), layout="constrained")
     filled = left.contourf(zeta, theta, 30.0 * several.mean(-1).T, levels=np.arange(0.5, 8, 0.5))
-    figure.colorbar(filled, label="range of load with several solutions in %")
+    figure.colorbar(filled, label="width of the loads with several solutions in %")
     left.vlines(np.rad2deg(asp.critical_rotation(C, D)[0]), *theta[[0, -1]], "black", "--")
     left.set(xlabel="rotation of $C$ in °", ylabel="direction of the load in °")
     side = several[half].T * np.sign(1.0 - size)[:, None]
