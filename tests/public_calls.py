@@ -5,6 +5,7 @@ import inspect
 import math
 import re
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,6 +90,12 @@ PROBLEMS = [
     ),
     asp.ContactProblem(np.eye(2), free_velocity=[0.2, 3.0], laws=LAW, normal_force=1.0),
 ]
+
+
+def _drawn(mu, rng):
+    return mu + rng.normal()
+
+
 OBJECTS = [
     *PROBLEMS,
     BODIES,
@@ -234,6 +241,14 @@ ARGUMENTS = {
     "slice": {"t0": 0.0, "t1": 0.1},
     "LimitCycle.phases": {"contact": 0},
     "LimitCycle.share": {"contact": 0, "phase": asp.Phase.STICK},
+    # sweeps
+    "sweep": {
+        "function": _drawn,
+        "grid": {"mu": [0.2, 0.3]},
+        "executor": ThreadPoolExecutor(1),
+        "seed": 1,
+        "chunk": 1,
+    },
     # identification
     "identify.read_csv": {"paths": TABLE},
     "identify.average_turns": {"phi": DATA.phi, "values": DATA.phi, "turn": DATA.turn},
@@ -358,6 +373,7 @@ RESULTS = {
     "Trajectory",
     "PathComparison",
     "Percussions",
+    "SweepStatus",
     "Bands",
     "Candidate",
     "Comparison",

@@ -45,6 +45,7 @@ PAIRS = {
     "contact.grading.proves_no_solution": "a problem and the proof about it",
     "contact.files.Percussions": "the parts of a file that belong together",
     "Provenance.of_table": "a table and its name in the file",
+    "sweep": "a function and where it is called",
     "problems.Scene": "columns of one table of bodies and contacts",
 }
 """Callables with several arguments by position, and why: none of these is more the subject."""
@@ -53,7 +54,7 @@ RESULTS = {
     "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "Ensemble",
     "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle",
     "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
-    "Trajectory",
+    "SweepStatus", "Trajectory",
     "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
     "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
     "track.TrackConfig",

@@ -502,3 +502,35 @@ def test_ctrl_c_leaves_what_is_done(call, check):
     assert found.lines == ["interrupted"]
     assert found.code == 42
     assert found.seconds < 1.0
+
+
+INTERRUPT_CYCLES = """
+import asperity as asp
+import numpy as np
+belt = asp.MassOnBelt(
+    1.0,
+    stiffness=1.0,
+    law=asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0)),
+    normal_force=1.0,
+    belt_velocity=[np.cos(0.9), np.sin(0.9)],
+)
+# Some of them are found at once.
+speeds = belt.belt_velocity * np.linspace(0.9, 1.1, 3000)[:, None]
+print("ready", flush=True)
+try:
+    asp.limit_cycle_many(belt, replace={"belt_velocity": speeds})
+except asp.EnsembleInterrupted as stopped:
+    print("interrupted", flush=True)
+    many = stopped.ensemble
+    assert 0 < (many.status == "found").sum() < 3000
+    assert set(many.status.tolist()) == {"found", "interrupted"}
+    raise SystemExit(42)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
+def test_ctrl_c_leaves_cycles_that_are_found():
+    found = run_interrupted(INTERRUPT_CYCLES, after=1.5)
+    assert found.lines == ["interrupted"]
+    assert found.code == 42
+    assert found.seconds < 1.0

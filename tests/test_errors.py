@@ -400,6 +400,8 @@ EXCEPTIONS = [
     asp.DivergenceError("no longer finite", MOTION),
     asp.NoSolutionError("no solution", contact=0, residual=1.0),
     asp.SimulationInterrupted(MOTION),
+    asp.SweepError("workers have died"),
+    asp.SweepError("ValueError: bad", {"phi": 0.1, "law": "wood"}, "Traceback ..."),
 ]
 
 

@@ -76,6 +76,8 @@ RESULTS = [
     PREDICTION,
     LAW_SHEET,
     STABILITY_SHEET,
+    asp.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
+    asp.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
 ]
 TABLES = [result for result in RESULTS if isinstance(result, TableResult)]
 SAVED = [result for result in RESULTS if hasattr(result, "save")]

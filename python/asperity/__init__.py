@@ -27,6 +27,7 @@ from asperity import (
     solvers,
     status,
     steady_sliding,
+    sweeps,
     system,
 )
 from asperity._core import __version__
@@ -40,6 +41,7 @@ from asperity.sets import *
 from asperity.solvers import *
 from asperity.status import *
 from asperity.steady_sliding import *
+from asperity.sweeps import *
 from asperity.system import *
 
 if _TYPE_CHECKING:
@@ -62,6 +64,7 @@ __all__ += sets.__all__
 __all__ += solvers.__all__
 __all__ += status.__all__
 __all__ += steady_sliding.__all__
+__all__ += sweeps.__all__
 __all__ += system.__all__
 
 # Matplotlib and SciPy are imported by the first use of these rooms, not before.

@@ -5,9 +5,12 @@ Every exception keeps its whole state in ``args``, so that it survives pickling 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import xarray
+
     from asperity.contact.certificate import Infeasibility
     from asperity.contact.problem import ContactProblem
     from asperity.ensemble.result import AnyEnsemble
@@ -28,6 +31,8 @@ __all__ = [
     "ParameterError",
     "RecordError",
     "SimulationInterrupted",
+    "SweepError",
+    "SweepInterrupted",
 ]
 
 _LONGEST = 250
@@ -238,3 +243,47 @@ class EnsembleInterrupted(KeyboardInterrupt):
 
     def __str__(self) -> str:
         return f"interrupted; .ensemble holds what is done: {self.ensemble!r}"
+
+
+class SweepError(AsperityError, RuntimeError):
+    """A sweep cannot go on: a point failed where it must not, or the workers have died.
+
+    What was done before is in the store, if there is one, and the next call goes on from there.
+
+    Attributes:
+        message: what happened.
+        point: values of the point that failed, by name; None if it is not about one.
+        traceback: of the error at that point, as text.
+    """
+
+    def __init__(
+        self, message: str, point: Mapping[str, float | str] | None = None, traceback: str = ""
+    ) -> None:
+        super().__init__(message, point, traceback)
+        self.message = message
+        self.point = point
+        self.traceback = traceback
+
+    def __str__(self) -> str:
+        if self.point is None:
+            return self.message
+        return f"at {', '.join(f'{name} = {x}' for name, x in self.point.items())}: {self.message}"
+
+
+class SweepInterrupted(KeyboardInterrupt):
+    """A sweep was stopped by Ctrl-C.
+
+    Attributes:
+        dataset: what was done before; the next call with the same store goes on from there.
+        done: points that were computed.
+        points: all points.
+    """
+
+    def __init__(self, dataset: xarray.Dataset, done: int, points: int) -> None:
+        super().__init__(dataset, done, points)
+        self.dataset = dataset
+        self.done = done
+        self.points = points
+
+    def __str__(self) -> str:
+        return f"interrupted at {self.done} of {self.points} points; .dataset holds what is done"

@@ -26,15 +26,17 @@ macro_rules! each {
     };
 }
 
+fn convex<const P: usize>(direction: &Star<P>) -> Result<&Convex<P>, Failure> {
+    let refused = || parameter("direction", "must be convex, is star-shaped only").into();
+    direction.as_convex().ok_or_else(refused)
+}
+
 fn make<const P: usize>(
     reservoir: &Star<P>,
     direction: &Star<P>,
     rate: Option<Stribeck>,
 ) -> Result<FrictionLaw<P>, Failure> {
-    let direction: Option<&Convex<P>> = direction.as_convex();
-    let direction =
-        direction.ok_or_else(|| parameter("direction", "must be convex, is star-shaped only"))?;
-    let law = FrictionLaw::new(reservoir.clone(), direction.clone())?;
+    let law = FrictionLaw::new(reservoir.clone(), convex(direction)?.clone())?;
     Ok(match rate {
         Some(rate) => law.with_rate(rate),
         None => law,
@@ -91,6 +93,22 @@ impl Law {
             (c, d) => py.detach(|| make(c, d, rate))?.into(),
             return Err(dimension("direction", "must have the dimension of the reservoir").into())
         );
+        Ok(Self(law))
+    }
+
+    /// The same law with its own direction set as Python holds it.
+    fn with_direction(&self, direction: &Set) -> Result<Self, Failure> {
+        let law: CoreLaw = match (&self.0, &direction.0) {
+            (CoreLaw::One(law), AnyStar::One(d)) => law.with_direction(convex(d)?.clone())?.into(),
+            (CoreLaw::Two(law), AnyStar::Two(d)) => law.with_direction(convex(d)?.clone())?.into(),
+            (CoreLaw::Three(law), AnyStar::Three(d)) => {
+                law.with_direction(convex(d)?.clone())?.into()
+            }
+            _ => {
+                let expected = "must have the dimension of the law";
+                return Err(dimension("direction", expected).into());
+            }
+        };
         Ok(Self(law))
     }
 

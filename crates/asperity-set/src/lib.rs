@@ -44,16 +44,16 @@ pub use error::SetError;
 pub use numeric::Cyclic;
 pub use numeric::{Arc, BoundaryPoint, Side, directions};
 pub use questions::{
-    Cancelled, Checked, Form, TurningDirections, Verdict, convexity, convexity_unless,
-    largest_ratio, largest_ratio_unless, largest_scale_inside, ratio_in_closed_form, star_shape,
-    strict_convexity, strict_convexity_unless, symmetry, symmetry_unless, tangent_cone,
+    Cancelled, Checked, TurningDirections, Verdict, convexity, convexity_unless, largest_ratio,
+    largest_ratio_unless, largest_scale_inside, ratio_in_closed_form, star_shape, strict_convexity,
+    strict_convexity_unless, symmetry, symmetry_unless, tangent_cone,
 };
 pub use shapes::{
     Ball, CappedRectangle, CoulombContensou, Cuboid, Disk, Ellipse, Ellipsoid, Embedded, Interval,
     OutlineFault, Planar, PolarCurve, Polygon, Pressure, Superellipse, Superellipsoid,
     SupportCurve, WedgeAsperity,
 };
-pub use star::StarSet;
+pub use star::{Form, StarSet};
 
 /// A point of R^P.
 pub type Vector<const P: usize> = nalgebra::SVector<f64, P>;

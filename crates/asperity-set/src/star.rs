@@ -1,8 +1,39 @@
-//! Star-shaped sets: gauge, gradient, radius.
+//! Star-shaped sets: gauge, gradient, radius, closed form.
 
 use std::fmt::Debug;
 
-use crate::{Form, Vector};
+use crate::{Matrix, Vector};
+
+/// What of a set is known in closed form.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub enum Form<'a, const P: usize> {
+    /// The image of the unit ball under a map with an inverse.
+    Ellipsoid {
+        /// Maps the unit ball to the set.
+        from_ball: Matrix<P>,
+        /// Maps the set to the unit ball.
+        to_ball: Matrix<P>,
+    },
+    /// `{x : Σ|xᵢ/aᵢ|^s ≤ 1}`, where `aᵢ` may differ with the sign of `xᵢ`; a box without an exponent.
+    Powers {
+        /// Semi-axes on the sides of negative coordinates, all positive.
+        lower: Vector<P>,
+        /// Semi-axes on the sides of positive coordinates.
+        upper: Vector<P>,
+        /// `1/s`, zero for a box.
+        reciprocal: f64,
+    },
+    /// The image of a set under a regular map.
+    Image {
+        /// The set that is mapped.
+        of: &'a dyn StarSet<P>,
+        /// The map.
+        map: &'a Matrix<P>,
+    },
+    /// Nothing.
+    Any,
+}
 
 /// A compact set with `x ∈ C ⇒ sx ∈ int C` for `0 ≤ s < 1` (\[WL19\] Def. 2).
 ///

@@ -4,7 +4,10 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use asperity_set::{StarSet, largest_ratio, largest_scale_inside};
+use asperity_set::{
+    Ball, Convex, Cuboid, Ellipsoid, Matrix, Star, StarSet, Superellipsoid, Vector, largest_ratio,
+    largest_scale_inside, ratio_in_closed_form,
+};
 use common::*;
 use proptest::prelude::*;
 
@@ -50,5 +53,82 @@ proptest! {
         prop_assert!(scale * tried <= 1.0 + 1e-9, "{scale} instead of {}", 1.0 / tried);
         let (ratio, _) = largest_ratio(&outer, &inner);
         prop_assert!(close(scale, 1.0 / ratio, 1e-7), "{scale} {}", 1.0 / ratio);
+    }
+}
+
+/// A set of which nothing is known but its gauge and its corners.
+#[derive(Debug)]
+struct Plain<'a, const P: usize>(&'a Star<P>);
+
+impl<const P: usize> StarSet<P> for Plain<'_, P> {
+    fn gauge(&self, x: &Vector<P>) -> f64 {
+        self.0.gauge(x)
+    }
+
+    fn corners(&self) -> Vec<Vector<P>> {
+        self.0.corners()
+    }
+}
+
+/// Of so many pairs there are closed forms: of ellipsoids whatever their axes, of boxes and powers along the same axes, of
+/// images under the same map.
+fn known<const P: usize>() -> impl Strategy<Value = (Star<P>, Star<P>)> {
+    let ellipsoid = || {
+        (semi_axes::<P>(8.0), -0.5..0.5, -0.5..0.5).prop_map(|(a, p, q)| {
+            let map = Matrix::from_fn(|i, j| [p, 1.0, q][usize::from(i >= j) + usize::from(i > j)]);
+            let set = Convex::from(Ellipsoid::new(a).unwrap());
+            Star::from(set.mapped(&map).unwrap())
+        })
+    };
+    let powers = || {
+        let power = (semi_axes::<P>(8.0), log_uniform(0.3, 100.0))
+            .prop_map(|(a, s)| Star::from(Superellipsoid::new(a, s).unwrap()));
+        let cuboid = (semi_axes::<P>(8.0), semi_axes::<P>(8.0))
+            .prop_map(|(a, b)| Star::from(Convex::from(Cuboid::new(-a, b).unwrap())));
+        let ball =
+            log_uniform(0.1, 10.0).prop_map(|r| Star::from(Convex::from(Ball::new(r).unwrap())));
+        prop_oneof![2 => power, 1 => cuboid, 1 => ball]
+    };
+    let images = (powers(), powers(), -0.5..0.5, -0.5..0.5).prop_map(|(a, b, p, q)| {
+        let map = Matrix::from_fn(|i, j| [p, 1.0, q][usize::from(i >= j) + usize::from(i > j)]);
+        (a.mapped(&map).unwrap(), b.mapped(&map).unwrap())
+    });
+    prop_oneof![(ellipsoid(), ellipsoid()), (powers(), powers()), images]
+}
+
+/// The closed form is the ratio in its direction, and none that a search finds is larger.
+fn check_closed_form<const P: usize>(a: &Star<P>, b: &Star<P>) -> Result<(), TestCaseError> {
+    let Some((ratio, at)) = ratio_in_closed_form(a, b) else {
+        // Balls become ellipsoids, which have no closed form beside other images.
+        let balls = [a, b].iter().any(|set| matches!(set, Star::Convex(Convex::Ellipsoid(_))));
+        prop_assert!(balls, "no closed form");
+        return Ok(());
+    };
+    // Beside a cusp of exponent s the last digit of a direction is 1e-16^s.
+    let there = a.gauge(&at) / b.gauge(&at);
+    let cusped = a.as_convex().is_none() || b.as_convex().is_none();
+    prop_assert!(close(ratio, there, if cusped { 1e-3 } else { 1e-12 }), "{ratio} {there}");
+    let (found, _) = largest_ratio(&Plain(a), &Plain(b));
+    prop_assert!(found <= ratio * (1.0 + 1e-12), "{found} above {ratio}");
+    prop_assert!(found >= ratio * (1.0 - 1e-3), "{found} below {ratio}");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(0.005))]
+
+    #[test]
+    fn closed_forms_on_a_line((a, b) in known::<1>()) {
+        check_closed_form(&a, &b)?;
+    }
+
+    #[test]
+    fn closed_forms_in_the_plane((a, b) in known::<2>()) {
+        check_closed_form(&a, &b)?;
+    }
+
+    #[test]
+    fn closed_forms_in_space((a, b) in known::<3>()) {
+        check_closed_form(&a, &b)?;
     }
 }

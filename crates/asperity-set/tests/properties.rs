@@ -8,7 +8,6 @@ use std::collections::BTreeSet;
 
 use asperity_set::{
     CappedRectangle, Convex, ConvexSet, Ellipsoid, Matrix, Star, StarSet, Superellipsoid,
-    largest_scale_inside,
 };
 use common::*;
 use proptest::prelude::*;
@@ -176,18 +175,6 @@ proptest! {
         let x = set.support_point(&map.tr_mul(&y));
         prop_assert!(close(image.support(&y), (map * x).dot(&y), 1e-10));
         prop_assert!(close(image.gauge(&(map * y)), set.gauge(&y), 1e-7));
-    }
-}
-
-proptest! {
-    // Thousands of gauges each.
-    #![proptest_config(cases(0.02))]
-
-    #[test]
-    fn largest_scale_touches_and_stays_inside(inner in convex(), outer in star(), d in direction()) {
-        let scale = largest_scale_inside(&inner, &outer);
-        let x = point_of(&inner, &d, scale);
-        prop_assert!(outer.gauge(&x) <= 1.0 + 1e-6, "{}", outer.gauge(&x));
     }
 }
 

@@ -12,13 +12,14 @@ use asperity::set::{
     Pressure, Star, StarSet, Vector,
 };
 use asperity::solver::{Solver, Status, Stop, Workspace, solutions};
-use common::{Random, V, gram, laws};
+use common::{Random, gram, laws};
 use nalgebra::{DMatrix, DVector};
 
-/// A set that counts the questions it is asked.
+/// A set, made larger by a power of two, that counts the questions it is asked.
 #[derive(Debug)]
 struct Counted<T> {
     set: T,
+    size: f64,
     asked: Arc<AtomicUsize>,
 }
 
@@ -31,49 +32,53 @@ impl<T> Counted<T> {
 
 impl<const P: usize, T: StarSet<P>> StarSet<P> for Counted<T> {
     fn gauge(&self, x: &Vector<P>) -> f64 {
-        self.ask().gauge(x)
+        self.ask().gauge(&(x / self.size))
     }
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
-        self.ask().gauge_jet(x)
+        let (gauge, gradient) = self.ask().gauge_jet(&(x / self.size));
+        (gauge, gradient / self.size)
     }
     fn corners(&self) -> Vec<Vector<P>> {
-        self.set.corners()
+        self.set.corners().into_iter().map(|corner| corner * self.size).collect()
     }
 }
 
 impl<const P: usize> ConvexSet<P> for Counted<Convex<P>> {
     fn support_point(&self, y: &Vector<P>) -> Vector<P> {
-        self.ask().support_point(y)
+        self.ask().support_point(y) * self.size
     }
     fn support_jet(&self, y: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        self.ask().support_jet(y)
+        let (point, hessian) = self.ask().support_jet(y);
+        (point * self.size, hessian * self.size)
     }
     fn support_derivative(&self, y: &Vector<P>, dy: &Vector<P>) -> (Vector<P>, Vector<P>) {
-        self.ask().support_derivative(y, dy)
+        let (point, moved) = self.ask().support_derivative(y, dy);
+        (point * self.size, moved * self.size)
     }
     fn project_from(&self, z: &Vector<P>, start: &Vector<P>) -> Vector<P> {
-        self.ask().project_from(z, start)
+        self.ask().project_from(&(z / self.size), &(start / self.size)) * self.size
     }
     fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
-        self.ask().project_jet(z, start)
+        let (point, slope) = self.ask().project_jet(&(z / self.size), &(start / self.size));
+        (point * self.size, slope)
     }
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
-        self.set.normal_cone(x, tolerance)
+        self.set.normal_cone(&(x / self.size), tolerance)
     }
 }
 
-/// The same law, whose sets count together.
-fn counted<const P: usize>(law: &FrictionLaw<P>) -> (FrictionLaw<P>, Arc<AtomicUsize>) {
+/// The same law with friction that is so many times as large, whose sets count together.
+fn counted<const P: usize>(law: &FrictionLaw<P>, size: f64) -> (FrictionLaw<P>, Arc<AtomicUsize>) {
     let asked = Arc::new(AtomicUsize::new(0));
     let convex = |set: &Convex<P>| {
-        let set = Counted { set: set.clone(), asked: asked.clone() };
+        let set = Counted { set: set.clone(), size, asked: asked.clone() };
         Convex::Custom(CustomConvex(Arc::new(set)))
     };
     let direction = convex(law.direction());
     let law = if law.is_associated() {
         FrictionLaw::associated(direction)
     } else {
-        let set = Counted { set: law.reservoir().clone(), asked: asked.clone() };
+        let set = Counted { set: law.reservoir().clone(), size, asked: asked.clone() };
         let reservoir = match law.reservoir().as_convex() {
             Some(set) => Star::Convex(convex(set)),
             None => Star::Custom(CustomStar(Arc::new(set))),
@@ -152,11 +157,25 @@ struct Found {
     questions: usize,
 }
 
-/// The solution of a case in other units of mass and speed.
-fn solve(case: &Case, law: &Law, asked: &AtomicUsize, kg: f64, speed: f64) -> Found {
+/// What a case is written down in.
+#[derive(Debug, Clone, Copy)]
+struct Units {
+    kg: f64,
+    speed: f64,
+    /// Of friction, which is so many times as large; only prescribed normal percussions do not have the unit of friction.
+    friction: f64,
+}
+
+const UNITS: Units = Units { kg: 1.0, speed: 1.0, friction: 1.0 };
+
+/// The solution of a case in some units, with the law that has its friction in them.
+fn solve(case: &Case, law: &Law, asked: &AtomicUsize, units: Units) -> Found {
     let rows = case.free.len();
+    let Units { kg, speed, friction } = units;
     let unit = kg * speed;
-    let normal = case.normal.map_or(NormalForce::Unilateral, |n| NormalForce::Prescribed(n * unit));
+    let normal = case
+        .normal
+        .map_or(NormalForce::Unilateral, |n| NormalForce::Prescribed(n * unit / friction));
     let free = case.free.iter().map(|b| b * speed).collect();
     let problem = ContactProblem::new(&case.delassus / kg, free, [(law.clone(), normal)]).unwrap();
     let (mut memory, mut workspace) = (Memory::new(rows, 1), Workspace::default());
@@ -191,27 +210,45 @@ fn solutions_of<const P: usize>(name: &str, law: &FrictionLaw<P>, block: Block) 
 where
     Law: From<FrictionLaw<P>>,
 {
-    let (made, asked) = counted(law);
+    let (made, asked) = counted(law, 1.0);
     let shared = Law::from(made);
     let mut random = Random::new(5);
     let large = (4f64.powi(30), 2f64.powi(50));
-    let units = [(large.0, 1.0), (1.0 / large.0, 1.0), (1.0, large.1), (1.0, 1.0 / large.1)];
+    let units = [
+        Units { kg: large.0, ..UNITS },
+        Units { kg: 1.0 / large.0, ..UNITS },
+        Units { speed: large.1, ..UNITS },
+        Units { speed: 1.0 / large.1, ..UNITS },
+    ];
+    // Sets from 10⁻⁶ to 10⁶ times as large.
+    let sizes = [2f64.powi(20), 2f64.powi(-20)].map(|size| (size, counted(law, size)));
+    let sizes = sizes.map(|(size, (law, asked))| (size, Law::from(law), asked));
     // The complete search divides the pieces of the boundary until rounding is all that is left.
     let rounding = [2e-14, 1e-13, 2e-13][block as usize];
     let mut questions = 0;
     for of in situations(block).filter(|of| P > 1 || of.unilateral || block != Block::Deficient) {
         // The law makes its table when it is first asked.
-        solve(&case(law, of, &mut random), &shared, &asked, 1.0, 1.0);
-        for (kg, speed) in units.into_iter().cycle().take(CASES) {
+        let first = case(law, of, &mut random);
+        solve(&first, &shared, &asked, UNITS);
+        sizes.iter().filter(|_| !of.unilateral).for_each(|(friction, law, asked)| {
+            solve(&first, law, asked, Units { friction: *friction, ..UNITS });
+        });
+        for (k, units) in units.into_iter().cycle().take(CASES).enumerate() {
             let case = case(law, of, &mut random);
-            let found = solve(&case, &shared, &asked, 1.0, 1.0);
+            let found = solve(&case, &shared, &asked, UNITS);
             assert_eq!(found.status, Status::Converged, "{name} {of:?}: {found:?}");
             assert!(found.residual <= rounding, "{name} {of:?}: {found:?}");
             questions += found.questions;
-            let other = solve(&case, &shared, &asked, kg, speed);
             // Singular values are not found with the same digits in other units.
-            if P < 3 || block != Block::Deficient {
-                assert_eq!(other, found, "{name} {of:?}: {kg:e} kg, {speed:e} m/s");
+            if P == 3 && block == Block::Deficient {
+                continue;
+            }
+            let other = solve(&case, &shared, &asked, units);
+            assert_eq!(other, found, "{name} {of:?}: {units:?}");
+            if !of.unilateral {
+                let (friction, law, asked) = &sizes[k % 2];
+                let units = Units { friction: *friction, ..UNITS };
+                assert_eq!(solve(&case, law, asked, units), found, "{name} {of:?}: {units:?}");
             }
         }
     }
@@ -219,28 +256,38 @@ where
 }
 
 /// Questions of sweeps over three contacts that influence each other a little, and the sweeps.
-fn sweeps_of(name: &str, law: &FrictionLaw<2>) -> (usize, usize) {
-    let (made, asked) = counted(law);
+fn sweeps_of<const P: usize>(name: &str, law: &FrictionLaw<P>, block: Block) -> [usize; 2]
+where
+    Law: From<FrictionLaw<P>>,
+{
+    let (made, asked) = counted(law, 1.0);
     let shared = Law::from(made);
     let mut random = Random::new(6);
     let (mut questions, mut sweeps) = (0, 0);
+    let n = 1 + P;
     for k in 0..CASES {
-        let mut delassus = gram(9, 12, &mut random) * 0.02;
-        let (mut percussion, mut velocity) = (DVector::zeros(9), DVector::zeros(9));
-        let mut memory = Memory::new(9, 3);
+        // So weak that blocks without full rank stay ill-conditioned.
+        let coupling = if block == Block::Sound { 0.02 } else { 1e-6 };
+        let mut delassus = gram(3 * n, 3 * n + 3, &mut random) * coupling;
+        let (mut percussion, mut velocity) = (DVector::zeros(3 * n), DVector::zeros(3 * n));
+        let mut memory = Memory::new(3 * n, 3);
         for i in 0..3 {
-            let own = gram(3, 6, &mut random) + DMatrix::identity(3, 3) * 0.2;
-            let mut block = delassus.view_mut((3 * i, 3 * i), (3, 3));
+            let own = match block {
+                Block::Deficient => gram(n, P, &mut random),
+                _ => gram(n, n + 3, &mut random) + DMatrix::identity(n, n) * 0.2,
+            };
+            let mut block = delassus.view_mut((n * i, n * i), (n, n));
             block += own;
-            let direction = V::new(random.normal(), random.normal());
+            let direction = Vector::<P>::from_fn(|_, _| random.normal());
             let slips = (k + i) % 3 > 0;
             let force = law.force(&direction, 1.0).unwrap();
-            percussion[3 * i] = 1.0;
+            percussion[n * i] = 1.0;
             let force = if slips { force } else { force * random.unit() };
-            percussion.rows_mut(3 * i + 1, 2).copy_from(&force);
+            percussion.rows_mut(n * i + 1, P).copy_from(&force);
             if slips {
-                velocity.rows_mut(3 * i + 1, 2).copy_from(&direction);
-                let last = [direction.x * 1.1, direction.y * 0.9, 0.0];
+                velocity.rows_mut(n * i + 1, P).copy_from(&direction);
+                let mut last = [0.0; 3];
+                (0..P).for_each(|a| last[a] = direction[a] * [1.1, 0.9][a % 2]);
                 memory.states[i] = ContactState::new(Phase::Slip, last);
             }
         }
@@ -257,12 +304,12 @@ fn sweeps_of(name: &str, law: &FrictionLaw<2>) -> (usize, usize) {
             sweeps += report.iterations;
         }
     }
-    (questions, sweeps)
+    [questions, sweeps]
 }
 
 /// Questions of the list of all solutions.
 fn lists_of(law: &FrictionLaw<2>) -> usize {
-    let (made, asked) = counted(law);
+    let (made, asked) = counted(law, 1.0);
     let shared = Law::from(made);
     let mut random = Random::new(7);
     let mut questions = 0;
@@ -283,69 +330,88 @@ fn lists_of(law: &FrictionLaw<2>) -> usize {
 /// Cases of each situation.
 const CASES: usize = 24;
 
-/// Most questions that solutions with sound blocks, with any and with deficient ones may take, sweeps and their number,
-/// and lists of all solutions: what they took when this was written, and one in a hundred more. Whoever makes solutions
-/// cheaper writes less.
-const PLANAR: [(&str, [usize; 6]); 24] = [
-    ("isotropic", [966, 1362, 23661, 2541, 93, 329]),
-    ("ellipse 3:1", [1168, 1373, 27086, 2596, 92, 327]),
-    ("ellipses 3:1 at 30°", [2077, 2274, 25668, 4624, 92, 397]),
-    ("Table 1", [1272, 1938, 23736, 4054, 92, 368]),
-    ("superellipse 1.2", [1132, 1417, 24828, 2675, 93, 327]),
-    ("superellipse 20", [1306, 1770, 24516, 2478, 92, 329]),
-    ("C 1.2 at 20°, D 20", [1414, 2755, 25633, 4396, 93, 371]),
-    ("C 20 at 30°, D 1.2", [1285, 2699, 23985, 4319, 93, 362]),
-    ("rectangle", [803, 960, 23156, 1991, 90, 117]),
-    ("rectangles at 30°", [1191, 2101, 23834, 3957, 93, 209]),
-    ("C rectangle at 30°, D ellipse", [1320, 2179, 24880, 4027, 92, 359]),
-    ("rhombus", [768, 836, 24421, 2070, 91, 119]),
-    ("collinear, C star-shaped", [1593, 2123, 27008, 4742, 90, 428]),
-    ("C disk, D rectangle", [1161, 2126, 23709, 4018, 92, 224]),
-    ("C ellipse, D rectangle", [1869, 2208, 24688, 4115, 91, 240]),
-    ("C rectangle, D superellipse 100", [2752, 3538, 26226, 5666, 92, 493]),
-    ("thin ellipses", [2706, 3214, 32303, 5692, 93, 460]),
-    ("C 0.5, D ellipse", [2856, 3374, 27316, 6499, 92, 406]),
-    ("thin D", [2522, 2869, 24645, 5197, 90, 404]),
-    ("asperity 36°", [1322, 3291, 21759, 9063, 106, 517]),
-    ("bobsleigh", [1174, 1428, 28348, 2390, 92, 333]),
-    ("C polygon, D sum", [2176, 2711, 25788, 5547, 92, 376]),
-    ("measured", [1252, 1889, 23644, 3984, 92, 371]),
-    ("C ellipse, D runner", [2302, 2860, 25101, 4465, 90, 379]),
+/// Questions that solutions with sound blocks, with any and with deficient ones take, and sweeps over contacts with sound
+/// and with deficient blocks, each with the number of sweeps, then lists of all solutions: what they took when this was
+/// written, to three in a hundred. Whoever makes solutions cheaper writes less. With the last digit of the scale of *D*
+/// the numbers of some laws change by as much as two in a hundred.
+const PLANAR: [(&str, [usize; 8]); 24] = [
+    ("isotropic", [966, 1362, 23661, 2541, 93, 20913, 53, 329]),
+    ("ellipse 3:1", [1168, 1373, 27086, 2596, 92, 22509, 53, 327]),
+    ("ellipses 3:1 at 30°", [2080, 2270, 25609, 4627, 92, 28138, 54, 397]),
+    ("Table 1", [1266, 1928, 23643, 4048, 92, 23734, 52, 368]),
+    ("superellipse 1.2", [1132, 1417, 24828, 2675, 93, 23165, 53, 327]),
+    ("superellipse 20", [1306, 1770, 24516, 2478, 92, 20822, 52, 329]),
+    ("C 1.2 at 20°, D 20", [1420, 2758, 25633, 4411, 93, 28023, 54, 371]),
+    ("C 20 at 30°, D 1.2", [1285, 2701, 24097, 4319, 93, 27383, 52, 359]),
+    ("rectangle", [803, 960, 23156, 1991, 90, 19366, 52, 117]),
+    ("rectangles at 30°", [1191, 2101, 23834, 3957, 93, 25661, 53, 209]),
+    ("C rectangle at 30°, D ellipse", [1323, 2168, 25050, 4025, 92, 26648, 54, 359]),
+    ("rhombus", [768, 836, 24421, 2070, 91, 21669, 53, 119]),
+    ("collinear, C star-shaped", [1593, 2121, 26888, 4744, 90, 31771, 54, 428]),
+    ("C disk, D rectangle", [1161, 2126, 23609, 4021, 92, 23786, 54, 224]),
+    ("C ellipse, D rectangle", [1869, 2208, 24688, 4115, 91, 21460, 52, 240]),
+    ("C rectangle, D superellipse 100", [2784, 3552, 26005, 5645, 92, 29177, 54, 487]),
+    ("thin ellipses", [2717, 3218, 32164, 5678, 93, 36713, 54, 460]),
+    ("C 0.5, D ellipse", [2872, 3391, 27222, 6488, 92, 29436, 54, 406]),
+    ("thin D", [2519, 2869, 24505, 5197, 90, 26167, 54, 404]),
+    ("asperity 36°", [1326, 3291, 21759, 9063, 106, 19903, 41, 517]),
+    ("bobsleigh", [1174, 1428, 28348, 2390, 92, 24156, 54, 333]),
+    ("C polygon, D sum", [2182, 2702, 25788, 5544, 92, 28762, 54, 376]),
+    ("measured", [1249, 1915, 23977, 3972, 92, 23854, 52, 366]),
+    ("C ellipse, D runner", [2302, 2857, 25101, 4465, 90, 27315, 54, 379]),
 ];
-const OTHERS: [(&str, [usize; 3]); 6] = [
-    ("line", [1152, 1150, 15179]),
-    ("ball", [1406, 1604, 21909]),
-    ("ellipsoid", [1400, 1635, 24334]),
-    ("two ellipsoids", [4650, 6097, 28959]),
-    ("box", [990, 1053, 24866]),
-    ("Hertz", [1390, 1648, 23990]),
+const OTHERS: [(&str, [usize; 7]); 6] = [
+    ("line", [1152, 1150, 15179, 1887, 89, 18589, 47]),
+    ("ball", [1406, 1604, 21953, 3424, 93, 27118, 53]),
+    ("ellipsoid", [1400, 1635, 24348, 3359, 93, 30300, 52]),
+    ("two ellipsoids", [4650, 6023, 29307, 11287, 93, 44182, 53]),
+    ("box", [990, 1053, 24870, 2022, 91, 28949, 54]),
+    ("Hertz", [1390, 1648, 23998, 3443, 94, 31061, 54]),
 ];
 
-#[track_caller]
-fn check(name: &str, found: &[usize], most: &[usize]) {
-    println!("(\"{name}\", {found:?}),");
-    let within = found.iter().zip(most).all(|(found, most)| *found <= most + most.div_ceil(100));
-    assert!(within, "{name}: {found:?} instead of {most:?}");
+/// Counts that are not those that are written down, after all have been printed.
+fn check<const N: usize>(all: &[(&str, [usize; N])], expected: &[(&str, [usize; N])]) {
+    assert_eq!(all.len(), expected.len());
+    all.iter().for_each(|(name, found)| println!("(\"{name}\", {found:?}),"));
+    for ((name, found), (same, expected)) in all.iter().zip(expected) {
+        let near = |(f, e): (&usize, &usize)| f.abs_diff(*e) <= (3 * e).div_ceil(100);
+        let nearly = found.iter().zip(expected).all(near);
+        assert!(name == same && nearly, "{name}: {found:?} instead of {same}: {expected:?}");
+    }
 }
 
 const BLOCKS: [Block; 3] = [Block::Sound, Block::Any, Block::Deficient];
 
 #[test]
-fn solutions_in_the_plane_ask_no_more_than_they_did() {
-    for ((name, law), (same, most)) in laws().into_iter().zip(PLANAR) {
-        assert_eq!(name, same);
-        let [sound, any, deficient] = BLOCKS.map(|block| solutions_of(name, &law, block));
-        let (swept, sweeps) = sweeps_of(name, &law);
-        check(name, &[sound, any, deficient, swept, sweeps, lists_of(&law)], &most);
-    }
+fn solutions_in_the_plane_ask_what_they_did() {
+    let all: Vec<_> = laws()
+        .iter()
+        .map(|(name, law)| {
+            let mut counts = [lists_of(law); 8];
+            counts[..7].copy_from_slice(&solved_and_swept(name, law));
+            (*name, counts)
+        })
+        .collect();
+    check(&all, &PLANAR);
+}
+
+/// Questions of solutions with all blocks, of sweeps over sound and deficient ones, and the sweeps.
+fn solved_and_swept<const P: usize>(name: &str, law: &FrictionLaw<P>) -> [usize; 7]
+where
+    Law: From<FrictionLaw<P>>,
+{
+    let [sound, any, deficient] = BLOCKS.map(|block| solutions_of(name, law, block));
+    let [swept, sweeps] = sweeps_of(name, law, Block::Sound);
+    let [swept_deficient, sweeps_deficient] = sweeps_of(name, law, Block::Deficient);
+    [sound, any, deficient, swept, sweeps, swept_deficient, sweeps_deficient]
 }
 
 #[test]
-fn solutions_on_a_line_and_in_space_ask_no_more_than_they_did() {
+fn solutions_on_a_line_and_in_space_ask_what_they_did() {
     let convex = |a, b, c| Convex::from(Ellipsoid::new(Vector::<3>::new(a, b, c)).unwrap());
     let two = FrictionLaw::new(convex(0.6, 0.3, 0.2).into(), convex(0.5, 0.3, 0.3)).unwrap();
     let isotropic = FrictionLaw::<1>::isotropic(0.5).unwrap();
-    let line = BLOCKS.map(|block| solutions_of("line", &isotropic, block));
+    let line = solved_and_swept("line", &isotropic);
     let space = [
         ("ball", FrictionLaw::<3>::isotropic(0.5).unwrap()),
         ("ellipsoid", FrictionLaw::associated(convex(0.6, 0.3, 0.2))),
@@ -361,37 +427,71 @@ fn solutions_on_a_line_and_in_space_ask_no_more_than_they_did() {
             FrictionLaw::associated(CoulombContensou::new(0.4, Pressure::Hertz).unwrap().into()),
         ),
     ];
-    let space =
-        space.map(|(name, law)| (name, BLOCKS.map(|block| solutions_of(name, &law, block))));
-    for ((name, found), (same, most)) in [("line", line)].into_iter().chain(space).zip(OTHERS) {
-        assert_eq!(name, same);
-        check(name, &found, &most);
-    }
+    let space = space.map(|(name, law)| (name, solved_and_swept(name, &law)));
+    let all: Vec<_> = [("line", line)].into_iter().chain(space).collect();
+    check(&all, &OTHERS);
 }
 
 /// Isotropic friction, for which there are shortcuts, has the solutions of the same law without them.
 #[test]
 fn shortcuts_of_isotropic_friction_lead_to_its_solutions() {
     let law = FrictionLaw::<2>::isotropic(0.4).unwrap();
-    let (made, asked) = counted(&law);
+    let (made, asked) = counted(&law, 1.0);
     let (general, short) = (Law::from(made), Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap()));
     let mut random = Random::new(8);
     for of in [Block::Sound, Block::Any].into_iter().flat_map(situations) {
         for _ in 0..CASES {
             let case = case(&law, of, &mut random);
-            let found = solve(&case, &short, &asked, 1.0, 1.0);
-            let same = solve(&case, &general, &asked, 1.0, 1.0);
+            let found = solve(&case, &short, &asked, UNITS);
+            let same = solve(&case, &general, &asked, UNITS);
             assert_eq!((found.status, found.phase), (same.status, same.phase), "{of:?}");
             assert_eq!(found.ambiguous, same.ambiguous, "{of:?}");
             assert!(found.residual <= 4e-14, "{of:?}: {found:?}");
             for (a, b) in found.percussion.iter().zip(&same.percussion) {
                 assert!((a - b).abs() < 1e-8, "{of:?}: {found:?} {same:?}");
             }
-            assert_eq!(
-                solve(&case, &short, &asked, 4f64.powi(25), 2f64.powi(-30)),
-                found,
-                "{of:?}"
-            );
+            let units = Units { kg: 4f64.powi(25), speed: 2f64.powi(-30), ..UNITS };
+            assert_eq!(solve(&case, &short, &asked, units), found, "{of:?}");
         }
     }
+}
+
+/// Contacts in space that have no solution: what is spent on them is limited, by the sweeps as a whole as well, and every
+/// solve begins anew.
+#[test]
+fn what_is_spent_in_vain_is_limited() {
+    let convex = |a, b, c| Convex::from(Ellipsoid::new(Vector::<3>::new(a, b, c)).unwrap());
+    let (made, asked) = counted(&FrictionLaw::associated(convex(0.9, 0.8, 0.7)), 1.0);
+    let shared = Law::from(made);
+    // Friction pulls each contact in, as in Painlevé's paradox, and contacts influence each other a little.
+    let problem = |contacts: usize| {
+        let rows = 4 * contacts;
+        let mut delassus = DMatrix::identity(rows, rows) * 3.0;
+        let mut free = vec![0.0; rows];
+        for row in (0..rows).step_by(4) {
+            delassus[(row, row)] = 1.0;
+            (delassus[(row, row + 1)], delassus[(row + 1, row)]) = (2.0, 2.0);
+            (free[row], free[row + 1]) = (-1.0, 5.0);
+            (0..rows).step_by(4).filter(|other| *other != row).for_each(|other| {
+                delassus[(row, other)] = 1e-3;
+            });
+        }
+        let laws = (0..contacts).map(|_| (shared.clone(), NormalForce::Unilateral));
+        ContactProblem::new(delassus, free, laws).unwrap()
+    };
+    let spent = |contacts: usize, max_sweeps: usize, workspace: &mut Workspace| {
+        let problem = problem(contacts);
+        let mut memory = Memory::new(4 * contacts, contacts);
+        memory.states.fill(ContactState::new(Phase::Slip, [1.0, 0.2, 0.1]));
+        asked.store(0, Ordering::Relaxed);
+        let exact = Solver::Exact { max_sweeps };
+        let report = exact.solve(&problem, Stop::at(1e-10), &mut memory, workspace);
+        assert_ne!(report.status, Status::Converged, "{report:?}");
+        asked.load(Ordering::Relaxed)
+    };
+    let mut workspace = Workspace::default();
+    let alone = spent(1, 1, &mut workspace);
+    let [few, many] = [3, 60].map(|sweeps| spent(2, sweeps, &mut workspace));
+    check(&[("vain", [alone, few, many])], &[("vain", [8780, 1388, 6632])]);
+    assert_eq!(spent(2, 60, &mut workspace), many);
 }

@@ -126,8 +126,18 @@ fn degenerate_sets_are_refused() {
     }
     let custom = Star::Custom(asperity::set::CustomStar(std::sync::Arc::new(Flat)));
     let disk: Convex<2> = Ball::new(1.0).unwrap().into();
-    let error = FrictionLaw::new(custom, disk).unwrap_err();
+    let error = FrictionLaw::new(custom, disk.clone()).unwrap_err();
     assert_eq!(error.argument(), "reservoir");
+    // Without bound on one side.
+    #[derive(Debug)]
+    struct Half;
+    impl StarSet<2> for Half {
+        fn gauge(&self, x: &V) -> f64 {
+            x.x.max(0.0)
+        }
+    }
+    let custom = Star::Custom(asperity::set::CustomStar(std::sync::Arc::new(Half)));
+    assert_eq!(FrictionLaw::new(custom, disk).unwrap_err().argument(), "reservoir");
     assert!(Ellipse::new(V::new(0.0, 1.0)).is_err());
     assert!(Ball::new(f64::NAN).is_err());
 }
@@ -548,6 +558,10 @@ fn sliding_directions_are_told_within_the_tolerance() {
     assert_eq!(at(0.85, 0.1).unwrap(), V::zeros());
     assert_eq!(at(1.15, 0.1), Err(LawError::OutsideReservoir { gauge: 1.15 }));
     assert!(at(f64::NAN, 0.1).is_err());
+    // The tolerance itself is within.
+    for (gauge, tolerance) in [(1.0, 0.0), (0.75, 0.25), (1.25, 0.25)] {
+        assert_eq!(at(gauge, tolerance).unwrap(), V::new(1.0, 0.0), "{gauge}");
+    }
 }
 
 /// A direction set that is the reservoir but for its size, found by another way, is the reservoir to the bit; one that
@@ -567,6 +581,21 @@ fn direction_sets_equal_up_to_rounding_are_the_reservoir() {
     let disk: Convex<2> = Ball::new(0.3).unwrap().into();
     let law = FrictionLaw::new(reservoir.into(), disk.clone()).unwrap();
     assert_eq!((law.direction_scale(), law.direction()), (1.0, &disk));
+}
+
+/// A law takes another value of its own direction set as it is, and no other set.
+#[test]
+fn laws_hold_the_direction_set_that_they_are_given_again() {
+    let reservoir = flat_ellipse(0.6, 0.3, 40.0);
+    let law = FrictionLaw::new(reservoir.into(), flat_ellipse(3.0, 2.0, 0.0)).unwrap();
+    let scale = law.direction_scale();
+    let own = flat_ellipse(3.0 * scale, 2.0 * scale, 1e-15);
+    let again = law.with_direction(own.clone()).unwrap();
+    assert_eq!((again.direction(), again.direction_scale()), (&own, 1.0));
+    assert!((again.alpha_min() - law.alpha_min()).abs() < 1e-12 && !again.is_associated());
+    for other in [flat_ellipse(3.0, 2.0, 0.0), flat_ellipse(3.0 * scale, 2.01 * scale, 0.0)] {
+        assert!(matches!(law.with_direction(other), Err(LawError::Set(_))));
+    }
 }
 
 #[test]

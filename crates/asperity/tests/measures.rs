@@ -656,7 +656,7 @@ fn proofs_have_the_weights_of_the_balance_of_forces() {
         let closing: f64 = weights.iter().zip(&approach).map(|(d, v)| d * v).sum();
         assert!(closing > 0.0 && weights.iter().all(|d| *d > 0.0), "{weights:?}");
         let largest = weights.iter().copied().fold(0.0, f64::max);
-        for masses in [[1.0, 1.0], [1e-5, 1e4], [1e6, 1e-3]] {
+        for masses in [[1.0, 1.0], [1e-5, 1e4], [1e6, 1e-3], [1e10, 1.0], [1e-10, 1e-9]] {
             let problems = between_walls(angles, approach, masses);
             let open = between_walls(angles, approach.map(|v| v - closing - 1e-3), masses);
             for ((name, problem), (_, open)) in problems.iter().zip(&open) {
@@ -809,8 +809,9 @@ fn reported_residuals_are_those_of_the_percussions() {
             }
         };
         let count = 1 + k % 3;
+        // With a small force velocities, not percussions, are what the defect is compared with.
         let normal = |i: usize| match (k / 3 + i) % 3 {
-            0 => NormalForce::Prescribed(1.3),
+            0 => NormalForce::Prescribed([1.3, 1e-3][k % 2]),
             _ => NormalForce::Unilateral,
         };
         let contacts: Vec<(Law, NormalForce)> =
@@ -850,4 +851,92 @@ fn reported_residuals_are_those_of_the_percussions() {
         }
     }
     assert!(nonzero > 20, "{nonzero}");
+}
+
+/// A contact that has no solution with the percussions of the others, but with other ones: that is no proof.
+#[test]
+fn a_contact_that_others_can_help_is_not_said_to_have_no_solution() {
+    // Painlevé's rod, whose second contact can lift the first.
+    let mut delassus = DMatrix::from_row_slice(4, 4, &[0.0; 16]);
+    let own = [[1.0, 2.0], [2.0, 3.0]];
+    for i in 0..2 {
+        for j in 0..2 {
+            delassus[(i, j)] = own[i][j];
+        }
+    }
+    (delassus[(2, 2)], delassus[(3, 3)]) = (1.0, 1.0);
+    (delassus[(0, 2)], delassus[(2, 0)]) = (0.9, 0.9);
+    let law = || Law::from(FrictionLaw::<1>::isotropic(0.8).unwrap());
+    let contacts = [0, 1].map(|_| (law(), NormalForce::Unilateral));
+    for (last, helped) in [(-2.0, true), (1.0, false)] {
+        let free = vec![-1.0, 5.0, last, 0.0];
+        let problem = ContactProblem::new(delassus.clone(), free, contacts.clone()).unwrap();
+        let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
+        let exact = Solver::Exact { max_sweeps: 1 };
+        let report = exact.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+        let alone = workspace
+            .infeasibility()
+            .is_some_and(|proof| proof.kind == InfeasibilityKind::OneContact);
+        assert!(!alone, "{last}: {report:?}");
+        // With more sweeps the second contact lifts the first, which opens.
+        let exact = Solver::Exact { max_sweeps: 100 };
+        let report = exact.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
+        assert_eq!(report.status.name() == "converged", helped, "{last}: {report:?}");
+    }
+}
+
+/// More walls than the search for the nearest weights takes, whose loads are whole multiples of their scales: the proof
+/// comes from the percussions that have grown, and among few walls from any.
+#[test]
+fn proofs_do_not_need_percussions_that_run_away_exactly() {
+    for count in [3, 8, 60] {
+        for tangential in [1.0, 0.1, 30.0] {
+            let angle = |i: usize| TAU * (i / 2) as f64 / count as f64;
+            let row = |i: usize| match i % 2 {
+                0 => [angle(i).cos(), angle(i).sin()],
+                _ => [-angle(i).sin() * tangential, angle(i).cos() * tangential],
+            };
+            let delassus = DMatrix::from_fn(2 * count, 2 * count, |i, j| {
+                4.0 * (row(i)[0] * row(j)[0] + row(i)[1] * row(j)[1])
+            });
+            // √G_NN = 2.
+            let free: Vec<f64> = (0..2 * count)
+                .map(|i| if i % 2 == 0 { -2.0 * (1 + i % 3) as f64 } else { 0.0 })
+                .collect();
+            let law = || Law::from(FrictionLaw::<1>::isotropic(0.4).unwrap());
+            let contacts = (0..count).map(|_| (law(), NormalForce::Unilateral));
+            let problem = ContactProblem::new(delassus.clone(), free.clone(), contacts).unwrap();
+            for solver in [
+                Solver::Exact { max_sweeps: 400 },
+                Solver::Auto { interior_point: true, threads: 1 },
+            ] {
+                let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+                let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
+                assert_eq!(
+                    report.status.name(),
+                    "no_solution",
+                    "{count} {tangential} {solver:?} {report:?}"
+                );
+                let proof = workspace.infeasibility().unwrap();
+                assert_eq!(
+                    proof.kind,
+                    InfeasibilityKind::Closing,
+                    "{count} {tangential} {solver:?} {report:?}"
+                );
+                let d = nalgebra::DVector::from_column_slice(&proof.direction);
+                let brought = delassus.transpose() * &d;
+                for (j, velocity) in brought.iter().enumerate() {
+                    assert!(
+                        velocity.abs() <= 1e-14 * delassus[(j, j)].sqrt(),
+                        "{count}: {velocity:e}"
+                    );
+                }
+                close(d.sum(), 1.0);
+                close(
+                    proof.closing_velocity,
+                    -free.iter().zip(d.iter()).map(|(b, d)| b * d).sum::<f64>(),
+                );
+            }
+        }
+    }
 }

@@ -1336,3 +1336,194 @@ fn contacts_that_hardly_meet_are_solved_by_a_few_sweeps() {
         }
     }
 }
+
+/// All that a contact on a line may do, written out from its rows: `P_N` and `−P_T`; `None` where rounding decides.
+fn on_a_line(
+    problem: &DMatrix<f64>,
+    free: &[f64],
+    normal: Option<f64>,
+    ends: [f64; 2],
+) -> Option<Vec<(Phase, f64, f64)>> {
+    let mut all = Vec::new();
+    let mut clear = true;
+    let mut holds = |value: f64| {
+        clear &= value.abs() > 1e-6;
+        value > 0.0
+    };
+    if let Some(normal) = normal {
+        let (g, b) = (problem[(0, 0)], free[0]);
+        let [forward, backward] = ends.map(|end| b - g * end * normal);
+        match (holds(forward), holds(-backward)) {
+            (true, _) => all.push((Phase::Slip, normal, ends[0] * normal)),
+            (_, true) => all.push((Phase::Slip, normal, ends[1] * normal)),
+            _ => all.push((Phase::Stick, normal, b / g)),
+        }
+        return clear.then_some(all);
+    }
+    let [a, c, d, e] = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|place| problem[place]);
+    if holds(free[0]) {
+        all.push((Phase::Open, 0.0, 0.0));
+    }
+    let determinant = a * e - c * d;
+    let pressing = (c * free[1] - e * free[0]) / determinant;
+    let force = (a * free[1] - d * free[0]) / determinant;
+    if holds(pressing) && holds(ends[0] - force / pressing) && holds(force / pressing - ends[1]) {
+        all.push((Phase::Stick, pressing, force));
+    }
+    // Backwards first.
+    for (end, sign) in [(ends[1], -1.0), (ends[0], 1.0)] {
+        let pressing = -free[0] / (a - c * end);
+        let slip = free[1] + (d - e * end) * pressing;
+        if holds(pressing) && holds(sign * slip) {
+            all.push((Phase::Slip, pressing, end * pressing));
+        }
+    }
+    clear.then_some(all)
+}
+
+/// On a line all solutions are known in closed form, however friction and normal force are coupled.
+#[test]
+fn all_solutions_on_a_line_are_listed() {
+    let mut random = Random::new(47);
+    let mut counts = [0; 5];
+    for k in 0..6000 {
+        let ends = match k % 2 {
+            0 => [0.7, -0.7],
+            _ => [random.within(0.1, 2.0), -random.within(0.1, 2.0)],
+        };
+        let set = Interval::new(Vector::<1>::new(ends[1]), Vector::<1>::new(ends[0])).unwrap();
+        let law = Law::from(FrictionLaw::associated(Convex::from(set)));
+        let normal = (k % 5 == 0).then(|| random.within(0.1, 2.0));
+        let rows = if normal.is_some() { 1 } else { 2 };
+        let delassus = DMatrix::from_fn(rows, rows, |i, j| match i == j {
+            true => random.within(0.2, 2.0),
+            false => 2.0 * random.normal(),
+        });
+        let free: Vec<f64> = (0..rows).map(|_| random.normal()).collect();
+        let Some(known) = on_a_line(&delassus, &free, normal, ends) else { continue };
+        let kind = normal.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
+        let problem = ContactProblem::new(delassus, free, [(law, kind)]).unwrap();
+        let listed = solutions(&problem, 0, &vec![0.0; rows]).unwrap();
+        assert_eq!(listed.len(), known.len(), "{k}: {listed:?} instead of {known:?}");
+        counts[known.len()] += 1;
+        for (solution, (phase, pressing, force)) in listed.iter().zip(&known) {
+            assert_eq!(solution.phase, *phase, "{k}");
+            let percussion = &solution.percussion;
+            let off = (percussion[rows - 1] + force).abs();
+            assert!(off < 1e-9 * (1.0 + force.abs()), "{k}: {listed:?} instead of {known:?}");
+            if normal.is_none() {
+                assert!((percussion[0] - pressing).abs() < 1e-9 * (1.0 + pressing), "{k}");
+            }
+        }
+        let (mut memory, mut workspace) = (Memory::new(rows, 1), Workspace::default());
+        let exact = Solver::Exact { max_sweeps: 1 };
+        let report = exact.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
+        let status = if known.is_empty() { Status::NoSolution } else { Status::Converged };
+        assert_eq!((report.status, report.ambiguous), (status, known.len() > 1), "{k}");
+    }
+    assert!(counts[0] > 100 && counts[1] > 2000 && counts[2] > 20 && counts[3] > 100, "{counts:?}");
+}
+
+/// Stick on the border of the reservoir is slip with no velocity: one solution, not two.
+#[test]
+fn stick_on_the_border_is_listed_once_on_a_line() {
+    for coupling in [0.0, 0.25, -0.5] {
+        for sign in [1.0, -1.0] {
+            let law = Law::from(FrictionLaw::<1>::isotropic(0.5).unwrap());
+            let delassus = DMatrix::from_row_slice(2, 2, &[1.0, coupling, coupling, 2.0]);
+            // Percussions (1, ∓0.5) stop the contact.
+            let free = vec![-1.0 + 0.5 * sign * coupling, sign - coupling];
+            let contacts = [(law, NormalForce::Unilateral)];
+            let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+            let listed = solutions(&problem, 0, &[0.0; 2]).unwrap();
+            let phases: Vec<Phase> = listed.iter().map(|s| s.phase).collect();
+            assert_eq!(phases, [Phase::Stick], "{coupling} {sign}: {listed:?}");
+        }
+    }
+}
+
+/// Slip where friction nearly pulls the contact in: percussions and slip velocities come from small differences, and
+/// solve the problem to rounding nevertheless.
+#[test]
+fn slip_next_to_the_paradox_keeps_its_digits() {
+    let mut random = Random::new(53);
+    for (name, law) in laws().into_iter().take(4) {
+        let shared =
+            Law::from(FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap());
+        for k in 0..60 {
+            let direction = V::new(random.normal(), random.normal());
+            let force = law.force(&direction, 1.0).unwrap();
+            // The normal row sees a part δ of percussions of this slip.
+            let delta = 10f64.powf(random.within(-7.0, -3.0));
+            let row = force * (-(1.0 - delta) / force.norm_squared());
+            let mut delassus = DMatrix::identity(3, 3) * 0.3;
+            delassus[(0, 0)] = 1.0;
+            for i in 0..2 {
+                (delassus[(0, 1 + i)], delassus[(1 + i, 0)]) = (row[i], row[i]);
+                (0..2).for_each(|j| delassus[(1 + i, 1 + j)] += row[i] * row[j]);
+            }
+            let percussion = DVector::from_row_slice(&[1.0, force.x, force.y]);
+            let velocity = DVector::from_row_slice(&[0.0, direction.x, direction.y]);
+            let free = velocity - &delassus * percussion;
+            let contacts = [(shared.clone(), NormalForce::Unilateral)];
+            let problem =
+                ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
+            let listed = solutions(&problem, 0, &[0.0; 3]).unwrap();
+            assert!(!listed.is_empty(), "{name} {k}");
+            for solution in &listed {
+                assert!(residual(&problem, solution) < 1e-13, "{name} {k} {delta:e}: {solution:?}");
+            }
+            for (phase, slip) in
+                [(Phase::Unknown, [0.0; 3]), (Phase::Slip, [direction.x, direction.y, 0.0])]
+            {
+                let (mut memory, mut workspace) = (Memory::new(3, 1), Workspace::default());
+                memory.states[0] = ContactState::new(phase, slip);
+                let exact = Solver::Exact { max_sweeps: 1 };
+                let report = exact.solve(&problem, Stop::at(1e-12), &mut memory, &mut workspace);
+                assert_eq!(report.status, Status::Converged, "{name} {k} {delta:e}");
+                assert!(report.residual < 1e-13, "{name} {k} {delta:e}: {report:?}");
+            }
+        }
+    }
+}
+
+/// In space, too, a contact that could stick or slip goes on with what it did.
+#[test]
+fn contacts_in_space_go_on_with_what_they_did() {
+    let ellipsoid = |a, b, c| Convex::from(Ellipsoid::new(Vector::<3>::new(a, b, c)).unwrap());
+    let turn = nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 30f64.to_radians()).into_inner();
+    let reservoir = ellipsoid(0.6, 0.2, 0.3).mapped(&turn).unwrap();
+    let law = FrictionLaw::new(reservoir.into(), ellipsoid(3.0, 1.0, 1.5)).unwrap();
+    let shared =
+        Law::from(FrictionLaw::new(law.reservoir().clone(), law.direction().clone()).unwrap());
+    let mut random = Random::new(59);
+    let mut both = 0;
+    for _ in 0..2000 {
+        let direction = Vector::<3>::new(random.normal(), random.normal(), random.normal());
+        let slip = direction * (0.01 / direction.norm());
+        let force = law.force(&slip, 1.0).unwrap();
+        // G = I: stick needs the force that stops the slip as well.
+        let load = slip - force;
+        if law.reservoir().gauge(&load) > 0.999 {
+            continue;
+        }
+        both += 1;
+        let solve = |phase: Phase, last: Vector<3>| {
+            let state = ContactState::new(phase, last.into());
+            let problem = (DMatrix::identity(3, 3), load.as_slice().to_vec());
+            let normal = NormalForce::Prescribed(1.0);
+            solved_in_space(shared.clone(), normal, problem, state)
+        };
+        for phase in [Phase::Unknown, Phase::Stick] {
+            let memory = solve(phase, Vector::zeros());
+            assert_eq!(memory.states[0].phase, Phase::Stick, "{phase:?}");
+            let stopped = Vector::<3>::from_column_slice(&memory.percussion) + load;
+            assert!(stopped.norm() < 1e-14);
+        }
+        let memory = solve(Phase::Slip, slip);
+        assert_eq!(memory.states[0].phase, Phase::Slip);
+        let found = Vector::<3>::from_column_slice(&memory.percussion);
+        assert!((found - force).norm() < 1e-9, "{found} {force}");
+    }
+    assert!(both > 100, "{both}");
+}

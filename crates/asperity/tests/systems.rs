@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 
 use asperity::contact::Phase;
 use asperity::event;
-use asperity::law::FrictionLaw;
+use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
-    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, System, SystemError,
-    TimeDependence,
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, Normal, System,
+    SystemError, TimeDependence,
 };
 use nalgebra::DMatrix;
 
@@ -340,5 +340,86 @@ fn constancy_changes_no_step() {
             assert!(off < 1e-10, "step {step}: {off:e} m off");
         }
         assert!(phases.contains(&Phase::Slip) && phases.contains(&Phase::Stick));
+    }
+}
+
+/// All that a run shows of a step, and all that it hands over.
+fn shown(stepper: &mut Stepper<'_>, contacts: usize) -> String {
+    let report = stepper.step().unwrap();
+    let outputs: Vec<_> = (0..contacts).map(|i| stepper.output(i).unwrap()).collect();
+    format!("{report:?} {outputs:?} {:?}", stepper.state())
+}
+
+/// A stepper that begins again makes the steps of a new one, to the bit, whatever it did before; where that is possible
+/// without another contact problem, too.
+#[test]
+fn steppers_begin_again_as_new_ones() {
+    let ellipse = |a, b| Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap());
+    let turned = || ellipse(30.0, 10.0).rotated(0.5).unwrap();
+    let law = || FrictionLaw::new(turned().into(), ellipse(3.0, 1.0)).unwrap();
+    let falling = Stribeck::new(Fall::Exponential, 0.1, 0.7, 1.0, 0.0).unwrap();
+    let system = |contacts: usize, law: &dyn Fn() -> FrictionLaw<2>, gap: bool| {
+        let n = 3 * contacts;
+        let row = |contact: usize, k: usize| {
+            DMatrix::from_fn(n, 1, |i, _| [0.1, 1.0][usize::from(i == 3 * contact + k)])
+        };
+        let touching = (0..contacts).map(|contact| {
+            let direction = DMatrix::from_fn(n, 2, |i, j| row(contact, j)[i]);
+            let velocity = vec![-0.6, -0.0];
+            if gap {
+                let normal =
+                    Normal::Gap { direction: row(contact, 2).as_slice().to_vec(), gap: 0.0 };
+                let (law, restitution) = (law().into(), (0.0, 0.0));
+                Contact { law, direction, velocity, normal, restitution }
+            } else {
+                Contact { velocity, ..Contact::with_force(law(), direction, 1.0) }
+            }
+        });
+        let (mass, stiffness) = (DMatrix::identity(n, n), DMatrix::identity(n, n) * 100.0);
+        let force = (0..n).map(|i| if i % 3 == 2 { -3.0 } else { 0.0 }).collect();
+        LinearSystem::new(mass, stiffness, DMatrix::zeros(n, n), force, touching.collect()).unwrap()
+    };
+    let systems = [
+        (1, system(1, &law, false)),
+        (2, system(2, &law, false)),
+        (1, system(1, &|| law().with_rate(falling), false)),
+        (2, system(2, &law, true)),
+    ];
+    for ((contacts, system), solver) in
+        systems.iter().flat_map(|system| [EXACT, Solver::default()].map(|solver| (system, solver)))
+    {
+        let (contacts, n) = (*contacts, 3 * contacts);
+        let fresh = |state: &State| Stepper::new(system, solver, 1e-10, 1e-3, state).unwrap();
+        let at = |q: f64, u: f64| State::new(0.25, &vec![q; n], &vec![u; n]);
+        let mut other = fresh(&at(0.01, 1.0));
+        (0..300).for_each(|_| assert!(other.step().is_ok()));
+        let unknown = State { contacts: Vec::new(), ..other.state() };
+        let slower = State { dt: Some(2e-3), ..other.state() };
+        let states = [
+            at(0.0, 0.0),
+            at(-0.0, -0.0),
+            at(0.02, -3.0),
+            at(0.0, 0.6),
+            other.state(),
+            unknown,
+            slower,
+        ];
+        let mut stepper = fresh(&at(0.0, 5.0));
+        for (k, state) in states.iter().enumerate() {
+            (0..k * 40).for_each(|_| assert!(stepper.step().is_ok()));
+            stepper.restart(state).unwrap();
+            let mut new = fresh(state);
+            assert_eq!(format!("{:?}", stepper.state()), format!("{:?}", new.state()), "{k}");
+            for step in 0..150 {
+                let (again, new) = (shown(&mut stepper, contacts), shown(&mut new, contacts));
+                assert_eq!(again, new, "state {k}, step {step}, {solver:?}");
+            }
+        }
+        // What cannot be begun changes nothing.
+        let before = format!("{:?}", stepper.state());
+        let short = State::new(0.0, &[0.0], &[0.0]);
+        assert!(matches!(stepper.restart(&short), Err(StepError::Options(_))));
+        assert_eq!(format!("{:?}", stepper.state()), before);
+        assert!(stepper.step().is_ok());
     }
 }

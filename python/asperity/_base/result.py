@@ -6,14 +6,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.drawing import png
+from asperity._base.extras import library
 from asperity._base.tables import write_columns
 
 if TYPE_CHECKING:
@@ -190,9 +189,9 @@ class TableResult(Result):
         Raises:
             ImportError: without pandas, which ``pip install "asperity[pandas]"`` installs.
         """
-        library = _library("pandas")
+        pandas = library("pandas")
         index, *columns = self._table().columns().items()
-        return library.DataFrame(dict(columns), index=library.Index(index[1], name=index[0]))
+        return pandas.DataFrame(dict(columns), index=pandas.Index(index[1], name=index[0]))
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the arrays with names for their axes, and units and meanings as attributes.
@@ -200,7 +199,7 @@ class TableResult(Result):
         Raises:
             ImportError: without xarray, which ``pip install "asperity[xarray]"`` installs.
         """
-        library = _library("xarray")
+        xarray = library("xarray")
         table = self._table()
         coordinates: dict[str, Any] = {}
         for name, axis in table.axes.items():
@@ -216,7 +215,7 @@ class TableResult(Result):
             for name, series in table.series.items()
             if all(series.values.shape[1:])
         }
-        return library.Dataset(variables, coordinates, dict(table.facts))
+        return xarray.Dataset(variables, coordinates, dict(table.facts))
 
     def _attributes_of(self, table: Table, series: Series) -> dict[str, Any]:
         units = {unit for name in series.axes for unit in (table.axes[name].units or ())} or {
@@ -233,10 +232,3 @@ class TableResult(Result):
 def _attributes(unit: str, of: Axis | Series) -> dict[str, Any]:
     words = {"units": "1" if unit == NO_UNIT else unit, "long_name": of.description}
     return {name: word for name, word in words.items() if word}
-
-
-def _library(name: str) -> ModuleType:
-    try:
-        return import_module(name)
-    except ImportError:
-        raise ImportError(f'needs {name}: pip install "asperity[{name}]"', name=name) from None

@@ -14,6 +14,7 @@ from asperity.commands import (
     info,
     init,
     law,
+    parameter_sweep,
     scenario,
     sliding_stability,
     solve,
@@ -22,7 +23,18 @@ from asperity.commands import (
 from asperity.commands.options import INTERRUPTED, USER_ERROR
 from asperity.errors import AsperityError, ParameterError
 
-_VERBS = (identify, law, init, scenario, sliding_stability, track, solve, demo, info)
+_VERBS = (
+    identify,
+    law,
+    init,
+    scenario,
+    sliding_stability,
+    parameter_sweep,
+    track,
+    solve,
+    demo,
+    info,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,7 +67,10 @@ def _parser() -> argparse.ArgumentParser:
 
 def _explained(error: Exception, options: argparse.Namespace) -> str:
     if isinstance(error, ModuleNotFoundError):
-        extra = {"h5py": "data", "av": "video", "PIL": "video"}.get(error.name or "", "plot")
+        extras = {"h5py": "data", "av": "video", "PIL": "video", "xarray": "sweep", "zarr": "sweep"}
+        if error.name == "distributed":
+            return "distributed is missing: pip install distributed"
+        extra = extras.get(error.name or "", "plot")
         return f"{error.name} is missing: pip install 'asperity[{extra}]'"
     if isinstance(error, ParameterError):
         # In the words of the command line, if it is an option of it.

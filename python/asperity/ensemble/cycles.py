@@ -57,7 +57,7 @@ class CycleEnsemble(AnyEnsemble):
     """
 
     _endings = ("found", "none", "failed", "interrupted")
-    _noun = "search"
+    _noun, _plural = "search", "searches"
     _meanings: ClassVar[Mapping[str, Meaning]] = {
         "period": Meaning((), "s", "period of the cycle"),
         "minimum": Meaning(("coordinate",), "", "least coordinates"),

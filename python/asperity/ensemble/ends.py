@@ -66,7 +66,7 @@ class Ensemble(AnyEnsemble):
     """
 
     _endings = tuple(str(outcome) for outcome in OUTCOMES)
-    _noun = "run"
+    _noun, _plural = "run", "runs"
     _meanings: ClassVar[Mapping[str, Meaning]] = {
         "t": Meaning((), "s", "time at the end"),
         "q": Meaning(("coordinate",), "", "coordinates at the end"),

@@ -67,6 +67,7 @@ class AnyEnsemble(TableResult, Value):
     _endings: ClassVar[tuple[str, ...]]
     """The words for how a computation ends, by number."""
     _noun: ClassVar[str]
+    _plural: ClassVar[str]
     _descriptive = frozenset({"labels", "again"})
 
     shape: tuple[int, ...]
@@ -147,7 +148,7 @@ class AnyEnsemble(TableResult, Value):
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name} {n}" for name, n in zip(self.axes, self.shape, strict=True))
-        count = counted(len(self), self._noun)
+        count = counted(len(self), self._noun, self._plural)
         return f"<{type(self).__name__}: {count} ({sizes}), {self._ends()}>"
 
     def _ends(self) -> str:
@@ -165,7 +166,7 @@ class AnyEnsemble(TableResult, Value):
         return "\n".join(lines)
 
     def _sentences(self) -> Iterator[str]:
-        yield f"{counted(len(self), self._noun)}: {self._ends()}."
+        yield f"{counted(len(self), self._noun, self._plural)}: {self._ends()}."
 
     def _table(self) -> Table:
         """Return a row for each; the values that were replaced are columns."""
@@ -202,7 +203,7 @@ class AnyEnsemble(TableResult, Value):
             )
         facts: dict[str, str | int | float] = {
             "title": repr(self)[1:-1],
-            f"{self._noun}s": count,
+            self._plural: count,
             "failed": len(self.failures),
         }
         return Table(axes, series, facts)

@@ -74,7 +74,7 @@ class FrictionLaw(Questions):
             direction = reservoir
         elif core.direction_scale != 1.0:
             direction = direction.scaled(core.direction_scale)
-            core = _core.Law(reservoir._core, direction._core, factor)
+            core = core.with_direction(direction._core)
         self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
         self._keep(_core=core)
 

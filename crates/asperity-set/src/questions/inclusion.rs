@@ -1,12 +1,13 @@
 //! How large a set fits inside another.
 
-use super::form::{TurningDirections, ratio_in_closed_form};
+use super::closed_form::ratio_in_closed_form;
+use super::turning_directions::TurningDirections;
 use crate::numeric::vectors::along;
 use crate::{Cancelled, ConvexSet, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
-/// In closed form where there is one ([`ratio_in_closed_form`](super::ratio_in_closed_form)). Else, in the plane the
+/// In closed form where there is one ([`ratio_in_closed_form`]). Else, in the plane the
 /// boundary is scanned and every local maximum refined; in space the maxima are climbed from many directions.
 pub fn largest_scale_inside<const P: usize>(
     inner: &dyn ConvexSet<P>,

@@ -45,6 +45,10 @@ pub struct ContactState {
 }
 
 impl ContactState {
+    /// Nothing is known.
+    pub(crate) const UNKNOWN: Self =
+        Self { phase: Phase::Unknown, slip: [0.0; 3], earlier: [[0.0; 3]; 2], known: 0 };
+
     /// A state without further history.
     pub fn new(phase: Phase, slip: [f64; 3]) -> Self {
         Self { phase, slip, ..Self::default() }
@@ -130,6 +134,12 @@ impl Memory {
         if self.states.len() != other.states.len() {
             self.states.resize(other.states.len(), ContactState::default());
         }
+    }
+
+    /// Nothing remembered for a problem without contacts, with the buffers that are there.
+    pub(crate) fn clear(&mut self) {
+        self.percussion.clear();
+        self.states.clear();
     }
 
     /// Takes over what another one remembers, in the buffers that are there.

@@ -137,6 +137,33 @@ impl<const P: usize> FrictionLaw<P> {
         Ok(Self::associated(Ball::new(mu)?.into()))
     }
 
+    /// The same law that holds this set as *D*, which is its own up to rounding: for callers that keep a value of *D*
+    /// which they have scaled themselves by [`direction_scale`](Self::direction_scale).
+    ///
+    /// # Errors
+    ///
+    /// [`LawError::Set`] if the set is another one.
+    pub fn with_direction(&self, direction: Convex<P>) -> Result<Self, LawError> {
+        const SAME: f64 = 1e-9;
+        let near = |d: &Vector<P>| {
+            let own = self.direction.gauge(d);
+            (direction.gauge(d) - own).abs() <= SAME * own
+        };
+        if !directions(12).iter().all(near) {
+            let message = "must be the direction set of the law".into();
+            return Err(SetError::Shape { argument: "direction", message }.into());
+        }
+        Ok(Self {
+            reservoir: self.reservoir.clone(),
+            direction,
+            direction_scale: 1.0,
+            associated: self.associated,
+            rate: self.rate,
+            isotropic: self.isotropic,
+            searched: Searched::default(),
+        })
+    }
+
     /// The law whose force in slip is multiplied by a factor of the sliding speed; in stick all of `C`
     /// stays admissible.
     pub fn with_rate(self, rate: Stribeck) -> Self {
@@ -397,12 +424,20 @@ fn check_size<const P: usize>(
     argument: &'static str,
     set: &dyn StarSet<P>,
 ) -> Result<(), SetError> {
-    if matches!(set.form(), Form::Ellipsoid { .. } | Form::Powers { .. }) {
+    if has_closed_form(set) {
         return Ok(());
     }
     match probes().iter().map(|d| set.gauge(d)).find(|&k| !(k.is_finite() && k > 0.0)) {
         Some(gauge) => Err(SetError::Degenerate { argument, gauge }),
         None => Ok(()),
+    }
+}
+
+fn has_closed_form<const P: usize>(set: &dyn StarSet<P>) -> bool {
+    match set.form() {
+        Form::Ellipsoid { .. } | Form::Powers { .. } => true,
+        Form::Image { of, .. } => has_closed_form(of),
+        _ => false,
     }
 }
 

@@ -280,11 +280,11 @@ impl Walk {
                 integral += 0.5 * mean * share * width;
             }
         }
-        let first = self.tau[0];
+        // Spread from anywhere: the scale of *D* is free.
         let mut spread: Vec<(f64, Vector<2>)> = points
             .into_iter()
             .map(|(tau, phi, log)| {
-                let height = (log - integral * (tau - first) / (4.0 * PI)).exp();
+                let height = (log - integral * tau / (4.0 * PI)).exp();
                 (phi, Vector::<2>::new(height, height * (tau - 2.0 * phi).tan()))
             })
             .collect();
@@ -341,3 +341,6 @@ fn hull_heights(normals: &[Vector<2>], places: &[Vector<2>]) -> Vec<f64> {
     };
     normals.iter().map(highest).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -173,6 +173,17 @@ impl Workspace {
         }
     }
 
+    /// Buffers for this problem that know nothing of the problems before.
+    pub(crate) fn restart(&mut self, problem: &ContactProblem) {
+        self.ambiguous.clear();
+        self.velocity.clear();
+        self.infeasibility = None;
+        self.stages.clear();
+        self.before.clear();
+        self.methods = None;
+        self.prepare(problem);
+    }
+
     /// Brings the buffers up to date with the entries of the Delassus operator, whose pattern has not changed.
     #[inline(never)]
     pub(crate) fn refresh(&mut self, problem: &ContactProblem) {

@@ -158,6 +158,17 @@ impl Assembly {
         }
     }
 
+    /// Whether the contact problem of the first step from any state has the operator of the last one.
+    pub(super) fn is_reusable(&self) -> bool {
+        self.constant && self.has_mass
+    }
+
+    /// The same system in another state, where [`is_reusable`](Self::is_reusable).
+    pub(super) fn restart(&mut self, system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) {
+        self.midpoint.q.copy_from_slice(q);
+        self.midpoint.momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
+    }
+
     /// What the system carries from step to step besides coordinates and velocities.
     pub(super) fn momenta(&self) -> &[f64] {
         &self.midpoint.momenta
@@ -234,6 +245,10 @@ impl Assembly {
             self.fill(system, closed);
             closed.check_directions()?;
             self.constant = self.is_constant(system, closed);
+            if self.constant {
+                // No sum with a chord of zero tells zeros from their negatives any more.
+                self.chi.iter_mut().for_each(|chi| *chi += 0.0);
+            }
         }
         if closed.bounces() {
             closed.bounce(|row| self.slip[row]);

@@ -1,7 +1,7 @@
 //! The contacts that are closed at the midpoint, and their contact problem.
 
 use super::state::ContactMemory;
-use crate::contact::{ContactProblem, ContactRows, Delassus, Memory, Phase};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Delassus, Memory, Phase};
 use crate::system::{ContactLaw, System, SystemError};
 
 /// What has changed in the contact problem besides the velocities.
@@ -46,11 +46,14 @@ pub(super) struct Closed {
     pub(super) known: Vec<ContactMemory>,
 }
 
+/// Of a contact of which nothing is known.
+const NOTHING: ContactMemory =
+    ContactMemory { closed: true, state: ContactState::UNKNOWN, percussion: [0.0; 4] };
+
 impl Closed {
     /// Nothing but what contacts remember, which may be nothing.
     pub(super) fn new(system: &dyn System, known: &[ContactMemory]) -> Self {
         let contacts = system.contacts().len();
-        let nothing = ContactMemory { closed: true, ..ContactMemory::default() };
         Self {
             problem: ContactProblem::assemble([], Delassus::Blocks(Default::default())),
             active: Vec::with_capacity(contacts),
@@ -64,7 +67,26 @@ impl Closed {
             restitution: Vec::new(),
             bounces: false,
             before: Vec::new(),
-            known: if known.is_empty() { vec![nothing; contacts] } else { known.to_vec() },
+            known: if known.is_empty() { vec![NOTHING; contacts] } else { known.to_vec() },
+        }
+    }
+
+    /// The same contact problem in another run, of which contacts remember this, which may be nothing.
+    pub(super) fn restart(&mut self, known: &[ContactMemory]) {
+        if known.is_empty() {
+            self.known.fill(NOTHING);
+        } else {
+            self.known.copy_from_slice(known);
+        }
+        (self.renewed, self.moved) = (true, false);
+    }
+
+    /// What the closed contacts remember of a run before.
+    pub(super) fn recall(&self, memory: &mut Memory) {
+        memory.clear();
+        for (&contact, rows) in self.active.iter().zip(self.problem.contacts()) {
+            memory.states.push(self.known[contact].state);
+            memory.percussion.extend_from_slice(&self.known[contact].percussion[..rows.len()]);
         }
     }
 
@@ -139,12 +161,7 @@ impl Closed {
             known.state.phase = Phase::Open;
             known.percussion = [0.0; 4];
         }
-        memory.states.clear();
-        memory.percussion.clear();
-        for (&contact, rows) in self.active.iter().zip(self.problem.contacts()) {
-            memory.states.push(self.known[contact].state);
-            memory.percussion.extend_from_slice(&self.known[contact].percussion[..rows.len()]);
-        }
+        self.recall(memory);
     }
 
     /// Refuses directions that move nothing: they would make the friction force meaningless.

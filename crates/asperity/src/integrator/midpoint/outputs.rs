@@ -34,6 +34,12 @@ impl Outputs {
         }
     }
 
+    /// Before the first step of another run.
+    pub(super) fn restart(&mut self) {
+        self.phases.fill(Phase::Open);
+        self.rows.fill(None);
+    }
+
     /// Keeps what the closed contacts do, before the next step changes the contact problem.
     #[inline]
     pub(super) fn keep(

@@ -31,6 +31,14 @@ pub struct Stepper<'a> {
     pub(super) outputs: Outputs,
 }
 
+/// A state of a system, checked, in steps of length `dt` and with rotations of length one.
+fn checked(system: &dyn System, dt: f64, state: &State) -> Result<State, StepError> {
+    state.check(system)?;
+    let mut start = state.in_steps_of(dt);
+    rotation::normalise(system.rotations(), &mut start.q)?;
+    Ok(start)
+}
+
 impl<'a> Stepper<'a> {
     /// The scheme in a state: [`State::new`] of initial coordinates and velocities, or that in which another run has
     /// ended.
@@ -48,35 +56,67 @@ impl<'a> Stepper<'a> {
         state: &State,
     ) -> Result<Self, StepError> {
         options::check_steps(system, tolerance, dt)?;
-        state.check(system)?;
-        let State { origin, steps, mut q, u, contacts, momenta, .. } = state.in_steps_of(dt);
-        rotation::normalise(system.rotations(), &mut q)?;
-        let assembly = Assembly::new(system, &q, &u, momenta);
+        let start = checked(system, dt, state)?;
+        let contacts = system.contacts().len();
         let mut stepper = Self {
             system,
             solver,
             tolerance,
             dt,
-            origin,
-            steps,
-            q,
-            u,
-            closed: Closed::new(system, &contacts),
-            assembly,
+            origin: start.origin,
+            steps: start.steps,
+            closed: Closed::new(system, &start.contacts),
+            assembly: Assembly::new(system, &start.q, &start.u, start.momenta),
+            q: start.q,
+            u: start.u,
             memory: Memory::default(),
             before: Memory::default(),
             workspace: Workspace::default(),
-            outputs: Outputs::new(system.contacts().len()),
+            outputs: Outputs::new(contacts),
         };
-        if contacts.is_empty() {
-            for contact in 0..system.contacts().len() {
-                let slip = stepper.slip(contact)?;
-                if slip.iter().any(|&v| v != 0.0) {
-                    stepper.closed.known[contact].state = ContactState::new(Phase::Slip, slip);
-                }
-            }
+        if start.contacts.is_empty() {
+            stepper.find_first_slips()?;
         }
         Ok(stepper)
+    }
+
+    /// The same scheme in another state: what follows is the same to the bit as after [`new`](Self::new), for less where
+    /// the contact problem of the next step has the operator of the last one.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Options`] if the state is not one of this system; the stepper is then what it was. As
+    /// [`new`](Self::new) if the system fails.
+    pub fn restart(&mut self, state: &State) -> Result<(), StepError> {
+        if !(self.closed.ready && self.assembly.is_reusable()) {
+            let Self { system, solver, tolerance, dt, .. } = *self;
+            *self = Self::new(system, solver, tolerance, dt, state)?;
+            return Ok(());
+        }
+        let start = checked(self.system, self.dt, state)?;
+        (self.origin, self.steps) = (start.origin, start.steps);
+        self.closed.restart(&start.contacts);
+        self.assembly.restart(self.system, &start.q, &start.u, start.momenta);
+        (self.q, self.u) = (start.q, start.u);
+        if start.contacts.is_empty() {
+            self.find_first_slips()?;
+        }
+        self.closed.recall(&mut self.memory);
+        self.before.clear();
+        self.workspace.restart(&self.closed.problem);
+        self.outputs.restart();
+        Ok(())
+    }
+
+    /// The contacts that slip in a state of which nothing else is known.
+    fn find_first_slips(&mut self) -> Result<(), StepError> {
+        for contact in 0..self.system.contacts().len() {
+            let slip = self.slip(contact)?;
+            if slip.iter().any(|&v| v != 0.0) {
+                self.closed.known[contact].state = ContactState::new(Phase::Slip, slip);
+            }
+        }
+        Ok(())
     }
 
     /// The present state with all that a run needs that goes on from here.

@@ -84,26 +84,35 @@ fn ambiguous_gauges(
         let size = pair[0].x.norm();
         // Geometric beyond the size of the set; what lies farther counts as infinitely far.
         let last = reach.min(1e6 * size);
-        let at = |node: &Node, k: i32| {
+        let along = |k: i32| {
             let s = if last > size {
                 1.4_f64.powi(k) - 1.0
             } else {
                 f64::from(k) * last / (24.0 * size)
             };
-            node.x + node.point.normal * (s * size).min(last)
+            (s * size).min(last)
         };
         let steps = if last > size { (last / size + 1.0).log(1.4).ceil() as i32 } else { 24 };
-        for k in 0..steps {
-            let [a, b] = [0, 1].map(|n| [at(&pair[n], k), at(&pair[n], k + 1)]);
-            for (from, to) in [(a[0], a[1]), (b[0], b[1]), (a[0], b[0]), (a[1], b[1])] {
-                cover(&mut sectors, reservoir, &from, &to);
+        let at = |node: &Node, s: f64| Load::new(reservoir, node.x + node.point.normal * s);
+        // Of what lies within a step, per length.
+        let dips = [0, 1].map(|i| dip(reservoir, &pair[i].point.normal));
+        let mut from = [0, 1].map(|i| at(&pair[i], 0.0));
+        let mut before = 0.0;
+        across(&mut sectors, reservoir, &from);
+        for k in 1..=steps {
+            let s = along(k);
+            let to = [0, 1].map(|i| at(&pair[i], s));
+            for i in 0..2 {
+                cover(&mut sectors, &from[i], &to[i], (s - before) * dips[i]);
             }
+            across(&mut sectors, reservoir, &to);
+            (from, before) = (to, s);
         }
         if last < reach {
             for node in pair {
-                let beyond = at(node, steps);
+                let beyond = node.x + node.point.normal * along(steps);
                 let far = Gauges { low: 1.0, ..Gauges::ALL };
-                mark(&mut sectors, &beyond, &node.point.normal, far);
+                mark(&mut sectors, sector(&beyond), sector(&node.point.normal), far);
             }
         }
     }
@@ -133,18 +142,38 @@ fn reach(pair: &[Node], reservoir: &Star<2>, direction: &Convex<2>) -> f64 {
     reach
 }
 
-/// Joins the gauges on a segment to all sectors that it crosses.
-fn cover(sectors: &mut [Gauges; SECTORS], reservoir: &Star<2>, from: &Vector<2>, to: &Vector<2>) {
-    let (first, last) = (reservoir.gauge(from), reservoir.gauge(to));
-    let step = to - from;
-    let dip = reservoir.gauge(&step).max(reservoir.gauge(&-step));
-    let between = Gauges { low: first.min(last) - dip, high: first.max(last) + dip };
-    mark(sectors, from, to, between);
+/// A load with its gauge and its sector.
+#[derive(Debug, Clone, Copy)]
+struct Load {
+    y: Vector<2>,
+    gauge: f64,
+    sector: usize,
 }
 
-/// Joins an interval to all sectors from one ray to another, the short way, and one more at each end.
-fn mark(sectors: &mut [Gauges; SECTORS], from: &Vector<2>, to: &Vector<2>, interval: Gauges) {
-    let (a, b) = (sector(from), sector(to));
+impl Load {
+    fn new(reservoir: &Star<2>, y: Vector<2>) -> Self {
+        Self { y, gauge: reservoir.gauge(&y), sector: sector(&y) }
+    }
+}
+
+/// By how much a convex gauge may be below and above its values at the ends of a segment.
+fn dip(reservoir: &Star<2>, segment: &Vector<2>) -> f64 {
+    reservoir.gauge(segment).max(reservoir.gauge(&-segment))
+}
+
+/// Joins the gauges between two neighbouring rays to all sectors that lie between them.
+fn across(sectors: &mut [Gauges; SECTORS], reservoir: &Star<2>, [from, to]: &[Load; 2]) {
+    cover(sectors, from, to, dip(reservoir, &(to.y - from.y)));
+}
+
+/// Joins the gauges on a segment to all sectors that it crosses.
+fn cover(sectors: &mut [Gauges; SECTORS], from: &Load, to: &Load, dip: f64) {
+    let (low, high) = (from.gauge.min(to.gauge) - dip, from.gauge.max(to.gauge) + dip);
+    mark(sectors, from.sector, to.sector, Gauges { low, high });
+}
+
+/// Joins an interval to all sectors from one to another, the short way, and one more at each end.
+fn mark(sectors: &mut [Gauges; SECTORS], a: usize, b: usize, interval: Gauges) {
     let ahead = (b + SECTORS - a) % SECTORS;
     let (start, count) = if ahead <= SECTORS / 2 { (a, ahead) } else { (b, SECTORS - ahead) };
     for k in 0..count + 3 {

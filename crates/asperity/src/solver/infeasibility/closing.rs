@@ -64,7 +64,7 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
     support.retain(|(_, d)| d.is_finite());
     trim(&mut support);
     polish(problem, support.clone()).or_else(|| {
-        let searched = if all.len() <= MOST_SEARCHED { all } else { support };
+        let searched = [all, support].into_iter().find(|s| s.len() <= MOST_SEARCHED)?;
         polish(problem, nearest(problem, &searched)?)
     })
 }
@@ -97,9 +97,6 @@ fn polish(problem: &ContactProblem, mut weights: Weights) -> Option<Infeasibilit
 /// Weights `d ≥ 0` that minimise `‖Gᵀd‖² + (1 + d·(b + e γ_B))²` in scaled rows and velocities: zero where there is a
 /// proof.
 fn nearest(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Weights> {
-    if support.is_empty() || support.len() > MOST_SEARCHED {
-        return None;
-    }
     let matrix = scaled(problem, support);
     let loads = support.iter().map(|&(i, _)| problem.load(i)[0] / scale_of(problem, i));
     let loads: Vec<f64> = loads.collect();

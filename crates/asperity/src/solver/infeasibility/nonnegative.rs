@@ -11,41 +11,44 @@ use crate::linear::LeastNorm;
 /// so far where the active sets do not settle.
 pub(crate) fn least_squares(a: &DMatrix<f64>, f: &DVector<f64>) -> Option<Vec<f64>> {
     let n = a.ncols();
-    let (mut x, mut free) = (vec![0.0; n], Vec::new());
+    let mut x = vec![0.0; n];
+    let mut free: Vec<usize> = Vec::new();
     let mut driven_back = vec![false; n];
     let small = 1e-12 * a.norm() * f.norm();
+    let solve = |free: &[usize]| Some(LeastNorm::new(a.select_columns(free), 1e-14)?.solve(f));
     for _ in 0..3 * n {
         let gradient = a.tr_mul(&(f - a * DVector::from_column_slice(&x)));
         let held = (0..n).filter(|j| !free.contains(j) && !driven_back[*j]);
         let steepest = held.max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
         let Some(next) = steepest.filter(|&j| gradient[j] > small) else { break };
         free.push(next);
-        let solved = LeastNorm::new(a.select_columns(&free), 1e-14)?.solve(f);
+        let mut solved = solve(&free)?;
         if !(solved[free.len() - 1] > 0.0) {
             free.pop();
             driven_back[next] = true;
             continue;
         }
         driven_back.fill(false);
-        loop {
-            let solved = LeastNorm::new(a.select_columns(&free), 1e-14)?.solve(f);
-            if solved.iter().all(|v| *v > 0.0) {
-                free.iter().zip(&solved).for_each(|(&j, v)| x[j] = *v);
-                break;
-            }
-            // As far towards the solution as all unknowns stay positive; those that vanish are held.
-            let negative = free.iter().zip(&solved).filter(|(_, v)| **v <= 0.0);
-            let length = negative.map(|(&j, v)| x[j] / (x[j] - v)).fold(1.0, f64::min);
+        while let Some(length) = until_one_vanishes(free.iter().map(|j| x[*j]).zip(&solved)) {
+            // Those that vanish are held.
             free.iter().zip(&solved).for_each(|(&j, v)| x[j] += length * (v - x[j]));
             let largest = x.iter().fold(0.0, |m: f64, v| m.max(*v));
             free.retain(|&j| x[j] > 1e-14 * largest);
-            (0..n).filter(|j| !free.contains(j)).for_each(|j| x[j] = 0.0);
             if free.is_empty() {
                 break;
             }
+            solved = solve(&free)?;
         }
+        x.fill(0.0);
+        free.iter().zip(&solved).for_each(|(&j, v)| x[j] = *v);
     }
     Some(x)
+}
+
+/// The part of the way from positive unknowns to others on which all stay positive; `None` if that is the whole way.
+fn until_one_vanishes<'a>(pairs: impl Iterator<Item = (f64, &'a f64)>) -> Option<f64> {
+    let parts = pairs.filter(|(_, end)| **end <= 0.0).map(|(start, end)| start / (start - end));
+    parts.min_by(f64::total_cmp)
 }
 
 #[cfg(test)]
@@ -71,6 +74,14 @@ mod tests {
                 for (x, slope) in x.iter().zip(&gradient) {
                     assert!(*x >= 0.0 && *slope <= scale, "{rows} {columns}: {x} {slope}");
                     assert!(*x == 0.0 || slope.abs() <= scale, "{rows} {columns}: {x} {slope}");
+                }
+                let large = 2f64.powi(30);
+                for (unit, of_f) in
+                    [(large, 1.0), (1.0 / large, 1.0), (1.0, large), (1.0, 1.0 / large)]
+                {
+                    let other = least_squares(&(&a * unit), &(&f * of_f)).unwrap();
+                    let same = other.iter().map(|x| x * unit / of_f);
+                    assert!(same.eq(x.iter().copied()), "{rows} {columns}: {other:?} {x:?}");
                 }
             }
         }

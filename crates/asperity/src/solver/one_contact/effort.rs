@@ -37,11 +37,6 @@ impl Effort {
         Self { evaluations: ALL_OF_ONE, each: ONE_OF_MANY, attempts: ALL_ATTEMPTS, walks: WALKS }
     }
 
-    /// For a look at a contact that is solved already.
-    pub(crate) fn none() -> Self {
-        Self { evaluations: 0, each: 0, ..Self::in_sweeps() }
-    }
-
     /// Whether the boundary may be walked along once more.
     pub(crate) fn walk(&mut self) -> bool {
         let may = self.walks > 0;

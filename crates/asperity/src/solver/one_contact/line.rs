@@ -2,7 +2,6 @@
 
 use asperity_set::{StarSet, Vector};
 
-use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection};
 use crate::contact::{ContactState, Phase};
 
@@ -14,27 +13,18 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
     }
     let stick = local.any_stick();
     let (c0, a) = local.affine();
-    let sign = local.sign();
     let slip = |direction: f64| {
         let end = Vector::<1>::new(direction);
         let x = end / local.law.reservoir().gauge(&end);
         let v = c0 - a * x;
-        let resistance = sign * local.denominator(&x);
         let admissible =
-            sign * direction * v[0] > 0.0 && resistance > local.vanishing_denominator(x.amax());
+            direction * v[0] > 0.0 && local.denominator(&x) > local.vanishing_denominator(x.amax());
         // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
         let loaded = local.prescribed.is_some() || local.b_n != 0.0;
         let solution = local.slip(&x, &v, false);
         // On the boundary of the reservoir slip with vanishing velocity is stick.
         let distinct = stick.is_none() || solution.slip[0].abs() > 1e-12 * local.b_t[0].abs();
-        if !(admissible && loaded && distinct) {
-            return None;
-        }
-        if resistance > local.least_denominator() {
-            Some(solution)
-        } else {
-            local.refined(&solution)
-        }
+        (admissible && loaded && distinct).then_some(solution)
     };
     let all = [open, stick, slip(-1.0), slip(1.0)];
     match all.iter().any(Option::is_some) {
@@ -44,11 +34,7 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
 }
 
 /// The solution that continues `state`.
-pub(crate) fn solve(
-    local: &Local<'_, 1>,
-    state: &ContactState,
-    effort: &mut Effort,
-) -> Option<Selection<1>> {
+pub(crate) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Selection<1>> {
     let all = solutions(local);
     let blank = LocalSolution { phase: Phase::Unknown, ..local.open() };
     let mut found = [blank; 4];
@@ -57,9 +43,7 @@ pub(crate) fn solve(
         found[count] = solution;
         count += 1;
     }
-    let Some(solution) = local.select(&found[..count], state) else {
-        return local.rescued(state, effort);
-    };
+    let solution = local.select(&found[..count], state)?;
     let continuum = found[..count].iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: count > 1 || continuum })
 }

@@ -7,7 +7,6 @@ use super::effort::Effort;
 use super::single::{self, Graded, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
-use crate::solver::measure::natural_residual::ROUNDED;
 
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
 const NEAR: f64 = 1e-3;
@@ -125,29 +124,39 @@ impl<'a, const P: usize> Local<'a, P> {
         Self { law, block, prescribed, b_n, b_t }
     }
 
-    /// `(c₀, A)` with the slip velocity `v(x) = c₀ − A x`, up to the positive or negative factor
-    /// [`denominator`](Self::denominator).
+    /// `(c₀, A)` with the slip velocity `v(x) = c₀ − A x`, up to the factor [`denominator`](Self::denominator), which is
+    /// positive where a normal force presses.
     #[inline]
     pub(crate) fn affine(&self) -> (Vector<P>, Matrix<P>) {
         let block = self.block;
         let g_tt = cut_matrix(&block.g_tt);
         match self.prescribed {
             Some(normal) => (self.b_t, g_tt * normal),
-            None => (
-                self.b_t * block.g_nn - cut::<P>(&block.g_tn) * self.b_n,
-                self.b_t * cut::<P>(&block.g_nt).transpose() - g_tt * self.b_n,
-            ),
+            None => {
+                let (pressure, (g_nn, g_nt)) = (self.b_n.abs(), self.normal_row());
+                (
+                    self.b_t * g_nn + cut::<P>(&block.g_tn) * pressure,
+                    self.b_t * g_nt.transpose() + g_tt * pressure,
+                )
+            }
         }
     }
 
-    /// `g_NN − G_NT x`, one for a prescribed normal force: `P_N = −b_N/den`, `γ = v/den`.
+    /// `∓(g_NN − G_NT x)` with the sign of `b_N`, one for a prescribed normal force: `P_N = |b_N|/den`, `γ = v/den`.
     #[inline]
     pub(crate) fn denominator(&self, x: &Vector<P>) -> f64 {
         if self.prescribed.is_some() {
-            1.0
-        } else {
-            self.block.g_nn - cut::<P>(&self.block.g_nt).dot(x)
+            return 1.0;
         }
+        let (g_nn, g_nt) = self.normal_row();
+        g_nn - g_nt.dot(x)
+    }
+
+    /// `∓(g_NN, G_NT)`: a normal force presses where `g_NN − G_NT x` has the sign of `−b_N`.
+    #[inline]
+    fn normal_row(&self) -> (f64, Vector<P>) {
+        let sign = -self.b_n.signum();
+        (self.block.g_nn * sign, cut::<P>(&self.block.g_nt) * sign)
     }
 
     /// The denominator above which `c₀ − A x` over it keeps twelve digits.
@@ -165,17 +174,11 @@ impl<'a, const P: usize> Local<'a, P> {
         }
     }
 
-    /// The sign that the denominator and `n·v` must have in slip.
-    #[inline]
-    pub(crate) fn sign(&self) -> f64 {
-        if self.prescribed.is_none() && self.b_n > 0.0 { -1.0 } else { 1.0 }
-    }
-
     /// The slip solution with `−P_T = P_N x`.
     #[inline(always)]
     pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
         let denominator = self.denominator(x);
-        let normal = self.prescribed.unwrap_or(-self.b_n / denominator);
+        let normal = self.prescribed.unwrap_or(self.b_n.abs() / denominator);
         let tangent = x * -normal;
         let slip = v * (1.0 / denominator);
         LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }
@@ -313,34 +316,6 @@ impl<'a, const P: usize> Local<'a, P> {
         };
         let (normal, tangent) = (single.normal(p), single.tangent(p));
         LocalSolution { phase, normal, tangent, slip, degenerate: found.degenerate }
-    }
-
-    /// The solution of a contact whose block is not sound and for which the closed forms have found none.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn rescued(
-        &self,
-        state: &ContactState,
-        effort: &mut Effort,
-    ) -> Option<Selection<P>> {
-        if self.block.sound {
-            return None;
-        }
-        let single = self.single();
-        let stick = single.stick();
-        let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
-        let starts = [
-            stick.map_or(ContactVector::zeros(), |found| found.percussion),
-            single.slipping(&last),
-        ];
-        let known = if last.amax() > 0.0 { &starts[..] } else { &starts[..1] };
-        let found = single.search(known, effort).into_iter().chain(stick);
-        let best = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
-        let phase = single.phase(&best.percussion).0;
-        (best.defect <= ROUNDED).then(|| Selection {
-            solution: self.with_phase(&single, &best, phase),
-            ambiguous: best.degenerate,
-        })
     }
 
     /// Slip found by Newton's method on all rows together, from sliding along a velocity.

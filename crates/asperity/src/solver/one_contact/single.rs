@@ -20,12 +20,9 @@ type V = ContactVector;
 // four decades, laws of space and of sets with corners, and so were those of `hull.rs`; `REGULAR`, `SMALL` and `STOPPED`
 // were divided and multiplied by ten: 387 are solved and 5 proven to have no solution, unless it is said.
 
-/// Newton iterations from one start, halvings of a step, rounds of prox iterations, iterations in one. With 40 halvings
-/// two contacts fewer are solved.
+/// Newton iterations from one start, halvings of a step. With 40 halvings two contacts fewer are solved.
 const ITERATIONS: usize = 40;
 const HALVINGS: usize = 10;
-const ROUNDS: usize = 12;
-const PROX: usize = 50;
 /// Proximal points.
 const PROXIMAL: usize = 60;
 /// Steps of refinement of a solution that is known already.
@@ -287,7 +284,7 @@ impl<'a, const P: usize> Single<'a, P> {
                 }
                 let next = velocity + step * length;
                 let there = self.astray(&next)?;
-                if there.2.norm() < (1.0 - 1e-4 * length) * distance {
+                if there.2.norm() < distance {
                     velocity = next;
                     (percussion, denominator, off) = there;
                     break;
@@ -299,10 +296,10 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// What the natural map is a function of.
-    fn point<'p>(&self, p: &'p V, xi: &'p V, rho: Rho) -> ContactPoint<'p> {
+    fn point<'p>(&self, p: &'p V, xi: &'p V) -> ContactPoint<'p> {
         let prescribed = self.normal.prescribed();
         let (percussion, xi) = (&p.as_slice()[..self.len()], &xi.as_slice()[..self.len()]);
-        ContactPoint { prescribed, rho, percussion, xi }
+        ContactPoint { prescribed, rho: self.rho, percussion, xi }
     }
 
     /// `F` and its Jacobian `A + B G`.
@@ -311,16 +308,16 @@ impl<'a, const P: usize> Single<'a, P> {
         let (mut f, mut a, mut b) = (V::zeros(), ContactMatrix::zeros(), ContactMatrix::zeros());
         let out = &mut f.as_mut_slice()[..len];
         let derivatives = law::Derivatives { a: &mut a, b: &mut b };
-        law::natural_map(self.law, self.point(p, &xi, self.rho), out, Some(derivatives));
+        law::natural_map(self.law, self.point(p, &xi), out, Some(derivatives));
         let mut matrix = a + b * self.g;
         (len..4).for_each(|i| matrix[(i, i)] = 1.0);
         (f, matrix)
     }
 
-    fn map(&self, p: &V, rho: Rho) -> V {
+    fn map(&self, p: &V) -> V {
         let (xi, mut f) = (self.velocity(p), V::zeros());
         let out = &mut f.as_mut_slice()[..self.len()];
-        law::natural_map(self.law, self.point(p, &xi, rho), out, None);
+        law::natural_map(self.law, self.point(p, &xi), out, None);
         f
     }
 
@@ -338,7 +335,7 @@ impl<'a, const P: usize> Single<'a, P> {
             if !left.take() {
                 break;
             }
-            while !(self.map(&next, self.rho).norm() < (1.0 - 1e-4 * length) * norm) {
+            while !(self.map(&next).norm() < norm) {
                 length *= 0.5;
                 if length < 0.5_f64.powi(HALVINGS as i32) || !left.take() {
                     // Rounding ends the descent.
@@ -393,25 +390,6 @@ impl<'a, const P: usize> Single<'a, P> {
         found
     }
 
-    /// Prox iterations with steps that shrink, Newton's method after each round.
-    fn prox(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
-        let scale = 1.0 / (self.g.norm() * self.rho.normal.max(self.rho.tangent));
-        for round in 0..ROUNDS {
-            let factor = scale * 0.7_f64.powi(round as i32);
-            let rho = Rho { normal: self.rho.normal * factor, tangent: self.rho.tangent * factor };
-            for _ in 0..PROX {
-                if !left.take() {
-                    return None;
-                }
-                p -= self.map(&p, rho);
-            }
-            if let Some(found) = self.newton(p, left) {
-                return Some(found);
-            }
-        }
-        None
-    }
-
     /// Newton's method where the block is singular: on `G + εI` with the load `b − εP`, which the solution of the
     /// singular problem satisfies too. Small ε are long steps.
     fn proximal_point(&self, mut p: V, left: &mut Evaluations) -> Option<V> {
@@ -434,10 +412,9 @@ impl<'a, const P: usize> Single<'a, P> {
         None
     }
 
-    /// Percussions that solve the contact, by every means there is: from a start, from sliding all around,
-    /// by prox iterations and proximal points, as far as the effort goes. What has the least defect, which may be
-    /// large.
-    pub(crate) fn search(&self, first: &[V], effort: &mut Effort) -> Option<Graded> {
+    /// Percussions that solve the contact, by every means there is: from a start, from sliding all around, over hulls
+    /// and by proximal points, as far as the effort goes. What has the least defect, which may be large.
+    pub(crate) fn search(&self, first: V, effort: &mut Effort) -> Option<Graded> {
         let mut left = effort.search();
         let mut best: Option<Graded> = None;
         let mut keep = |p: V| {
@@ -448,33 +425,27 @@ impl<'a, const P: usize> Single<'a, P> {
             found.defect <= FOUND
         };
         let free = self.tangent(&self.b);
-        let starts = [self.slipping(&free), V::zeros()];
-        let all = first.iter().copied().chain(starts);
-        if all.filter_map(|p| self.newton(p, &mut left)).any(&mut keep) {
+        let starts = [first, self.slipping(&free), V::zeros()];
+        if starts.into_iter().filter_map(|p| self.newton(p, &mut left)).any(&mut keep) {
             return best;
         }
-        if P > 2 && self.over_hulls(&mut left, &mut keep) {
+        if self.over_hulls(&mut left, &mut keep) {
             return best;
         }
-        // In turns, so that neither takes all evaluations; on a line there are two normals only.
+        // In turns, so that neither takes all evaluations.
         for n in std::iter::once(free).chain(around()) {
             if !left.are_left() {
                 break;
             }
-            if P > 1 && self.along_slips(&n, &mut left).is_some_and(&mut keep) {
+            if self.along_slips(&n, &mut left).is_some_and(&mut keep) {
                 return best;
             }
             if self.newton(self.slipping(&n), &mut left).is_some_and(&mut keep) {
                 return best;
             }
         }
-        let start = first.first().copied().unwrap_or_default();
-        for far in [Self::proximal_point, Self::prox] {
-            if let Some(p) = far(self, start, &mut left)
-                && keep(p)
-            {
-                return best;
-            }
+        if self.proximal_point(first, &mut left).is_some_and(&mut keep) {
+            return best;
         }
         effort.failed(left);
         best
@@ -683,5 +654,21 @@ impl<'a, const P: usize> Single<'a, P> {
             }
         }
         inside + (end - inside) * low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every direction to a face, an edge or a corner of a cube, once.
+    #[test]
+    fn directions_are_all_around() {
+        let mut all: Vec<[i8; 3]> =
+            around::<3>().map(|v| [v.x, v.y, v.z].map(|c| c as i8)).collect();
+        assert!(all.iter().flatten().all(|c| (-1..=1).contains(c)) && !all.contains(&[0; 3]));
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 26);
     }
 }

@@ -108,7 +108,7 @@ impl<'a> OneContact<'a> {
     ) -> Option<Found> {
         let history = start.history;
         by_dimension!(self,
-            Line(local) => Some(keep(&line::solve(local, history, effort)?, percussion)),
+            Line(local) => Some(keep(&line::solve(local, history)?, percussion)),
             Plane(local) => {
                 let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
                 let buffer = &mut candidates.planar;
@@ -117,7 +117,7 @@ impl<'a> OneContact<'a> {
                     if let Some(solution) = plane::fast(local, guess) {
                         return Some(keep(&Selection { solution, ambiguous: false }, percussion));
                     }
-                    let found = plane::select_among_all(*local, history, buffer, effort)?;
+                    let found = plane::select_among_all(*local, history, buffer)?;
                     return Some(keep(&found, percussion));
                 }
                 let solution = plane::first_found(local, history, guess, buffer, effort)?;
@@ -136,13 +136,12 @@ impl<'a> OneContact<'a> {
         if largest(&self.held) <= ROUNDING * largest(&self.problem.load(self.contact)) {
             return false;
         }
-        let effort = &mut Effort::none();
         by_dimension!(self,
-            Line(local) => line::solve(local, state, effort).is_some_and(|s| s.ambiguous),
+            Line(local) => line::solve(local, state).is_some_and(|s| s.ambiguous),
             Plane(local) => {
                 let guess = || guess(local, state.ahead());
                 plane::fast(local, guess).is_none()
-                    && plane::select_among_all(*local, state, &mut candidates.planar, effort)
+                    && plane::select_among_all(*local, state, &mut candidates.planar)
                         .is_some_and(|s| s.ambiguous)
             },
             Space(_) => false

@@ -1,8 +1,8 @@
 //! One contact with sliding and drilling friction, `p = 3`.
 //!
 //! Stick is a linear system; slip has no boundary curve to walk along: Newton's method on the natural map
-//! from the last percussions and from spread starts finds a solution, prox iterations lead it where it does
-//! not. Several solutions are neither listed nor recognised, and that none is found proves nothing.
+//! from the last percussions and from spread starts finds a solution, hulls of support points and proximal points lead
+//! it where it does not. Several solutions are neither listed nor recognised, and that none is found proves nothing.
 
 use asperity_set::Vector;
 
@@ -46,7 +46,7 @@ pub(crate) fn solve(
         return sticks();
     }
     let given = ContactVector::from_fn(|i, _| start.get(i).copied().unwrap_or(0.0));
-    let found = single.search(&[given], effort).into_iter().chain(slides);
+    let found = single.search(given, effort).into_iter().chain(slides);
     let found = found.min_by(|a, b| a.defect.total_cmp(&b.defect))?;
     selected(&found.percussion, found.degenerate)
 }

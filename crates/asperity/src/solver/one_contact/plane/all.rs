@@ -40,7 +40,7 @@ pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -
             let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
             if !slip.excluded_between(first, last, slip.stray(&table.fine[j])) {
                 let ends = [first, last].map(|node| End::new(&slip, node.point));
-                search.cell(&ends[0], &ends[1], slip.cell(&table.fine[j]));
+                search.cell(&ends[0], &ends[1], slip.bounds(&table.fine[j]));
             }
         }
     }
@@ -58,9 +58,9 @@ pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -
 /// Whether nothing but rounding is left of the slip velocities of all friction: a foot whose rows see one direction of
 /// motion that other contacts stop. Slip would be stick, and every piece of the boundary would be searched to the end.
 fn moves_nothing(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
-    let (block, b_n, b_t) = (local.block, local.b_n.abs(), local.b_t.norm());
-    let constant = b_t * block.g_nn + block.g_tn.norm() * b_n;
-    let linear = b_t * block.g_nt.norm() + block.g_tt.norm() * b_n;
+    let block = local.block;
+    // One of the two terms that cancel.
+    let (constant, linear) = (local.b_t.norm() * block.g_nn, local.b_n.abs() * block.g_tt.norm());
     !block.sound
         && local.prescribed.is_none()
         && slip.norm_c <= VANISHING * constant

@@ -12,12 +12,18 @@ pub(super) fn cross(a: &V, b: &V) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
+/// How far normal and position stray from their chords over a piece of the boundary.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds {
+    pub(super) normal: f64,
+    pub(super) position: f64,
+}
+
 /// The slip equation of one contact.
 pub(super) struct Slip<'a, 'b> {
     pub(super) local: &'a Local<'b, 2>,
     pub(super) c0: V,
     pub(super) a: Matrix<2>,
-    pub(super) sign: f64,
     pub(super) norm_c: f64,
     pub(super) norm_a: f64,
     /// Factor of the table's points of bdry *C*.
@@ -39,8 +45,8 @@ impl<'a, 'b> Slip<'a, 'b> {
         let rounding = 8.0 * f64::EPSILON * (norm_c + norm_a * largest_radius);
         let mild_bend = (10.0 * largest_radius).powi(2);
         let scale = local.law.isotropic_coefficient().unwrap_or(1.0);
-        let (sign, least) = (local.sign(), local.least_denominator());
-        Self { local, c0, a, sign, norm_c, norm_a, scale, rounding, least, mild_bend }
+        let least = local.least_denominator();
+        Self { local, c0, a, norm_c, norm_a, scale, rounding, least, mild_bend }
     }
 
     /// `v(x)` at a node of the table.
@@ -64,8 +70,8 @@ impl<'a, 'b> Slip<'a, 'b> {
 
     /// The bounds of a cell of the table in the units of bdry *C*.
     #[inline]
-    pub(super) fn cell(&self, cell: &Cell) -> Cell {
-        Cell { position: self.scale * cell.position, product: self.scale * cell.product, ..*cell }
+    pub(super) fn bounds(&self, cell: &Cell) -> Bounds {
+        Bounds { normal: cell.normal, position: self.scale * cell.position }
     }
 
     /// How far `F` and `n·v` may stray from their chords over a cell.
@@ -78,7 +84,7 @@ impl<'a, 'b> Slip<'a, 'b> {
     pub(super) fn excluded_between(&self, first: &Node, last: &Node, stray: f64) -> bool {
         let [(f, along_f), (g, along_g)] = [first, last].map(|node| {
             let v = self.velocity_at(node);
-            (cross(&node.point.normal, &v), self.sign * node.point.normal.dot(&v))
+            (cross(&node.point.normal, &v), node.point.normal.dot(&v))
         });
         let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;
         no_root || along_f.max(along_g) < -stray
@@ -92,17 +98,16 @@ impl<'a, 'b> Slip<'a, 'b> {
     ) -> Option<LocalSolution<2>> {
         let x = self.on_reservoir(point);
         let v = self.velocity(&x);
-        let outward = self.sign * point.normal.dot(&v) > 0.0;
-        let resistance = self.sign * self.local.denominator(&x);
-        let pressed = resistance > self.local.vanishing_denominator(x.norm());
+        let outward = point.normal.dot(&v) > 0.0;
+        let pressed = self.local.denominator(&x) > self.local.vanishing_denominator(x.norm());
         (outward && pressed).then(|| self.local.slip(&x, &v, degenerate))
     }
 
     /// The same for a root that Newton's method has found, if it has kept its digits.
     #[inline(always)]
     pub(super) fn admit_root(&self, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
-        let outward = self.sign * n.dot(v) > 0.0;
-        let pressed = self.sign * self.local.denominator(x) > self.least;
+        let outward = n.dot(v) > 0.0;
+        let pressed = self.local.denominator(x) > self.least;
         (outward && pressed).then(|| self.local.slip(x, v, false))
     }
 }

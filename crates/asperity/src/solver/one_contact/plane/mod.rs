@@ -1,8 +1,8 @@
 //! One contact in the plane: all solutions by walking along bdry *D*, and a fast path to one of them.
 //!
 //! In slip `−P_T = P_N x` with `x = z/k_C(z)` on bdry *C* and `z` on bdry *D*. The normal row gives
-//! `P_N = −b_N/den(x)`, and multiplied by `den` the slip velocity is `v(x) = c₀ − A x`: the equation
-//! `F = n × v = 0` with `n·v/den > 0` has no pole. See `law/walk_table/` for the table that is walked.
+//! `P_N = |b_N|/den(x)`, and multiplied by `den` the slip velocity is `v(x) = c₀ − A x`: the equation
+//! `F = n × v = 0` with `n·v > 0` and `den > 0` has no pole. See `law/walk_table/` for the table that is walked.
 
 mod all;
 mod equation;
@@ -41,7 +41,7 @@ pub(crate) fn first_found(
         Some(None) if local.block.sound => {}
         Some(Some(open)) => return Some(open),
         _ if !local.block.sound => return ill_conditioned(*local, state, guess(), buffer, effort),
-        _ => return select_among_all(*local, state, buffer, effort).map(|s| s.solution),
+        _ => return select_among_all(*local, state, buffer).map(|s| s.solution),
     }
     if state.phase != Phase::Slip
         && let Some(found) = isotropic::stick_or_slip(local, &guess)
@@ -53,14 +53,14 @@ pub(crate) fn first_found(
         let slip = Slip::new(local, local.law.bounds().largest_radius);
         newton(&slip, &guess()).or_else(|| newton_from_load(local, &slip))
     };
-    let mut others = |effort| select_among_all(*local, state, buffer, effort).map(|s| s.solution);
+    let mut others = || select_among_all(*local, state, buffer).map(|s| s.solution);
     match stick.holds() {
         true if state.phase != Phase::Slip || has_one_solution(local, &stick) => {
             Some(stick.solution())
         }
         // Where several are possible, the rule decides between all of them.
-        true => others(effort),
-        false => slips().or_else(|| others(effort)),
+        true => others(),
+        false => slips().or_else(others),
     }
 }
 
@@ -86,10 +86,8 @@ fn ill_conditioned(
     if found.is_some() {
         return found;
     }
-    if effort.walk() {
-        return select_among_all(local, state, buffer, effort).map(|s| s.solution);
-    }
-    local.rescued(state, effort).map(|s| s.solution)
+    let walks = effort.walk().then(|| select_among_all(local, state, buffer));
+    walks.flatten().map(|s| s.solution)
 }
 
 /// The solution that continues `state`, from all that there are.
@@ -99,12 +97,9 @@ pub(crate) fn select_among_all(
     local: Local<'_, 2>,
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
-    effort: &mut Effort,
 ) -> Option<Selection<2>> {
     let complete = solutions(&local, buffer);
-    let Some(solution) = local.select(buffer, state) else {
-        return local.rescued(state, effort);
-    };
+    let solution = local.select(buffer, state)?;
     let continuum = buffer.iter().any(|s| s.degenerate);
     Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum || !complete })
 }
@@ -220,7 +215,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         if !(step.abs() < 0.3) {
             // At a corner of D the slip velocity does not depend on the normal, which must be along it.
             if dx == V::zeros()
-                && let Some(along) = (v * slip.sign).try_normalize(0.0)
+                && let Some(along) = v.try_normalize(0.0)
                 && along != n
             {
                 n = along;
@@ -228,7 +223,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
             }
             return None;
         }
-        n = (n + turn * step) * (1.0 / (1.0 + step * step).sqrt());
+        n += turn * step;
     }
     None
 }

@@ -3,9 +3,9 @@
 use asperity_set::{Arc, Convex};
 
 use super::super::local::Local;
-use super::equation::Slip;
+use super::equation::{Bounds, Slip};
 use super::search::{End, halved, stray};
-use crate::law::{Cell, Walk};
+use crate::law::Walk;
 
 /// Relative margin of every inequality of a proof: what rounding, or data that are known to nine digits, could
 /// turn round proves nothing.
@@ -30,7 +30,7 @@ pub(crate) fn proves_no_solution(local: &Local<'_, 2>) -> bool {
     table.nodes.windows(2).zip(&table.fine).all(|(pair, cell)| {
         let [first, last] = [&pair[0], &pair[1]].map(|node| End::new(&slip, node.point));
         proof.pieces = 0;
-        proof.excludes(&first, &last, slip.cell(cell), 0)
+        proof.excludes(&first, &last, slip.bounds(cell), 0)
     })
 }
 
@@ -50,14 +50,14 @@ struct Proof<'a, 'b, 'c> {
 impl Proof<'_, '_, '_> {
     /// Whether there is no slip solution between two points: `F` keeps its sign, or `n·v` or the denominator is
     /// negative, all over the piece or over each half of it.
-    fn excludes(&mut self, a: &End, b: &End, cell: Cell, depth: usize) -> bool {
+    fn excludes(&mut self, a: &End, b: &End, bounds: Bounds, depth: usize) -> bool {
         self.pieces += 1;
         let (slip, local) = (self.slip, self.slip.local);
-        let stray = stray(slip, a, b, &cell) + self.margins.velocity;
+        let stray = stray(slip, a, b, &bounds) + self.margins.velocity;
         let same = (a.value >= 0.0) == (b.value >= 0.0);
         let no_root = same && a.value.abs().min(b.value.abs()) > stray;
-        let resistance = |end: &End| slip.sign * local.denominator(&end.x);
-        let lifted = local.block.g_nt.norm() * cell.position + self.margins.resistance;
+        let resistance = |end: &End| local.denominator(&end.x);
+        let lifted = local.block.g_nt.norm() * bounds.position + self.margins.resistance;
         if no_root || a.along.max(b.along) < -stray || resistance(a).max(resistance(b)) < -lifted {
             return true;
         }
@@ -66,7 +66,7 @@ impl Proof<'_, '_, '_> {
         }
         let arc = Arc { start: a.point, end: b.point };
         let middle = End::new(slip, arc.middle(self.direction));
-        let half = halved(&cell, a, &middle, b);
+        let half = halved(&bounds, a, &middle, b);
         self.excludes(a, &middle, half, depth + 1) && self.excludes(&middle, b, half, depth + 1)
     }
 }

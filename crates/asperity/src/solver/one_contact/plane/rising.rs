@@ -122,41 +122,31 @@ impl<'a> Equation<'a> {
             let speed = (drive - pull * drag) / give;
             At { factor, speed, value: cross(n, &(self.load - x * pull - across * speed)) }
         };
-        let Some((pull, _)) = self.pull(x, self.least) else {
-            // The limit of pulls without bound.
-            let value = cross(n, &(across * (drag / give) - x));
-            return At { factor: self.least, speed: f64::NEG_INFINITY, value };
-        };
-        let first = end(self.least, pull);
-        if !(first.speed > 0.0) {
-            return first;
-        }
-        // Newton's method within bounds.
-        let (mut low, mut high) = (self.least, self.least + rate.rising(first.speed) / present);
-        let (mut new, mut best) = (low, first);
+        // The limit of pulls without bound, where no finite normal force presses.
+        let value = cross(n, &(across * (drag / give) - x));
+        let mut best = At { factor: self.least, speed: f64::NEG_INFINITY, value };
+        // Newton's method within bounds. As what lacks falls at least as fast as the factor rises, no step leads beyond
+        // the factor of the speed with the least one.
+        let (mut low, mut high, mut new) = (self.least, f64::INFINITY, self.least);
         for _ in 0..MOST {
-            let Some((pull, slope)) = self.pull(x, new) else {
-                (high, new) = (new, 0.5 * (low + new));
-                continue;
-            };
-            best = end(new, pull);
-            let speed = best.speed.max(0.0);
-            let lacks = self.least + rate.rising(speed) / present - new;
-            if lacks > 0.0 {
-                low = new
+            let mut next = f64::NAN;
+            if let Some((pull, slope)) = self.pull(x, new) {
+                best = end(new, pull);
+                let speed = best.speed.max(0.0);
+                let lacks = self.least + rate.rising(speed) / present - new;
+                let steep = if speed > 0.0 { rate.rising_slope(speed) / present } else { 0.0 };
+                let step = lacks / (1.0 + steep * slope * drag / give);
+                if step.abs() <= 2.0 * f64::EPSILON * new {
+                    break;
+                }
+                next = new + step;
+                *if step.is_sign_positive() { &mut low } else { &mut high } = new;
             } else {
-                high = new
+                high = new;
             }
-            let steep = if speed > 0.0 { rate.rising_slope(speed) / present } else { 0.0 };
-            let step = lacks / (1.0 + steep * slope * drag / give);
-            if step.abs() <= 2.0 * f64::EPSILON * new {
-                break;
-            }
-            let next = new + step;
-            new = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if !(new > low && new < high) {
-                break;
-            }
+            let between = |factor: &f64| low < *factor && *factor < high;
+            let Some(found) = [next, 0.5 * (low + high)].into_iter().find(between) else { break };
+            new = found;
         }
         best
     }

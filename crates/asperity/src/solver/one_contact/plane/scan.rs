@@ -32,7 +32,7 @@ impl pulp::NullaryFnOnce for Evaluation<'_, '_, '_> {
         for i in 0..COARSE {
             let v0 = a.m11 * n0x0[i] + a.m12 * n0x1[i];
             let v1 = a.m21 * n1x0[i] + a.m22 * n1x1[i];
-            against[i] = -slip.sign * (c0.x * n0[i] + c0.y * n1[i] - v0 - v1);
+            against[i] = v0 + v1 - (c0.x * n0[i] + c0.y * n1[i]);
             let w0 = a.m21 * n0x0[i] + a.m22 * n0x1[i];
             let w1 = a.m11 * n1x0[i] + a.m12 * n1x1[i];
             value[i] = c0.y * n0[i] - c0.x * n1[i] - w0 + w1;

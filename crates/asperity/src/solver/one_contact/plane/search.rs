@@ -3,8 +3,7 @@
 use asperity_set::{Arc, BoundaryPoint, Convex};
 
 use super::super::local::LocalSolution;
-use super::equation::{Slip, V};
-use crate::law::Cell;
+use super::equation::{Bounds, Slip, V};
 
 /// Halvings of a fine cell: roots nearer to each other than about `10⁻⁹` rad are one.
 const DEEPEST: usize = 24;
@@ -27,7 +26,7 @@ pub(super) struct End {
     pub(super) x: V,
     /// `v(x)`.
     pub(super) v: V,
-    /// `n × v` and `± n·v`, which is positive in slip.
+    /// `n × v` and `n·v`, which is positive in slip.
     pub(super) value: f64,
     pub(super) along: f64,
 }
@@ -37,18 +36,18 @@ impl End {
         let x = slip.on_reservoir(&point);
         let v = slip.velocity(&x);
         let value = super::equation::cross(&point.normal, &v);
-        Self { point, x, v, value, along: slip.sign * point.normal.dot(&v) }
+        Self { point, x, v, value, along: point.normal.dot(&v) }
     }
 }
 
-/// How far `F` and `n·v` may stray from their chords between two points, where `n` and `x` stray by `cell`.
+/// How far `F` and `n·v` may stray from their chords between two points, where `n` and `x` stray by `bounds`.
 ///
 /// With the chords `n_c`, `v_c` at the same fraction of the way, `F = (n_c + e_n) × (v_c − A e_x)`: the product of
 /// the chords is off its chord by at most a quarter of `‖Δn‖‖Δv‖`. Unlike the bound of the table this one
 /// falls with the slip velocity, which is small beside stick.
-pub(super) fn stray(slip: &Slip<'_, '_>, a: &End, b: &End, cell: &Cell) -> f64 {
+pub(super) fn stray(slip: &Slip<'_, '_>, a: &End, b: &End, bounds: &Bounds) -> f64 {
     let bend = 0.25 * (b.point.normal - a.point.normal).norm() * (b.v - a.v).norm();
-    cell.normal * a.v.norm().max(b.v.norm()) + slip.norm_a * cell.position + bend
+    bounds.normal * a.v.norm().max(b.v.norm()) + slip.norm_a * bounds.position + bend
 }
 
 /// The bounds of the halves of a cell whose middle is `middle`.
@@ -56,13 +55,12 @@ pub(super) fn stray(slip: &Slip<'_, '_>, a: &End, b: &End, cell: &Cell) -> f64 {
 /// The distance to the chord falls with the square of the length where the boundary is smooth, and with a
 /// lesser power, but at least to a half, where its curvature is without bound: the distance of the middle
 /// tells which.
-pub(super) fn halved(cell: &Cell, a: &End, middle: &End, b: &End) -> Cell {
+pub(super) fn halved(bounds: &Bounds, a: &End, middle: &End, b: &End) -> Bounds {
     let off = |first: &V, mid: &V, last: &V| (mid - (first + last) * 0.5).norm();
     let fallen = |bound: f64, off: f64| f64::min(bound, f64::max(0.3 * bound, 0.625 * off));
-    Cell {
-        normal: fallen(cell.normal, off(&a.point.normal, &middle.point.normal, &b.point.normal)),
-        position: fallen(cell.position, off(&a.x, &middle.x, &b.x)),
-        product: cell.product,
+    Bounds {
+        normal: fallen(bounds.normal, off(&a.point.normal, &middle.point.normal, &b.point.normal)),
+        position: fallen(bounds.position, off(&a.x, &middle.x, &b.x)),
     }
 }
 
@@ -88,15 +86,15 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
     }
 
     /// All roots of `F` in a cell.
-    pub(super) fn cell(&mut self, first: &End, last: &End, cell: Cell) {
+    pub(super) fn cell(&mut self, first: &End, last: &End, bounds: Bounds) {
         self.pieces = 0;
-        self.piece(first, last, cell, 0);
+        self.piece(first, last, bounds, 0);
         self.left = self.left.saturating_sub(self.pieces);
         #[cfg(test)]
         super::tests::count(self.pieces);
     }
 
-    fn piece(&mut self, a: &End, b: &End, cell: Cell, depth: usize) {
+    fn piece(&mut self, a: &End, b: &End, bounds: Bounds, depth: usize) {
         self.pieces += 1;
         if self.out.len() >= MANY && !self.slip.local.block.sound {
             self.complete = false;
@@ -107,7 +105,7 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
             self.corner(a, b);
             return;
         }
-        let stray = stray(slip, a, b, &cell) + slip.rounding;
+        let stray = stray(slip, a, b, &bounds) + slip.rounding;
         let changes = (a.value >= 0.0) != (b.value >= 0.0);
         let no_root = !changes && a.value.abs().min(b.value.abs()) > stray;
         if no_root || a.along.max(b.along) < -stray {
@@ -115,14 +113,14 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
         }
         let arc = Arc { start: a.point, end: b.point };
         let single = (b.value - a.value).abs() > MONOTONE * stray;
-        let exhausted = depth == DEEPEST || self.pieces >= PATIENCE.min(self.left);
-        if changes && (single || exhausted) {
-            self.complete &= depth == DEEPEST || single;
+        let mut root = || {
             let root = arc.root(self.direction, slip.rounding, |point| slip.value(point));
             self.out.extend(slip.admit(&root, false));
-            return;
-        }
+        };
         if single {
+            if changes {
+                root();
+            }
             return;
         }
         let middle = End::new(slip, arc.middle(self.direction));
@@ -132,13 +130,18 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
             self.out.extend([a, b].iter().filter_map(|end| slip.admit(&end.point, true)));
             return;
         }
-        if exhausted {
-            self.complete &= depth == DEEPEST;
-            // A double root.
-            self.out.extend((depth == DEEPEST).then(|| slip.admit(&a.point, true)).flatten());
+        let deepest = depth == DEEPEST;
+        if deepest || self.pieces >= PATIENCE.min(self.left) {
+            self.complete &= deepest;
+            if changes {
+                root();
+            } else if deepest {
+                // A double root.
+                self.out.extend(slip.admit(&a.point, true));
+            }
             return;
         }
-        let half = halved(&cell, a, &middle, b);
+        let half = halved(&bounds, a, &middle, b);
         self.piece(a, &middle, half, depth + 1);
         self.piece(&middle, b, half, depth + 1);
     }
@@ -147,11 +150,10 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
     fn corner(&mut self, a: &End, b: &End) {
         let slip = self.slip;
         let still = a.v.norm() <= slip.rounding;
-        let within = slip.sign * a.value >= -slip.rounding
-            && slip.sign * b.value <= slip.rounding
-            && a.along + b.along > 0.0;
+        let within =
+            a.value >= -slip.rounding && b.value <= slip.rounding && a.along + b.along > 0.0;
         if within || still {
-            let normal = (a.v * slip.sign).try_normalize(0.0).unwrap_or(a.point.normal);
+            let normal = a.v.try_normalize(0.0).unwrap_or(a.point.normal);
             let point = BoundaryPoint { position: a.point.position, normal };
             self.out.extend(slip.admit(&point, still));
         }

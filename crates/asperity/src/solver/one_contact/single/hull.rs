@@ -121,8 +121,8 @@ impl<const P: usize> Single<'_, P> {
         }
         match self.normal {
             NormalForce::Prescribed(value) => {
-                let size = (0..count).map(|k| matrix.row(k).amax()).fold(0.0, f64::max);
-                let size = if size > 0.0 { size } else { 1.0 };
+                // In the units of the other rows.
+                let size = self.g.norm();
                 (0..count).for_each(|j| matrix[(0, j)] = size);
                 right[0] = size * value;
             }

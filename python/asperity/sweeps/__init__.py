@@ -1,0 +1,6 @@
+"""Sweeps: a function at all points of a grid, on any executor, in a store that survives."""
+
+from asperity.sweeps.labelled_sweep import sweep
+from asperity.sweeps.standing import SweepStatus, sweep_status
+
+__all__ = ["SweepStatus", "sweep", "sweep_status"]

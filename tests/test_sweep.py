@@ -1,0 +1,591 @@
+"""Sweeps: labels, what functions may return, failures, seeds, stores that are gone on with."""
+
+import functools
+import json
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity.sweeps.grid import Chunks, chunk_shape
+from sweep_functions import GRID, SEED, reference, several
+
+pytest.importorskip("zarr")
+xarray = pytest.importorskip("xarray")
+
+THREADS = ThreadPoolExecutor(2)
+
+
+def swept(function, grid, **options):
+    return asp.sweep(function, grid, **{"executor": THREADS, **options})
+
+
+def plus(a, b=1.0):
+    return a + b
+
+
+def noisy(a, b, rng):
+    del a, b
+    return rng.normal()
+
+
+def assert_equal(dataset, found):
+    for name, values in found.items():
+        assert dataset[name].dtype == values.dtype, name
+        np.testing.assert_array_equal(dataset[name], values, err_msg=name)
+
+
+@pytest.mark.parametrize("chunk", ["auto", 1, 4, 1000])
+@pytest.mark.parametrize("place", [None, "chart.zarr"])
+def test_results_are_those_of_a_loop(tmp_path, chunk, place):
+    store = None if place is None else tmp_path / "new" / place
+    chart = swept(several, GRID, seed=SEED, chunk=chunk, store=store)
+    assert_equal(chart, reference())
+    assert chart.product.dims == ("a", "b")
+    assert chart.drawn.dims == ("a", "b", "drawn_0")
+    for name, values in GRID.items():
+        np.testing.assert_array_equal(chart[name], values)
+    failed = chart.message.where(chart.status == 2, drop=True)
+    assert failed.values.tolist() == [["ValueError: too much: 2.0"]]
+    assert (failed.a.item(), failed.b.item()) == (2.0, 4.0)
+    assert (chart.message == "").sum() == chart.status.size - 1
+
+
+def test_labels_units_and_meanings():
+    mu = xarray.DataArray([0.2, 0.3], dims="b", attrs={"units": "1"})
+    chart = swept(several, {"a": [0.5, 1.5], "b": mu}, seed=0, units={"product": "N", "a": "m"})
+    assert chart.a.attrs["units"] == "m"
+    assert chart.b.attrs["units"] == "1"
+    assert chart["product"].attrs["units"] == "N"
+    assert chart.phase.attrs["flag_values"] == [-128, -1, 0, 1, 2]
+    assert chart.phase.attrs["flag_meanings"] == "no_result none open stick slip"
+    assert chart.large.attrs["flag_meanings"] == "no_result false true"
+    assert chart.status.attrs["flag_meanings"] == "missing done failed"
+    assert chart.attrs["function"] == "sweep_functions.several"
+    assert chart.attrs["asperity"] == asp.__version__
+    assert chart.attrs["seed"] == 0
+    assert len(chart.attrs["fingerprint"]) == 64
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "expected"),
+    [
+        (2, "f8", 2.0),
+        (np.float32(0.5), "f8", 0.5),
+        (1.0 + 2.0j, "c16", 1.0 + 2.0j),
+        (True, "i1", 1),
+        (np.bool_(False), "i1", 0),
+        (asp.Phase.OPEN, "i1", 0),
+        (asp.Outcome.AT_REST, "i1", 1),
+        (np.array([[1, 2]]), "f8", [[1.0, 2.0]]),
+        (np.array([True, False]), "i1", [1, 0]),
+        ([0.1, 0.2], "f8", [0.1, 0.2]),
+    ],
+    ids=repr,
+)
+def test_a_single_value_of_any_kind(tmp_path, value, kind, expected):
+    def function(a):
+        if a == 2.0:
+            raise RuntimeError
+        return value
+
+    for store in (None, tmp_path / "x.zarr"):
+        chart = swept(function, {"a": [1.0, 2.0]}, store=store)
+        assert chart.value.dtype == np.dtype(kind)
+        np.testing.assert_array_equal(chart.value[0], expected)
+        nothing = -128 if kind == "i1" else np.nan
+        np.testing.assert_array_equal(chart.value[1].values.real, np.full(np.shape(value), nothing))
+        assert chart.message[1] == "RuntimeError"
+
+
+@pytest.mark.parametrize("value", ["unstable", None, object(), [[1.0], [1.0, 2.0]], {}, {1: 2.0}])
+def test_what_no_array_can_hold_is_a_failure(value):
+    chart = swept(lambda a: value, {"a": [1.0, 2.0]})
+    assert chart.status.values.tolist() == [2, 2]
+    assert "must" in str(chart.message[0].item()) or "inhomogeneous" in str(chart.message[0].item())
+
+
+@pytest.mark.parametrize("name", ["status", "message", "a", "two words"])
+def test_results_need_names_that_are_free(name):
+    chart = swept(lambda a: {name: a}, {"a": [1.0]})
+    assert chart.status.values.tolist() == [2]
+    assert name in str(chart.message[0].item())
+
+
+DIFFERENT = {
+    1.0: lambda: {"x": 1.0},
+    2.0: lambda: {"x": 1.0, "y": 2.0},
+    3.0: lambda: {"x": [1.0, 2.0]},
+    4.0: lambda: {"x": True},
+    5.0: lambda: {"x": 7},
+    6.0: lambda: {"y": 1.0},
+}
+
+
+@pytest.mark.parametrize("chunk", [1, 2, 6])
+def test_the_first_good_result_says_what_there_is(chunk):
+    def function(a):
+        return DIFFERENT[a]()
+
+    chart = swept(function, {"a": list(DIFFERENT)}, chunk=chunk)
+    assert chart.status.values.tolist() == [1, 2, 2, 2, 1, 2]
+    assert chart.x.values.tolist()[4] == 7.0
+    messages = chart.message.values.tolist()
+    assert "must return x as before, got x, y" in messages[1]
+    assert "shape (2,)" in messages[2]
+    assert "false, true" in messages[3]
+    assert "must return x as before, got y" in messages[5]
+
+
+@pytest.mark.parametrize("chunk", [1, 3])
+def test_the_first_in_the_order_of_points_counts_not_in_that_of_time(chunk):
+    import time
+
+    def function(a):
+        if a < 4.0:
+            # Later points are done long before this one.
+            time.sleep(0.05)
+            raise ValueError("nothing here")
+        if a == 4.0:
+            time.sleep(0.05)
+            return {"first": 1.0}
+        return {"second": 2.0}
+
+    chart = swept(function, {"a": np.arange(10.0)}, chunk=chunk, executor=ThreadPoolExecutor(4))
+    assert set(chart.data_vars) == {"first", "status", "message"}
+    assert chart.status.values.tolist() == [2] * 4 + [1] + [2] * 5
+
+
+def test_nothing_but_failures_is_a_result_too(tmp_path):
+    def function(a):
+        raise ValueError("never")
+
+    for store in (None, tmp_path / "x.zarr"):
+        chart = swept(function, {"a": [1.0, 2.0]}, store=store)
+        assert chart.status.values.tolist() == [2, 2]
+        assert set(chart.data_vars) == {"status", "message"}
+
+
+def test_a_failure_may_end_the_sweep(tmp_path):
+    store = tmp_path / "x.zarr"
+    options = {"seed": SEED, "store": store, "chunk": 9}
+    with pytest.raises(asp.SweepError, match=r"at a = 2.0, b = 4.0: ValueError: too much") as e:
+        swept(several, GRID, on_failure="raise", **options)
+    assert e.value.point == {"a": 2.0, "b": 4.0}
+    assert "sweep_functions.py" in e.value.traceback
+    # The chunk is not committed: it fails again, and is a failure for who records them.
+    with pytest.raises(asp.SweepError):
+        swept(several, GRID, on_failure="raise", **options)
+    assert_equal(swept(several, GRID, **options), reference())
+    with pytest.raises(asp.SweepError):
+        swept(several, GRID, on_failure="raise", **options)
+
+
+def test_texts_are_values_too(tmp_path):
+    def function(name, a):
+        return len(name) * a
+
+    for store in (None, tmp_path / "x.zarr"):
+        chart = swept(function, {"name": ["oak", "steel"], "a": [1, 2]}, store=store)
+        assert chart.value.sel(name="steel").values.tolist() == [5.0, 10.0]
+    assert swept(function, {"name": np.array(["oak"]), "a": [1]}, constants={}).value.item() == 3.0
+
+
+def outer(phi, zeta, scale):
+    assert np.ndim(phi) == 1
+    assert np.ndim(zeta) == 0
+    return {"outer": scale * phi * zeta, "pairs": np.stack([phi, phi + zeta], axis=-1)}
+
+
+@pytest.mark.parametrize("place", [None, "x.zarr"])
+def test_whole_axes_for_functions_that_take_arrays(tmp_path, place):
+    phi, zeta, scale = np.linspace(0.0, 1.0, 5), np.arange(7.0), np.array([1.0, 3.0])
+    grid = {"zeta": zeta, "phi": phi, "scale": scale}
+    store = None if place is None else tmp_path / place
+    chart = swept(outer, grid, vector="phi", store=store, chunk=3)
+    assert chart.outer.dims == ("zeta", "phi", "scale")
+    assert chart.status.dims == ("zeta", "scale")
+    expected = zeta[:, None, None] * phi[:, None] * scale
+    np.testing.assert_array_equal(chart.outer, expected)
+    np.testing.assert_array_equal(chart.pairs.sel(zeta=2.0, scale=3.0)[:, 1], phi + 2.0)
+
+
+def test_all_axes_may_be_whole(tmp_path):
+    def function(a, b):
+        return np.add.outer(a, b)
+
+    grid = {"a": [1.0, 2.0], "b": [10.0, 20.0, 30.0]}
+    for store in (None, tmp_path / "x.zarr", tmp_path / "x.zarr"):
+        chart = swept(function, grid, vector=("a", "b"), store=store)
+        assert chart.value.values.tolist() == [[11.0, 21.0, 31.0], [12.0, 22.0, 32.0]]
+    assert asp.sweep_status(tmp_path / "x.zarr").done == 1
+
+
+def test_results_without_the_whole_axis_are_failures():
+    chart = swept(lambda a: float(a.sum()), {"a": [1.0, 2.0]}, vector="a")
+    assert "must begin with the shape (2,)" in str(chart.message.item())
+
+
+def test_further_arguments():
+    law = asp.FrictionLaw.isotropic(0.3)
+
+    def function(a, law, factor):
+        return factor * a * law.reservoir.radius(0.0)
+
+    chart = swept(function, {"a": [1.0]}, constants={"law": law, "factor": 2.0})
+    assert chart.value.item() == 0.6
+    bound = functools.partial(function, law=law, factor=3.0)
+    assert abs(swept(bound, {"a": [1.0]}).value.item() - 0.9) < 1e-15
+
+
+def test_random_numbers_depend_on_the_seed_and_the_values_only():
+    grid = {"a": [1.0, 2.0, 3.0], "b": [0.0, 0.5]}
+    chart = swept(noisy, grid, seed=1)
+    assert len(np.unique(chart.value)) == 6
+    larger = swept(noisy, {"b": [9.0, 0.5, -0.0], "a": [3, 7, 2, 1]}, seed=1, chunk=2)
+    for a in grid["a"]:
+        for b in grid["b"]:
+            assert chart.value.sel(a=a, b=b) == larger.value.sel(a=a, b=b)
+    assert not (swept(noisy, grid, seed=2).value == chart.value).any()
+
+
+def test_neighbours_in_seed_and_value_have_independent_numbers():
+    grid = {"a": np.arange(200.0), "b": [0.0, 1.0]}
+    one, two = (swept(noisy, grid, seed=seed).value.values for seed in (0, 1))
+    for x, y in ((one[:, 0], one[:, 1]), (one[:, 0], two[:, 0]), (one[1:, 0], one[:-1, 0])):
+        # Four standard deviations of the correlation of two hundred pairs.
+        assert abs(np.corrcoef(x, y)[0, 1]) < 4.0 / np.sqrt(200.0)
+    assert abs(one.mean()) < 4.0 / np.sqrt(one.size)
+
+
+def interrupted_after(points):
+    def report(done, _):
+        if done >= points:
+            raise KeyboardInterrupt
+
+    return report
+
+
+def test_a_sweep_goes_on_where_it_was(tmp_path):
+    store, calls = tmp_path / "x.zarr", []
+
+    def function(a, b, rng):
+        calls.append((a, b))
+        return several(a, b, rng)
+
+    options = {"seed": SEED, "store": store, "chunk": 3}
+    with pytest.raises(asp.SweepInterrupted) as stopped:
+        swept(function, GRID, progress=interrupted_after(30), **options)
+    part = stopped.value
+    assert 30 <= part.done < part.points == 117
+    assert int((part.dataset.status != 0).sum()) == part.done
+    assert f"interrupted at {part.done} of 117 points" in str(part)
+    found, known = reference(), part.dataset.load()
+    for name, values in found.items():
+        there = known.status.values > 0
+        np.testing.assert_array_equal(known[name].values[there], values[there])
+    done = {(a, b) for i, a in enumerate(GRID["a"]) for j, b in enumerate(GRID["b"])
+            if known.status.values[i, j]}  # fmt: skip
+    calls.clear()
+    assert_equal(swept(function, GRID, **options), found)
+    assert len(calls) == len(set(calls)) == 117 - len(done)
+    assert not done & set(calls)
+    calls.clear()
+    # All is there: nothing is computed, not even workers are asked.
+    assert_equal(swept(function, GRID, **{**options, "executor": Unusable()}), found)
+    assert not calls
+
+
+class Unusable(ThreadPoolExecutor):
+    def submit(self, *_, **__):
+        raise AssertionError("nothing is to be computed")
+
+
+def test_what_is_in_memory_is_returned_when_it_is_interrupted():
+    with pytest.raises(asp.SweepInterrupted) as stopped:
+        swept(several, GRID, seed=SEED, chunk=3, progress=interrupted_after(30))
+    assert int((stopped.value.dataset.status != 0).sum()) == stopped.value.done >= 30
+
+
+def test_failed_points_are_computed_again_if_asked(tmp_path):
+    broken = tmp_path / "broken"
+    broken.touch()
+    calls = []
+
+    def function(a, b):
+        calls.append((a, b))
+        if broken.exists() and a == b:
+            raise OSError("no connection")
+        return {"sum": [a + b, a - b]}
+
+    grid, options = {"a": [1.0, 2.0, 3.0], "b": [1.0, 2.0, 3.0]}, {"chunk": 6}
+    for store in (tmp_path / "x.zarr",):
+        assert (swept(function, grid, store=store, **options).status == 2).sum() == 3
+        broken.unlink()
+        calls.clear()
+        assert (swept(function, grid, store=store, **options).status == 2).sum() == 3
+        assert not calls
+        chart = swept(function, grid, store=store, resume="failed", **options)
+        assert sorted(calls) == [(1.0, 1.0), (2.0, 2.0), (3.0, 3.0)]
+        assert (chart.status == 1).all()
+        assert (chart.message == "").all()
+        expected = np.array([[[a + b, a - b] for b in grid["b"]] for a in grid["a"]])
+        np.testing.assert_array_equal(chart["sum"], expected)
+
+
+def test_the_status_of_a_chunk_is_written_after_all_that_it_vouches_for(tmp_path, monkeypatch):
+    from asperity.sweeps.folder import Folder
+
+    store, written, put = tmp_path / "x.zarr", [], Folder._put
+
+    def noted(self, name, *arguments):
+        known = (store / "failures.jsonl").exists() and (store / "failures.jsonl").read_text()
+        written.append((name, bool(known)))
+        put(self, name, *arguments)
+
+    monkeypatch.setattr(Folder, "_put", noted)
+    swept(several, GRID, seed=SEED, store=store, chunk=9, executor=ThreadPoolExecutor(1))
+    names = [name for name, _ in written]
+    assert names == ["product", "drawn", "phase", "large", "status"] * 13
+    # The last chunk has a point that failed.
+    assert written[-1] == ("status", True)
+    assert written[-2] == ("large", False)
+
+
+def test_a_store_can_be_watched_while_it_grows(tmp_path):
+    store, seen = tmp_path / "x.zarr", []
+
+    def look(done, whole):
+        with xarray.open_zarr(store, chunks=None) as chart:
+            known = chart.status.values == 1
+            assert int((chart.status.values != 0).sum()) == done
+            if done:
+                expected = np.add.outer(GRID["a"], GRID["b"])[known]
+                np.testing.assert_array_equal(chart.value.values[known], expected)
+                assert np.isnan(chart.value.values[~known]).all()
+        status = asp.sweep_status(store)
+        assert (status.done, status.points, status.failed) == (done, whole, 0)
+        assert status.missing == whole - done
+        assert status.missing > 0 or status.seconds_left == 0.0
+        seen.append(status)
+
+    swept(plus, GRID, store=store, chunk=20, progress=look)
+    assert len(seen) > 3
+    assert "is" in seen[0].summary()
+    assert seen[-2].seconds_left > 0.0
+    assert "the rest takes" in seen[-2].summary()
+
+
+def other(a, b=1.0):
+    return a - b
+
+
+def plus_again(a, b=1.0):
+    """The same with other comments."""
+    # Here.
+    return a + b
+
+
+CHANGES = {
+    "axis a: 13 values there, 12 here": {"grid": {**GRID, "a": GRID["a"][:12]}},
+    "axis b: 0.0 there, 1.0 here": {"grid": {**GRID, "b": GRID["b"] + 1.0}},
+    "the axes": {"grid": {"a": GRID["a"]}},
+    "unit of a: None there, m here": {"units": {"a": "m"}},
+    "function: test_sweep.plus there, test_sweep.other here; source:": {"function": other},
+    "constants: c=1.0 there, c=2.0 here": {"constants": {"c": 2.0}},
+    "vector: ": {"vector": "b"},
+}
+
+
+def with_constant(a, b, c):
+    return a + b + c
+
+
+@pytest.mark.parametrize("words", CHANGES)
+def test_a_store_of_something_else_is_refused_and_says_what_differs(tmp_path, words):
+    change = CHANGES[words]
+    call = {"function": plus, "grid": GRID, "store": tmp_path / "x.zarr"}
+    if "constants" in change:
+        call.update(function=with_constant, constants={"c": 1.0})
+    before = swept(**call).load()
+    with pytest.raises(asp.ParameterError) as refused:
+        swept(**{**call, **change})
+    assert refused.value.argument == "store"
+    assert words in str(refused.value)
+    xarray.testing.assert_identical(swept(**call).load(), before)
+
+
+def test_another_version_source_or_seed_is_refused(tmp_path, monkeypatch):
+    store = tmp_path / "x.zarr"
+    swept(noisy, GRID, seed=1, store=store)
+    with pytest.raises(asp.ParameterError, match="seed: 1 there, 2 here"):
+        swept(noisy, GRID, seed=2, store=store)
+    monkeypatch.setattr(asp, "__version__", "9.9")
+    with pytest.raises(asp.ParameterError, match=r"asperity: .* there, 9.9 here"):
+        swept(noisy, GRID, seed=1, store=store)
+
+
+def test_comments_and_docstrings_of_the_function_do_not_count(tmp_path):
+    from asperity.sweeps.identity import identity_of
+
+    plain, again = (identity_of(one, {})["source"] for one in (plus, plus_again))
+    lines = "def plus_again(a, b=1.0):\n    return a + b\n"
+    file = tmp_path / "again.py"
+    file.write_text(lines)
+    space = {}
+    exec(compile(lines, str(file), "exec"), space)
+    assert identity_of(space["plus_again"], {})["source"] == again != plain
+
+
+def test_equal_constants_are_the_same_in_every_process():
+    script = (
+        "import asperity as asp, numpy as np\n"
+        "from asperity.sweeps.identity import identity_of\n"
+        "law = asp.FrictionLaw(asp.Ellipse(0.6, 0.3), asp.Disk(0.3))\n"
+        "names = {'x', 'yy', 'zzz'}\n"
+        "values = dict(law=law, x=np.arange(2000.0), t=(1, [2.0, {'k': None}]), s=names, f=max)\n"
+        "print(identity_of(len, values)['constants'])\n"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+            env={"PYTHONHASHSEED": str(k), "PYTHONPATH": ":".join(sys.path)},
+        ).stdout
+        for k in range(2)
+    }
+    assert len(found) == 1
+    one, two = (asp.FrictionLaw(asp.Ellipse(0.6, b), asp.Disk(0.3)) for b in (0.3, 0.2))
+    from asperity.sweeps.identity import identity_of
+
+    assert identity_of(len, {"law": one}) != identity_of(len, {"law": two})
+
+
+@pytest.mark.parametrize(
+    ("argument", "arguments"),
+    [
+        ("function", {"function": 3}),
+        ("grid", {"grid": {}}),
+        ("grid", {"grid": [1.0]}),
+        ("grid", {"grid": {"c": [1.0]}}),
+        ("grid", {"grid": {"status": [1.0]}}),
+        ("grid['a']", {"grid": {"a": []}}),
+        ("grid['a']", {"grid": {"a": 1.0}}),
+        ("grid['a']", {"grid": {"a": [1.0, np.nan]}}),
+        ("grid['a']", {"grid": {"a": [1.0, 1.0]}}),
+        ("grid['a']", {"grid": {"a": [[1.0]]}}),
+        ("grid['a']", {"grid": {"a": ["x", "x"]}}),
+        ("grid['a']", {"grid": {"a": [None]}}),
+        ("grid", {"grid": {"b": [1.0]}}),
+        ("executor", {"executor": 3}),
+        ("executor", {"executor": lambda: 3}),
+        ("chunk", {"chunk": 0}),
+        ("chunk", {"chunk": "many"}),
+        ("on_failure", {"on_failure": "ignore"}),
+        ("seed", {"seed": -1}),
+        ("seed", {"seed": 1}),
+        ("seed", {"function": noisy, "grid": {"a": [1.0], "b": [1.0]}}),
+        ("resume", {"resume": "yes"}),
+        ("progress", {"progress": 3}),
+        ("constants", {"constants": {"c": 1.0}}),
+        ("constants", {"constants": {"a": 1.0}}),
+        ("constants", {"constants": 1.0}),
+        ("units", {"units": "m"}),
+        ("units", {"units": {"a": 1.0}}),
+        ("vector", {"vector": "c"}),
+        ("vector", {"vector": 1.0}),
+    ],
+)
+def test_arguments_are_refused_by_name(argument, arguments):
+    with pytest.raises(asp.ParameterError) as refused:
+        swept(**{"function": plus, "grid": {"a": [1.0]}, **arguments})
+    assert refused.value.argument == argument
+
+
+def test_what_is_no_store_is_refused(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "folder").mkdir()
+    import zarr
+
+    zarr.create_group(tmp_path / "other.zarr")
+    for name in ("file", "folder", "other.zarr"):
+        with pytest.raises(asp.ParameterError, match=f"store: must .*{name}"):
+            swept(plus, {"a": [1.0]}, store=tmp_path / name)
+    for name in ("file", "folder", "nothing"):
+        with pytest.raises(asp.ParameterError, match=f"store: must hold a sweep.*{name}"):
+            asp.sweep_status(tmp_path / name)
+    assert (tmp_path / "file").read_text() == "mine"
+    swept(plus, {"a": [1.0]}, store=tmp_path / "x.zarr")
+    with pytest.raises(asp.ParameterError, match="store: must be new with resume=False"):
+        swept(plus, {"a": [1.0]}, store=tmp_path / "x.zarr", resume=False)
+
+
+def test_damaged_stores_are_refused_or_read(tmp_path):
+    whole = tmp_path / "whole.zarr"
+    swept(several, GRID, seed=SEED, chunk=30, store=whole)
+    files = sorted(one.relative_to(whole) for one in whole.rglob("*") if one.is_file())
+    assert len(files) > 30
+    refused = []
+    for k, name in enumerate(files):
+        for damage in (lambda old: old[: len(old) // 2], lambda old: bytes(len(old)) + b"{"):
+            if k % 3 and name.name not in ("zarr.json", "failures.jsonl", "session.json"):
+                continue
+            broken = tmp_path / "broken.zarr"
+            shutil.copytree(whole, broken)
+            (broken / name).write_bytes(damage((whole / name).read_bytes()))
+            try:
+                swept(several, GRID, seed=SEED, chunk=30, store=broken)
+                asp.sweep_status(broken)
+            except asp.AsperityError as error:
+                refused.append(str(error))
+            shutil.rmtree(broken)
+    assert len(refused) >= 4
+    assert all(text.startswith("store: ") for text in refused)
+
+
+def test_messages_are_lines_of_json(tmp_path):
+    store = tmp_path / "x.zarr"
+    swept(several, GRID, seed=SEED, store=store)
+    lines = (store / "failures.jsonl").read_text().split("\n")
+    [line] = [json.loads(text) for text in lines if text]
+    assert line["index"] == [12, 4]
+    assert line["point"] == {"a": 2.0, "b": 4.0}
+    assert line["error"] == "ValueError"
+    assert line["message"] == "ValueError: too much: 2.0"
+    assert "Traceback" in line["traceback"]
+
+
+@pytest.mark.parametrize("shape", [(1,), (7,), (100, 51), (3, 5, 7), (2, 100, 3), ()])
+@pytest.mark.parametrize("points", [1, 4, 500, 10**6])
+def test_chunks_cover_the_grid_once(shape, points):
+    size = chunk_shape(shape, points)
+    chunks = Chunks(shape, size)
+    seen = np.zeros(shape, int)
+    for block in chunks:
+        seen[block] += 1
+    assert (seen == 1).all()
+    assert np.prod(size) <= points
+    assert len(list(chunks)) == len(chunks)
+
+
+def test_without_the_extra_the_error_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(ModuleNotFoundError, match=r'pip install "asperity\[sweep\]"'):
+        swept(plus, {"a": [1.0]}, store=tmp_path / "x.zarr")
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ModuleNotFoundError, match=r'pip install "asperity\[sweep\]"'):
+        swept(plus, {"a": [1.0]})
+
+
+def test_progress_counts_points():
+    heard = []
+    swept(plus, GRID, chunk=50, progress=lambda done, whole: heard.append((done, whole)))
+    assert heard[0] == (0, 117)
+    assert heard[-1] == (117, 117)
+    assert heard == sorted(heard)
