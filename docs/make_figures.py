@@ -331,6 +331,13 @@ def conveyor() -> None:
     asp.plot.save_figure(plt.gcf(), IMAGES / "conveyor.png")
 
 
+def charts() -> None:
+    """Run the examples of docs/charts.md."""
+    for script in sorted((ROOT / "examples" / "charts").glob("*.py")):
+        runpy.run_path(str(script))
+        asp.plot.save_figure(plt.gcf(), IMAGES / f"{script.stem}.png", dpi=110)
+
+
 def paper() -> None:
     """Draw the figures of the paper that the documentation shows."""
     for number in (10, 12):
@@ -355,6 +362,7 @@ if __name__ == "__main__":
         growth,
         bifurcation,
         conveyor,
+        charts,
         paper,
         identified,
     ):

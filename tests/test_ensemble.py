@@ -251,6 +251,38 @@ def test_quantities_of_both_methods_agree_with_the_limit_cycle():
     assert (steps.crossings == 2).all()
 
 
+def test_ambiguous_steps_are_the_contact_problems_with_several_solutions():
+    """A step of a unit mass and weight is a contact problem; its load is the velocity before."""
+    law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=np.pi / 4), asp.Ellipse(3.0, 1.0))
+    angles = np.deg2rad(np.linspace(1.0, 59.0, 30))
+    rays = law.reservoir.radius(angles)[:, None] * np.stack([np.cos(angles), np.sin(angles)], -1)
+    loads = rays[:, None] * np.linspace(0.905, 1.175, 28)[:, None]
+    block = asp.SlidingPoint(1.0, law=law, gravity=1.0)
+    many = asp.simulate_many(block, dt=1.0, t_end=1.0, u0=loads)
+    counts = np.zeros(many.shape, dtype=int)
+    for index in np.ndindex(counts.shape):
+        problem = asp.ContactProblem(
+            np.eye(2), free_velocity=loads[index], laws=law, normal_force=1.0
+        )
+        counts[index] = len(problem.solutions(0))
+    np.testing.assert_array_equal(many.ambiguous, counts > 1)
+    assert set(counts.ravel().tolist()) == {1, 3}
+    # Slip solutions meet on a caustic of the law alone.
+    phi = np.linspace(0.0, np.pi, 20001)
+    gamma, speed = np.stack([np.cos(phi), np.sin(phi)], axis=-1), -law.trace_criterion(phi)
+    caustic = (speed[:, None] * gamma - law.force(gamma))[speed > 0.0]
+    gauge, angle = law.reservoir.gauge(caustic), np.arctan2(caustic[:, 1], caustic[:, 0])
+    for number, ray in enumerate(angles):
+        k = np.flatnonzero(np.diff(np.sign(angle - ray)))
+        part = (ray - angle[k]) / (angle[k + 1] - angle[k])
+        crossed = gauge[k] + part * (gauge[k + 1] - gauge[k])
+        # Where the rays meet the caustic once, the band of such loads ends on the boundary of C.
+        borders = np.sort([1.0, *crossed] if len(crossed) == 1 else crossed)
+        size = law.reservoir.gauge(loads[number])
+        within = np.searchsorted(borders, size) % 2 == 1
+        np.testing.assert_array_equal(many.ambiguous[number] > 0, within)
+
+
 @pytest.mark.parametrize("many", [asp.simulate_many, asp.integrate_many])
 def test_the_time_of_rest(many):
     options = {"dt": 1e-4} if many is asp.simulate_many else {}

@@ -103,3 +103,14 @@ impl TimeParts {
         self.velocities.get(contact).copied().unwrap_or(0.0)
     }
 }
+
+/// What the shares of closed contacts without load are found in.
+#[derive(Debug, Default)]
+pub(crate) struct Unloaded {
+    /// `N` of the contacts that carry load.
+    pub(crate) mobility: ConstraintMatrix,
+    pub(crate) loaded: Vec<usize>,
+    /// `N⁻¹λ_N`, and `β`.
+    pub(crate) multipliers: Vec<f64>,
+    pub(crate) dependence: Vec<f64>,
+}

@@ -4,12 +4,11 @@ use std::ops::Range;
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::buffers::{
-    Constraints, Projection, SmoothJacobian, Stencil, TimeParts,
+    Constraints, Projection, SmoothJacobian, Stencil, TimeParts, Unloaded,
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::dynamics::sharing::Sharing;
-use crate::integrator::event::dynamics::unloaded::Unloaded;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;

@@ -1,20 +1,9 @@
 //! Shares of closed contacts that carry no load, see [`load_bearing`](crate::integrator::event::contact_problem).
 
 use crate::integrator::event::dynamics::Dynamics;
-use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
+use crate::integrator::event::dynamics::buffers::Unloaded;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::dynamics::sharing::{DEPENDENT, LIGHT, PARTS};
-
-/// What the shares are found in.
-#[derive(Debug, Default)]
-pub(crate) struct Unloaded {
-    /// `N` of the contacts that carry load.
-    mobility: ConstraintMatrix,
-    loaded: Vec<usize>,
-    /// `N⁻¹λ_N`, and `β`.
-    multipliers: Vec<f64>,
-    dependence: Vec<f64>,
-}
 
 impl Dynamics<'_> {
     /// The shares `βᵀλ_N` of the contacts without load in the normal forces of those that carry load.
