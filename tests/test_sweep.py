@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import asperity as asp
@@ -465,6 +466,93 @@ def test_equal_constants_are_the_same_in_every_process():
     from asperity.sweeps.identity import identity_of
 
     assert identity_of(len, {"law": one}) != identity_of(len, {"law": two})
+
+
+def enclosing(k):
+    def function(a):
+        return k * a
+
+    return function
+
+
+def by_default(k):
+    def function(a, k=k):
+        return k * a
+
+    return function
+
+
+def by_keyword(k):
+    def function(a, *, k=k):
+        return k * a
+
+    return function
+
+
+def by_another(k):
+    inner = enclosing(k)
+
+    def function(a):
+        return inner(a)
+
+    return function
+
+
+def cached(k):
+    return functools.cache(enclosing(k))
+
+
+@pytest.mark.parametrize("make", [enclosing, by_default, by_keyword, by_another, cached])
+def test_what_a_function_encloses_or_has_by_default_belongs_to_it(tmp_path, make):
+    store = tmp_path / "x.zarr"
+    swept(make(2.0), {"a": [1.0]}, store=store)
+    with pytest.raises(asp.ParameterError, match=r"(closure: \w+|defaults: k)="):
+        swept(make(3.0), {"a": [1.0]}, store=store)
+    assert swept(make(2.0), {"a": [1.0]}, store=store).value.item() == 2.0
+
+
+def test_a_function_may_call_itself_and_use_modules(tmp_path):
+    import math
+
+    def factorial(a):
+        return 1.0 if a < 1.0 else a * factorial(a - 1.0) * math.cos(0.0)
+
+    for _ in range(2):
+        assert swept(factorial, {"a": [3.0]}, store=tmp_path / "x.zarr").value.item() == 6.0
+
+
+def test_what_cannot_be_compared_is_refused_by_name_for_a_store_only(tmp_path):
+    lock = threading.Lock()
+
+    def function(a):
+        with lock:
+            return a
+
+    assert swept(function, {"a": [3.0]}).value.item() == 3.0
+    with pytest.raises(asp.ParameterError, match=r"enclosed variable lock is of class _thread"):
+        swept(function, {"a": [3.0]}, store=tmp_path / "x.zarr")
+    assert swept(lambda a, b: a, {"a": [3.0]}, constants={"b": lock}).value.item() == 3.0
+    with pytest.raises(asp.ParameterError, match=r"constants: .* the constant b is of class _thr"):
+        swept(lambda a, b: a, {"a": [3.0]}, constants={"b": lock}, store=tmp_path / "x.zarr")
+    assert not (tmp_path / "x.zarr").exists()
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ([[1], 2], [[1, 2]]),
+        (((1, 2), 3), ((1, 2, 3),)),
+        ({"a": {"b": 1}, "c": 2}, {"a": {"b": 1, "c": 2}}),
+        ([{1}, 2], [{1, 2}]),
+        (asp.Ellipse(0.6, 0.3).support, asp.Ellipse(0.6, 0.2).support),
+    ],
+    ids=str,
+)
+def test_constants_that_differ_in_structure_or_owner_are_told_apart(one, other):
+    from asperity.sweeps.identity import identity_of
+
+    assert identity_of(len, {"c": one}) == identity_of(len, {"c": one})
+    assert identity_of(len, {"c": one}) != identity_of(len, {"c": other})
 
 
 @pytest.mark.parametrize(

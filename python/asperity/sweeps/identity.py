@@ -12,6 +12,7 @@ import pickle
 import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from enum import Enum
 from pathlib import Path
 from types import ModuleType
@@ -25,11 +26,29 @@ from asperity.errors import ParameterError
 _SHORT = 16
 
 
-def identity_of(function: Callable[..., Any], constants: Mapping[str, Any]) -> dict[str, str]:
+_UNKNOWN = "unknown"
+
+
+class _IndescribableError(Exception):
+    """Why a value cannot be told from others in another process."""
+
+
+def identity_of(
+    function: Callable[..., Any], constants: Mapping[str, Any], *, stored: bool = True
+) -> dict[str, str]:
     """Return name and hash of the source of a function, and what else it is given, as text.
 
-    Comments, layout and docstrings of the source do not count. What the function calls is not
-    looked into.
+    Comments, layout and docstrings of the source do not count. Default values and the variables of
+    an enclosing function that it uses do. What the function calls is not looked into.
+
+    Args:
+        function: whatever can be called.
+        constants: further arguments by name.
+        stored: whether a store is to be compared with it later; otherwise what cannot be compared
+            is merely called unknown.
+
+    Raises:
+        ParameterError: naming `constants` or `function`, and the value that cannot be compared.
     """
     fixed = dict(constants)
     while isinstance(function, functools.partial):
@@ -43,8 +62,58 @@ def identity_of(function: Callable[..., Any], constants: Mapping[str, Any]) -> d
     return {
         "function": f"{_module(function)}.{function.__qualname__}",
         "source": _source(function),
-        "constants": ", ".join(f"{name}={_text(value)}" for name, value in sorted(fixed.items())),
+        "defaults": _listed("function", "default value", _defaults(function), stored),
+        "closure": _listed("function", "enclosed variable", _closure(function), stored),
+        "constants": _listed("constants", "constant", fixed, stored),
     }
+
+
+def _listed(argument: str, kind: str, values: Mapping[str, Any], stored: bool) -> str:
+    """Return values by name as text."""
+    texts = []
+    for name, value in sorted(values.items()):
+        try:
+            text = _text(value)
+        except _IndescribableError as error:
+            if stored:
+                raise ParameterError(
+                    argument,
+                    f"cannot be compared with that of a store: the {kind} {name} is {error}; make "
+                    "it in the function itself, or sweep without a store",
+                ) from None
+            text = _UNKNOWN
+        texts.append(f"{name}={text}")
+    return ", ".join(texts)
+
+
+def _coded(function: Callable[..., Any]) -> Any:
+    """Return a function with code in Python: itself or what it wraps; None if there is none."""
+    if not hasattr(function, "__code__"):
+        function = inspect.unwrap(function)
+    return function if hasattr(function, "__code__") else None
+
+
+def _defaults(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return default values by the names of parameters."""
+    function = _coded(function)
+    if function is None:
+        return {}
+    values = function.__defaults__ or ()
+    count = function.__code__.co_argcount
+    names = function.__code__.co_varnames[count - len(values) : count]
+    return {**dict(zip(names, values, strict=True)), **(function.__kwdefaults__ or {})}
+
+
+def _closure(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return the variables of enclosing functions that a function uses, those that have a value."""
+    function = _coded(function)
+    found = {}
+    if function is not None:
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)
+        for name, cell in cells:
+            with suppress(ValueError):
+                found[name] = cell.cell_contents
+    return found
 
 
 def _bound(function: functools.partial[Any]) -> dict[str, Any]:
@@ -65,7 +134,7 @@ def _source(function: Callable[..., Any]) -> str:
         tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
     except (OSError, TypeError, SyntaxError):
         code = getattr(function, "__code__", None)
-        return "unknown" if code is None else _digest(marshal.dumps(code))
+        return _UNKNOWN if code is None else _digest(marshal.dumps(code))
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node) is not None:
             node.body = node.body[1:] or [ast.Pass()]
@@ -75,10 +144,13 @@ def _source(function: Callable[..., Any]) -> str:
 def _text(value: Any) -> str:
     """Return numbers and words as they are, of all else a hash."""
     plain = value is None or isinstance(value, bool | int | float | str)
-    text = repr(value)
+    text = repr(value) if plain else ""
     if plain and not isinstance(value, Enum) and len(text) <= _SHORT:
         return text
-    return _digest(*_parts(value))
+    try:
+        return _digest(*_parts(value))
+    except RecursionError:
+        raise _IndescribableError("a value that holds itself") from None
 
 
 def _digest(*parts: bytes) -> str:
@@ -90,40 +162,65 @@ def _digest(*parts: bytes) -> str:
     return whole.hexdigest()[:_SHORT]
 
 
-def _parts(value: Any) -> Iterator[bytes]:
-    """Yield what is the same, in every process, for objects that are equal."""
+def _parts(value: Any, within: tuple[int, ...] = ()) -> Iterator[bytes]:
+    """Yield what is the same, in every process, for objects that are equal.
+
+    Args:
+        value: to describe.
+        within: identities of the functions whose variables are being described, which may hold the
+            functions themselves.
+    """
     yield type(value).__qualname__.encode()
     if value is None or isinstance(value, bool | int | float | complex | str | bytes):
         yield repr(value).encode()
     elif isinstance(value, Enum):
         yield value.name.encode()
-    elif isinstance(value, np.ndarray | np.generic) and value.dtype.kind != "O":
-        yield f"{value.dtype.str}{value.shape}".encode()
+    elif isinstance(value, np.ndarray | np.generic) and not value.dtype.hasobject:
+        yield f"{value.dtype.descr}{value.shape}".encode()
         yield np.ascontiguousarray(value).tobytes()
     elif isinstance(value, Value):
-        yield from _parts(value._parameters)
-    elif isinstance(value, Mapping):
-        for key in sorted(value, key=repr):
-            yield from _parts(key)
-            yield from _parts(value[key])
-    elif isinstance(value, list | tuple):
-        for one in value:
-            yield from _parts(one)
-    elif isinstance(value, set | frozenset):
-        yield from sorted(_digest(*_parts(one)).encode() for one in value)
+        yield from _parts(value._parameters, within)
+    elif isinstance(value, Mapping | list | tuple | set | frozenset):
+        # Without the length, nested containers would be alike that end at different places.
+        yield str(len(value)).encode()
+        yield from _elements(value, within)
     elif dataclasses.is_dataclass(value) and not isinstance(value, type):
-        yield from _parts({one.name: getattr(value, one.name) for one in dataclasses.fields(value)})
+        fields = {one.name: getattr(value, one.name) for one in dataclasses.fields(value)}
+        yield from _parts(fields, within)
+    elif isinstance(value, ModuleType):
+        yield value.__name__.encode()
     elif callable(value) and hasattr(value, "__qualname__"):
         yield f"{value.__module__}.{value.__qualname__}".encode()
         yield _source(value).encode()
+        if id(value) not in within:
+            inner = (*within, id(value))
+            yield from _parts(_defaults(value), inner)
+            yield from _parts(_closure(value), inner)
+            owner = getattr(value, "__self__", None)
+            if not isinstance(owner, ModuleType):
+                yield from _parts(owner, inner)
     else:
         yield _pickled(value)
+
+
+def _elements(value: Any, within: tuple[int, ...]) -> Iterator[bytes]:
+    if isinstance(value, Mapping):
+        for key in sorted(value, key=repr):
+            yield from _parts(key, within)
+            yield from _parts(value[key], within)
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _parts(one, within)
+    else:
+        yield from sorted(_digest(*_parts(one, within)).encode() for one in value)
 
 
 def _pickled(value: Any) -> bytes:
     try:
         return pickle.dumps(value)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        raise ParameterError(
-            "constants", f"cannot be compared with those of a store: {error}"
+    except Exception as error:
+        # Objects decide themselves how they are pickled, and what they raise.
+        kind = type(value)
+        raise _IndescribableError(
+            f"of class {kind.__module__}.{kind.__qualname__} ({type(error).__name__})"
         ) from None

@@ -81,7 +81,8 @@ def sweep(
 
     Raises:
         ParameterError: if an argument cannot be used, or if the store holds something else, which
-            is named: another grid, function, source, version, constant, seed.
+            is named: another grid, function, source, version, seed, another value of a constant, of a
+            default or of a variable that the function encloses.
         SweepError: if a point fails with ``on_failure="raise"``, or if the processes of an executor
             die that cannot be made again.
         SweepInterrupted: on Ctrl-C, with what was done.
@@ -128,7 +129,7 @@ def sweep(
     )
     facts = {
         "asperity": __version__,
-        **identity_of(function, fixed),
+        **identity_of(function, fixed, stored=store is not None),
         "seed": "none" if number is None else number,
         "vector": " ".join(points.vector),
     }
