@@ -1,5 +1,6 @@
 """Sweeps: labels, what functions may return, failures, seeds, stores that are gone on with."""
 
+import enum
 import functools
 import json
 import shutil
@@ -139,6 +140,66 @@ def test_the_first_good_result_says_what_there_is(chunk):
     assert "shape (2,)" in messages[2]
     assert "false, true" in messages[3]
     assert "must return x as before, got y" in messages[5]
+
+
+class Unspeakable(Exception):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+class Unreadable:
+    def __array__(self, dtype=None, copy=None):
+        raise RuntimeError("no array")
+
+
+Many = enum.Enum("Many", [f"m{k}" for k in range(300)])
+Known = enum.Enum("Known", ["A", "a", "two words"])
+Mixed = enum.Flag("Mixed", ["LEFT", "RIGHT"])
+
+
+def troublesome(a):
+    """A result at zero and seven, and at each other point another trouble."""
+    if a == 1.0:
+        raise Unspeakable
+    return {
+        0.0: 1.0,
+        2.0: {"a_b": 2.0},
+        3.0: lambda: 0,
+        4.0: Unreadable(),
+        5.0: Many.m1,
+        6.0: Mixed.LEFT | Mixed.RIGHT,
+        7.0: 7.0,
+    }[a]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_bad_point_is_a_failure_and_never_the_end(tmp_path, first):
+    points = np.arange(float(first), 8.0)
+    for options in ({"executor": None}, {"executor": THREADS, "store": tmp_path / "x.zarr"}):
+        chart = asp.sweep(troublesome, {"a": points}, chunk=8, **options)
+        messages = chart.message.sel(a=points[1:]).values.tolist()
+        if first == 0:
+            assert chart.status.values.tolist() == [1, *[2] * 6, 1]
+            assert chart.value.sel(a=[0.0, 7.0]).values.tolist() == [1.0, 7.0]
+            assert messages[0] == "Unspeakable"
+            assert "must return value as before" in messages[1]
+            messages = messages[1:]
+        else:
+            # What comes first counts.
+            assert chart.status.values.tolist() == [2, 1, *[2] * 5]
+        assert messages[1].startswith("TypeError: value: must be a number")
+        assert messages[2] == "RuntimeError: no array"
+        assert "at most 128, got <Many.m1: 2> of Many, which has 300" in messages[3]
+        assert "of Mixed, which has 2" in messages[4]
+
+
+def test_enumerators_with_names_that_are_nearly_alike(tmp_path):
+    for store in (tmp_path / "x.zarr", tmp_path / "x.zarr"):
+        grid = {"k": [0, 1, 2]}
+        chart = swept(lambda k: list(Known)[int(k)], grid, store=store)
+        # Their own numbers.
+        assert chart.value.values.tolist() == [1, 2, 3]
+        assert chart.value.attrs["flag_meanings"] == "no_result a a two_words"
 
 
 @pytest.mark.parametrize("chunk", [1, 3])

@@ -28,7 +28,7 @@ from asperity.sweeps.failures import Failures
 from asperity.sweeps.grid import Block, Grid
 from asperity.sweeps.outputs import NO_FLAG, Output, Schema
 from asperity.sweeps.store import MISSING, STATUS_ATTRIBUTES, Store
-from asperity.sweeps.task import Answer, Call
+from asperity.sweeps.task import Answer
 
 if TYPE_CHECKING:
     import xarray
@@ -49,7 +49,6 @@ class Folder(Store):
     Args:
         path: of the folder, which is made unless it exists.
         grid: of the points.
-        call: of the function.
         size: of chunks, if the folder is new.
         facts: what is said of the sweep, and must be the same if it exists.
         units: of results.
@@ -63,7 +62,6 @@ class Folder(Store):
         self,
         path: Path,
         grid: Grid,
-        call: Call,
         *,
         size: tuple[int, ...],
         facts: Mapping[str, Any],
@@ -77,7 +75,7 @@ class Folder(Store):
             self._group = zarr.open_group(path, mode="r+")
             self._check(grid, facts)
             status = self._group["status"]
-            super().__init__(grid, call, size=tuple(status.chunks), facts=facts, units=units)
+            super().__init__(grid, size=tuple(status.chunks), facts=facts, units=units)
             self._failures = Failures(path / _MESSAGES)
             self.status = np.array(status[...])
             self.known = int(np.count_nonzero(self.status))

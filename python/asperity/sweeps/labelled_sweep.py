@@ -81,8 +81,8 @@ def sweep(
 
     Raises:
         ParameterError: if an argument cannot be used, or if the store holds something else, which
-            is named: another grid, function, source, version, seed, another value of a constant, of a
-            default or of a variable that the function encloses.
+            is named: another grid, function, source, version, seed, or another value of a
+            constant, of a default or of a variable that the function encloses.
         SweepError: if a point fails with ``on_failure="raise"``, or if the processes of an executor
             die that cannot be made again.
         SweepInterrupted: on Ctrl-C, with what was done.
@@ -136,12 +136,12 @@ def sweep(
     facts["fingerprint"] = fingerprint(points, facts)
     shape = chunk_shape(points.shape, size or automatic_points(points.points))
     options: dict[str, Any] = {"size": shape, "facts": facts, "units": words}
-    kept = Store(points, call, **options)
+    kept = Store(points, **options)
     if store is not None:
         path = Path(store)
         if resume is False and path.exists():
             raise ParameterError("store", f"must be new with resume=False, {path} exists")
-        kept = Folder(path, points, call, **options)
+        kept = Folder(path, points, **options)
     strict = on_failure == "raise"
     wanted = (MISSING, FAILED) if strict or resume == "failed" else (MISSING,)
     try:

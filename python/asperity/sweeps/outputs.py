@@ -16,6 +16,8 @@ NO_FLAG = -128
 """In the place of a flag where there is no result."""
 
 _FALSE_OR_TRUE = ((0, "false"), (1, "true"))
+# As many numbers from zero on as a flag of eight bits has.
+_MOST_FLAGS = 128
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,14 @@ def named(returned: Any) -> Results:
     return dict(returned) if isinstance(returned, Mapping) else {"value": returned}
 
 
-def schema_of(results: Results, axes: Iterable[str], vector_shape: tuple[int, ...]) -> Schema:
-    """Return what results are.
+def sample_of(
+    results: Results, axes: Iterable[str], vector_shape: tuple[int, ...]
+) -> tuple[Schema, Results]:
+    """Return what results are, and the results as numbers and arrays of numbers.
 
     Raises:
         TypeError: naming one that no array can hold, or a name that it cannot have.
+        Exception: whatever else a result raises when it is looked at.
     """
     for name in results:
         if not isinstance(name, str) or not name.isidentifier() or name in RESERVED:
@@ -77,7 +82,8 @@ def schema_of(results: Results, axes: Iterable[str], vector_shape: tuple[int, ..
             )
     if not results:
         raise TypeError("must return results, got an empty mapping")
-    schema = {name: _output(name, value) for name, value in results.items()}
+    found = {name: _output(name, value) for name, value in results.items()}
+    schema = {name: output for name, (output, _) in found.items()}
     for name in schema.keys() & set(axes):
         raise TypeError(f"{name}: is the name of an axis, so that no result can have it")
     for name, output in schema.items():
@@ -86,38 +92,41 @@ def schema_of(results: Results, axes: Iterable[str], vector_shape: tuple[int, ..
                 f"{name}: must begin with the shape {vector_shape} of the axes that are handed "
                 f"over whole, got shape {output.shape}"
             )
-    return schema
+    return schema, {name: plain for name, (_, plain) in found.items()}
 
 
-def _output(name: str, value: Any) -> Output:
+def _output(name: str, value: Any) -> tuple[Output, Any]:
     if type(value) is float:
-        return _REAL
+        return _REAL, value
     if isinstance(value, Enum):
-        return Output("flag", (), _words(type(value)))
+        return _flag(name, value)
     array = np.asarray(value)
     if array.dtype.kind == "b":
-        return Output("flag", array.shape, _FALSE_OR_TRUE) if array.shape else _BOOL
+        return Output("flag", array.shape, _FALSE_OR_TRUE) if array.shape else _BOOL, array
     if array.dtype.kind in "iuf":
-        return Output("real", array.shape) if array.shape else _REAL
+        return Output("real", array.shape) if array.shape else _REAL, array
     if array.dtype.kind == "c":
-        return Output("complex", array.shape)
+        return Output("complex", array.shape), array
     raise TypeError(
         f"{name}: must be a number, a truth value, an enumerator or an array of numbers, "
         f"got {value!r}"
     )
 
 
-def _words(kind: type[Enum]) -> tuple[tuple[int, str], ...]:
-    """Return the numbers of an enumeration and its names: its own if these are small integers."""
-    members = list(kind)
+def _flag(name: str, value: Enum) -> tuple[Output, int]:
+    """Return an enumeration and the number of a member: its own if all are small integers."""
+    kind, members = type(value), list(type(value))
+    if len(members) > _MOST_FLAGS or value not in members:
+        raise TypeError(
+            f"{name}: must be a member of an enumeration of at most {_MOST_FLAGS}, got {value!r} "
+            f"of {kind.__name__}, which has {len(members)}"
+        )
     own = all(isinstance(one.value, int) and NO_FLAG < one.value < 128 for one in members)
-    return tuple((one.value if own else k, one.name.lower()) for k, one in enumerate(members))
-
-
-def _number(value: Any, output: Output) -> Any:
-    if not isinstance(value, Enum):
-        return value
-    return next(number for number, word in output.words if word == value.name.lower())
+    numbers = [int(one.value) if own else k for k, one in enumerate(members)]
+    # The words of all flags are one text, with spaces between them.
+    words = ["_".join(one.name.lower().split()) for one in members]
+    place = next(k for k, one in enumerate(members) if one is value)
+    return Output("flag", (), tuple(zip(numbers, words, strict=True))), numbers[place]
 
 
 def misfit(schema: Schema, wanted: Schema) -> str:
@@ -141,13 +150,11 @@ def are_real(results: Sequence[Results | None], schema: Schema) -> bool:
 
 
 def packed(results: Sequence[Results | None], schema: Schema) -> dict[str, NDArray[Any]]:
-    """Return arrays ``(n, …)`` of results of a schema."""
+    """Return arrays ``(n, …)`` of plain results of a schema, see `sample_of`."""
     known = [i for i, one in enumerate(results) if one is not None]
     found = {}
     for name, output in schema.items():
         values = [one[name] for one in results if one is not None]
-        if output.words:
-            values = [_number(value, output) for value in values]
         whole = np.full((len(results), *output.shape), output.nothing, output.dtype)
         if known:
             whole[known] = np.array(values, output.dtype)

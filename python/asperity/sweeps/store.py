@@ -18,7 +18,7 @@ from asperity._base.extras import library
 from asperity.sweeps.failures import Failures
 from asperity.sweeps.grid import Block, Chunks, Grid, block_shape, index_in
 from asperity.sweeps.outputs import NO_FLAG, Output, Schema
-from asperity.sweeps.task import Answer, Call
+from asperity.sweeps.task import Answer
 
 if TYPE_CHECKING:
     import xarray
@@ -39,7 +39,6 @@ class Store:
 
     Args:
         grid: of the points.
-        call: of the function.
         size: of chunks.
         facts: what is said of the sweep.
         units: of results.
@@ -48,13 +47,12 @@ class Store:
     def __init__(
         self,
         grid: Grid,
-        call: Call,
         *,
         size: tuple[int, ...],
         facts: Mapping[str, Any],
         units: Mapping[str, str],
     ) -> None:
-        self._grid, self._call, self._facts, self._units = grid, call, facts, units
+        self._grid, self._facts, self._units = grid, facts, units
         self._failures = Failures()
         self._arrays: dict[str, Any] = {}
         self.chunks = Chunks(grid.shape, size)
@@ -80,7 +78,7 @@ class Store:
             self._make(answer.schema)
             self.schema = answer.schema
         if self.schema is not None:
-            answer = answer.fitted(self._call, self.schema)
+            answer = answer.fitted(self.schema)
             for name, values in answer.arrays.items():
                 self._write(name, block, self._laid_out(name, block, values, answer))
         self._failures.add(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asperity._base.pool import one_of_many
 from asperity.errors import ParameterError
-from asperity.sweeps.outputs import Results, Schema, are_real, misfit, named, packed, schema_of
+from asperity.sweeps.outputs import Results, Schema, are_real, misfit, named, packed, sample_of
 
 
 @dataclass(frozen=True)
@@ -67,9 +67,13 @@ class Failure:
 
     @classmethod
     def of(cls, error: BaseException) -> Failure:
-        """Return what an exception says."""
-        lines = "".join(traceback.format_exception(error))
-        return cls(type(error).__name__, str(error), lines)
+        """Return what an exception says, as far as it can say it."""
+        message = lines = ""
+        with suppress(Exception):
+            message = str(error)
+        with suppress(Exception):
+            lines = "".join(traceback.format_exception(error))
+        return cls(type(error).__name__, message, lines)
 
 
 @dataclass
@@ -82,7 +86,8 @@ class Answer:
         failures: where there is no result.
         schema: what the first good result is; None if there was none.
         arrays: all results that are alike.
-        results: instead of arrays, the results, if it is not known yet which of them count.
+        samples: instead of arrays, every result and what it is, if it is not known yet which of
+            them count.
     """
 
     count: int
@@ -90,62 +95,58 @@ class Answer:
     failures: dict[int, Failure]
     schema: Schema | None = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
-    results: list[Results | None] = field(default_factory=list)
+    samples: dict[int, tuple[Schema, Results]] = field(default_factory=dict)
 
     @classmethod
     def lost(cls, count: int, places: Sequence[int], why: Failure) -> Answer:
         """Return the answer of a worker that gave none."""
         return cls(count, places, dict.fromkeys(places, why))
 
-    def fitted(self, call: Call, wanted: Schema) -> Answer:
-        """Return the answer with arrays of what is wanted; other results become failures."""
-        if self.schema is None or self.results:
-            return self.sorted_by(call, self.results or [None] * self.count, wanted)
-        if self.schema == wanted:
-            return self
-        why = Failure("TypeError", misfit(self.schema, wanted))
-        return replace(
-            self,
-            failures={i: self.failures.get(i, why) for i in self.places},
-            schema=wanted,
-            arrays=packed([None] * self.count, wanted),
-        )
-
-    def sorted_by(self, call: Call, results: list[Results | None], wanted: Schema | None) -> Answer:
-        """Return the answer with results sorted into those that are alike and others."""
-        failed, alike, others = dict(self.failures), set(), False
-        found = _first(call, results) if wanted is None else wanted
-        if found is not None and are_real(results, found):
-            return replace(self, schema=found, arrays=packed(results, found), results=[])
+    @classmethod
+    def of(
+        cls,
+        call: Call,
+        places: Sequence[int],
+        results: list[Results | None],
+        failures: dict[int, Failure],
+        wanted: Schema | None,
+    ) -> Answer:
+        """Return the answer with what the function has returned at the points of a chunk."""
+        answer = cls(len(results), places, failures)
+        if wanted is not None and are_real(results, wanted):
+            return replace(answer, schema=wanted, arrays=packed(results, wanted))
+        samples = {}
         for i, one in enumerate(results):
-            if one is None:
-                continue
-            try:
-                why = misfit(schema_of(one, call.axes, call.vector_shape), found or {})
-            except (TypeError, ValueError) as error:
-                failed[i] = Failure("TypeError", str(error))
-                continue
-            if not why:
-                alike.add(i)
-            elif wanted is None:
-                others = True
-            else:
+            if one is not None:
+                try:
+                    samples[i] = sample_of(one, call.axes, call.vector_shape)
+                except Exception as error:
+                    # Results may be of any class, and raise whatever it likes.
+                    failures[i] = Failure.of(error)
+        found = wanted or next((schema for schema, _ in samples.values()), None)
+        answer = replace(answer, failures=failures, schema=found, samples=samples)
+        alike = all(schema == found for schema, _ in samples.values())
+        if found is not None and (wanted is not None or alike):
+            return answer.fitted(found)
+        # Another chunk may hold the first result of all, with which these are compared.
+        return answer
+
+    def fitted(self, wanted: Schema) -> Answer:
+        """Return the answer with arrays of what is wanted; other results become failures."""
+        if self.schema == wanted and not self.samples:
+            return self
+        failed, fitting = dict(self.failures), dict[int, Results]()
+        for i, (schema, one) in self.samples.items():
+            why = misfit(schema, wanted)
+            if why:
                 failed[i] = Failure("TypeError", why)
-        if others:
-            # Another chunk may hold the first result of all, with which these are compared.
-            return replace(self, schema=found, results=results)
-        fitting = [one if i in alike else None for i, one in enumerate(results)]
-        arrays = {} if found is None else packed(fitting, found)
-        return replace(self, failures=failed, schema=found, arrays=arrays, results=[])
-
-
-def _first(call: Call, results: Sequence[Results | None]) -> Schema | None:
-    """Return what the first result is that arrays can hold."""
-    for one in results:
-        if one is not None:
-            with suppress(TypeError, ValueError):
-                return schema_of(one, call.axes, call.vector_shape)
-    return None
+            else:
+                fitting[i] = one
+        if self.arrays and self.schema is not None:
+            why = misfit(self.schema, wanted)
+            failed = {i: failed.get(i, Failure("TypeError", why)) for i in self.places}
+        arrays = packed([fitting.get(i) for i in range(self.count)], wanted)
+        return replace(self, failures=failed, schema=wanted, arrays=arrays, samples={})
 
 
 def portable(call: Call) -> bytes:
@@ -211,7 +212,7 @@ def compute(
                 failures[i] = Failure.of(error)
                 if strict:
                     break
-    return Answer(len(points), places, failures).sorted_by(call, results, wanted)
+    return Answer.of(call, places, results, failures, wanted)
 
 
 def _loaded(call: bytes) -> Call:
