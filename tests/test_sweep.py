@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import threading
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 
 import asperity as asp
@@ -675,6 +676,7 @@ def test_what_is_no_store_is_refused(tmp_path):
         swept(plus, {"a": [1.0]}, store=tmp_path / "x.zarr", resume=False)
 
 
+@pytest.mark.filterwarnings("ignore:the store .* has lost results:RuntimeWarning")
 def test_damaged_stores_are_refused_or_read(tmp_path):
     whole = tmp_path / "whole.zarr"
     swept(several, GRID, seed=SEED, chunk=30, store=whole)
@@ -696,6 +698,75 @@ def test_damaged_stores_are_refused_or_read(tmp_path):
             shutil.rmtree(broken)
     assert len(refused) >= 4
     assert all(text.startswith("store: ") for text in refused)
+
+
+def test_results_that_are_lost_are_named_and_computed_again(tmp_path):
+    store, calls = tmp_path / "x.zarr", []
+
+    def function(a, b, rng):
+        calls.append((a, b))
+        return several(a, b, rng)
+
+    options = {"seed": SEED, "chunk": 9, "store": store}
+    swept(function, GRID, **options)
+    calls.clear()
+    # The last chunk has a point that failed.
+    (store / "product" / "c.0.0").unlink()
+    (store / "drawn" / "c.12.0.0").write_bytes(b"short")
+    with pytest.warns(RuntimeWarning, match=r"drawn/c\.12\.0\.0, product/c\.0\.0; their points"):
+        chart = swept(function, GRID, **options)
+    assert_equal(chart, reference())
+    assert len(calls) == 9 + 9
+    assert {a for a, _ in calls} == {GRID["a"][0], GRID["a"][-1]}
+    # What the function encloses must be what it was.
+    calls.clear()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert_equal(swept(function, GRID, **{**options, "executor": Unusable()}), reference())
+
+
+def test_results_without_any_number_can_be_stored(tmp_path):
+    def function(a):
+        return {"none": np.zeros((2, 0)), "one": a}
+
+    for store in (None, tmp_path / "x.zarr", tmp_path / "x.zarr"):
+        chart = swept(function, {"a": [1.0, 2.0, 3.0]}, store=store)
+        assert chart.none.shape == (3, 2, 0)
+        assert chart.one.values.tolist() == [1.0, 2.0, 3.0]
+        assert (chart.status == 1).all()
+
+
+def test_no_two_dimensions_have_one_name(tmp_path):
+    def function(a_0):
+        return {"a": np.array([1.0, 2.0]), "b": np.array([a_0]), "b_0": a_0}
+
+    for store in (None, tmp_path / "x.zarr", tmp_path / "x.zarr"):
+        chart = swept(function, {"a_0": [3.0, 4.0, 5.0]}, store=store)
+        assert chart.a.dims == ("a_0", "a_0_")
+        assert chart.b.dims == ("a_0", "b_0_")
+        assert chart.a.shape == (3, 2)
+        assert chart.b_0.values.tolist() == [3.0, 4.0, 5.0]
+
+
+@pytest.mark.parametrize("damage", [b"\1\1\1\1\1\1\1", b"\1", b"\1\1\7\0", b"\1\1\1\1"])
+def test_a_status_of_more_or_other_points_than_there_are_is_refused(tmp_path, damage):
+    store = tmp_path / "x.zarr"
+    swept(plus, {"a": [1.0, 2.0, 3.0]}, store=store, chunk=2)
+    for file in (store / "status").glob("c*"):
+        # Of the second chunk one point lies beyond the grid.
+        file.write_bytes(damage[: len(damage) // 2] if len(damage) == 4 else damage)
+    if damage == b"\1\1\7\0":
+        (store / "status" / "c.1").write_bytes(damage[2:])
+    with pytest.raises(asp.ParameterError, match=r"store: must hold a sweep, .* is damaged"):
+        asp.sweep_status(store)
+
+
+@pytest.mark.parametrize("store", ["", 3, b"x"])
+def test_a_store_needs_a_name(store):
+    with pytest.raises(asp.ParameterError, match="store: must name a folder"):
+        swept(plus, {"a": [1.0]}, store=store)
+    with pytest.raises(asp.ParameterError, match="store: must name a folder"):
+        asp.sweep_status(store)
 
 
 def test_messages_are_lines_of_json(tmp_path):

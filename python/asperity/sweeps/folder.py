@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import shutil
 import time
@@ -27,7 +28,7 @@ from asperity.errors import ParameterError
 from asperity.sweeps.failures import Failures
 from asperity.sweeps.grid import Block, Grid
 from asperity.sweeps.outputs import NO_FLAG, Output, Schema
-from asperity.sweeps.store import MISSING, STATUS_ATTRIBUTES, Store
+from asperity.sweeps.store import DONE, FAILED, MISSING, STATUS_ATTRIBUTES, Store
 from asperity.sweeps.task import Answer
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ SESSION, STATUS_FILES = "session.json", "c*"
 
 _MESSAGES = "failures.jsonl"
 _FORMAT = 1
+_FEW = 5
 # Chunks are files of one folder, as they are in memory: compressed and written by zarr itself they
 # take 0.9 ms each, against 0.1 ms.
 _PLAIN = {"compressors": None, "chunk_key_encoding": {"name": "default", "separator": "."}}
@@ -78,7 +80,8 @@ class Folder(Store):
             super().__init__(grid, size=tuple(status.chunks), facts=facts, units=units)
             self._failures = Failures(path / _MESSAGES)
             self.status = np.array(status[...])
-            self.known = int(np.count_nonzero(self.status))
+            if not np.isin(self.status, (MISSING, DONE, FAILED)).all():
+                raise ValueError("the status of points is none of those there are")
             self.schema = self._stored_schema()
         except ParameterError:
             raise
@@ -88,6 +91,7 @@ class Folder(Store):
                 "store", f"must hold a sweep, {path} does not or is damaged: {error}"
             ) from error
         self._arrays = {name: self._group[name] for name in self.schema or ()}
+        self._forget_lost_results()
 
     def begin(self, wanted: Sequence[int]) -> bool:
         """Return whether points of some status are left; write down when work on them begins.
@@ -125,6 +129,36 @@ class Folder(Store):
                 raise
             raise OSError(error.errno, error.strerror, os.fspath(self._path)) from error
 
+    def _forget_lost_results(self) -> None:
+        """Take chunks for missing whose results are, and say so.
+
+        The status of a chunk is written last, so that the files of its results were there.
+        """
+        lost = []
+        for name, array in self._arrays.items():
+            if not array.size:
+                continue
+            with self._named():
+                sizes = {one.name: one.stat().st_size for one in os.scandir(self._path / name)}
+            whole = math.prod(array.chunks) * array.dtype.itemsize
+            for block in self.chunks:
+                if not (self.status[block] == DONE).any():
+                    continue
+                key = _key(self._starts(block), array)
+                if sizes.get(key) != whole:
+                    lost.append((block, f"{name}/{key}"))
+        for block, _ in lost:
+            # The whole chunk, failures too: nothing of a damaged file is then kept.
+            self.status[block] = MISSING
+        self.known = int(np.count_nonzero(self.status))
+        if lost:
+            warnings.warn(
+                f"the store {self._path} has lost results or has damaged ones: "
+                f"{_enumerated([file for _, file in lost])}; their points are taken for missing",
+                RuntimeWarning,
+                stacklevel=4,
+            )
+
     def _make(self, schema: Schema) -> None:
         self.schema = schema
         lengths, chunks = self._lengths(), list(self._lengths())
@@ -135,7 +169,8 @@ class Folder(Store):
             self._arrays[name] = self._group.create_array(
                 name,
                 shape=(*lengths, *extra),
-                chunks=(*chunks, *extra),
+                # Of a result without any number, nothing is written.
+                chunks=(*chunks, *(max(n, 1) for n in extra)),
                 dtype=output.dtype,
                 fill_value=output.nothing,
                 dimension_names=self._dimensions(name, output),
@@ -147,8 +182,12 @@ class Folder(Store):
         _list_arrays(self._group)
 
     def _write(self, name: str, block: Block, values: NDArray[Any]) -> None:
-        array = self._arrays[name]
-        self._put(name, tuple(part.start or 0 for part in self._whole(block)), array, values)
+        if values.size:
+            self._put(name, self._starts(block), self._arrays[name], values)
+
+    def _starts(self, block: Block) -> tuple[int, ...]:
+        """Return where a chunk begins along all axes."""
+        return tuple(part.start or 0 for part in self._whole(block))
 
     def _write_status(self, block: Block, status: NDArray[np.int8]) -> None:
         self._put("status", tuple(part.start for part in block), self._group["status"], status)
@@ -157,11 +196,7 @@ class Folder(Store):
         """Write a chunk as zarr would: its bytes, in a file that is replaced."""
         chunk = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
         chunk[tuple(slice(n) for n in values.shape)] = values
-        # A chunk holds whole results: there is one along their axes.
-        places = (*starts, *[0] * (values.ndim - len(starts)))
-        numbers = (start // size for start, size in zip(places, array.chunks, strict=True))
-        key = ".".join(["c", *map(str, numbers)])
-        with replaced(self._path / name / key) as temporary:
+        with replaced(self._path / name / _key(starts, array)) as temporary:
             temporary.write_bytes(chunk.tobytes())
 
     def _labelled(self) -> xarray.Dataset:
@@ -197,6 +232,30 @@ class Folder(Store):
             raise ParameterError(
                 "store", f"{self._path} holds another sweep. It differs in {'; '.join(differing)}"
             )
+
+
+def folder_of(store: Any) -> Path:
+    """Return the folder of a store.
+
+    Raises:
+        ParameterError: naming `store`, if it names none.
+    """
+    # An empty path would be the working folder.
+    if not isinstance(store, str | os.PathLike) or not os.fspath(store):
+        raise ParameterError("store", f"must name a folder, got {store!r}")
+    return Path(store)
+
+
+def _key(starts: Sequence[int], array: Any) -> str:
+    """Return the name of the file of a chunk, which holds whole results."""
+    places = (*starts, *[0] * (array.ndim - len(starts)))
+    numbers = (start // size for start, size in zip(places, array.chunks, strict=True))
+    return ".".join(["c", *map(str, numbers)])
+
+
+def _enumerated(files: Sequence[str]) -> str:
+    few = ", ".join(files[:_FEW])
+    return few if len(files) <= _FEW else f"{few} and {len(files) - _FEW} more"
 
 
 def _make_group(path: Path, grid: Grid, size: tuple[int, ...], facts: Mapping[str, Any]) -> None:

@@ -6,7 +6,6 @@ import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from numpy.typing import ArrayLike
@@ -16,7 +15,7 @@ from asperity._base.progress import Progress, reporter
 from asperity.errors import ParameterError, SweepInterrupted
 from asperity.sweeps.execution import Execution
 from asperity.sweeps.executors import Workers
-from asperity.sweeps.folder import Folder, fingerprint
+from asperity.sweeps.folder import Folder, fingerprint, folder_of
 from asperity.sweeps.grid import Grid, automatic_points, chunk_shape, grid_of
 from asperity.sweeps.identity import identity_of
 from asperity.sweeps.store import FAILED, MISSING, Store
@@ -138,7 +137,7 @@ def sweep(
     options: dict[str, Any] = {"size": shape, "facts": facts, "units": words}
     kept = Store(points, **options)
     if store is not None:
-        path = Path(store)
+        path = folder_of(store)
         if resume is False and path.exists():
             raise ParameterError("store", f"must be new with resume=False, {path} exists")
         kept = Folder(path, points, **options)

@@ -13,7 +13,7 @@ import numpy as np
 
 from asperity._base.result import Result, counted
 from asperity.errors import ParameterError
-from asperity.sweeps.folder import SESSION, STATUS_FILES
+from asperity.sweeps.folder import SESSION, STATUS_FILES, folder_of
 from asperity.sweeps.store import DONE, FAILED
 
 _MINUTE, _HOUR, _DAY = 60.0, 3600.0, 86400.0
@@ -84,18 +84,26 @@ def sweep_status(store: str | os.PathLike[str]) -> SweepStatus:
     ...     print(sweep_status(f"{folder}/x.zarr").summary())
     Of 2 points 2 are done, 0 failed, 0 are missing: 100.0%.
     """
-    path = Path(store)
+    path = folder_of(store)
     folder = path / "status"
     try:
         meta = json.loads((folder / "zarr.json").read_text())
         points = math.prod(meta["shape"])
+        size = math.prod(meta["chunk_grid"]["configuration"]["chunk_shape"])
         counts = np.zeros(FAILED + 1, np.int64)
         # Written without compression for this: through zarr it takes a hundred times longer.
         for file in folder.glob(STATUS_FILES):
-            counts += np.bincount(np.fromfile(file, np.int8), minlength=FAILED + 1)
+            status = np.fromfile(file, np.int8)
+            if status.size != size:
+                raise ValueError(f"{file.name} has {status.size} bytes instead of {size}")
+            counts += np.bincount(status, minlength=FAILED + 1)
+        if counts[DONE] + counts[FAILED] > points:
+            raise ValueError("more points are done than there are")
         written = folder.stat().st_mtime
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ParameterError("store", f"must hold a sweep, {path} does not: {error}") from None
+        raise ParameterError(
+            "store", f"must hold a sweep, {path} does not or is damaged: {error}"
+        ) from None
     done, failed = int(counts[DONE]), int(counts[FAILED])
     left = points - done - failed
     seconds = _pace(path / SESSION, written, done + failed) * left if left else 0.0

@@ -147,7 +147,14 @@ class Store:
         return output.shape[len(self._grid.vector) :]
 
     def _dimensions(self, name: str, output: Output) -> tuple[str, ...]:
-        return (*self._grid.axes, *(f"{name}_{k}" for k in range(len(self._extra(output)))))
+        taken = {*self._grid.axes, *(self.schema or ())}
+        names = []
+        for k in range(len(self._extra(output))):
+            one = f"{name}_{k}"
+            while one in taken:
+                one += "_"
+            names.append(one)
+        return (*self._grid.axes, *names)
 
     def _attributes(self, name: str) -> dict[str, Any]:
         """Return unit and meanings of a result."""
