@@ -106,7 +106,7 @@ def numbers_of(law):
 def test_what_the_core_makes_equals_what_python_makes():
     rng = np.random.default_rng(8)
     of_the_core = 0
-    for _ in range(120):
+    for _ in range(160):
         system, replace = random_linear(rng)
         law = system.contacts[0].law
         front = "" if hasattr(system, "law") else "contacts[0]."
@@ -550,3 +550,171 @@ def test_runs_in_lanes_are_the_runs_up_to_rounding():
     point = POINT.replace(law=powers)
     here, there = (asp.simulate_many(point, **STEPS, u0=STATES, lanes=on) for on in (False, True))
     assert_same(here, there)
+
+
+BOUNCING = asp.LinearSystem(
+    np.eye(3),
+    force=[0.0, 0.0, -9.81],
+    contacts=[
+        asp.Contact(LAW, direction=np.eye(3)[:, :2], normal=[0.0, 0.0, 1.0], normal_restitution=0.6)
+    ],
+)
+
+
+@pytest.mark.parametrize(
+    "normal", [[0, 0, 0, 0, 0, 1.0], [0, 0, 0, -1.0, 0, 0], [0, 0, 1.0, 0, 0, 0]]
+)
+def test_sections_that_impacts_jump_over_are_counted(normal):
+    # Up again after every impact; slower with every impact; at the height of half a metre.
+    level = {5: 0.0, 3: -0.5, 2: 0.2}[int(np.flatnonzero(normal)[0])]
+    section = asp.Section(normal, level)
+    many = asp.integrate_many(
+        BOUNCING, t_end=3.0, q0=[0.0, 0.0, 1.0], u0=[1.0, 0.0, 0.0], keep=section
+    )
+    assert not many.failures
+    run = asp.integrate(BOUNCING, t_end=3.0, q0=[0.0, 0.0, 1.0], u0=[1.0, 0.0, 0.0], max_step=0.01)
+    height = np.concatenate([run.q, run.u], axis=1) @ np.array(normal) - level
+    assert many.crossings == ((height[:-1] < 0.0) & (height[1:] >= 0.0)).sum() > 0
+
+
+def test_counted_sections_change_neither_the_end_nor_the_events_that_are_allowed():
+    section = asp.Section([0.0, 0.0, 0.0, 1.0], 0.0)
+    counted = asp.integrate_many(UNSTABLE, t_end=120.0, u0=[0.1, 0.0], keep=section)
+    alone = asp.integrate(UNSTABLE, t_end=120.0, u0=[0.1, 0.0], sample_every=1e-3)
+    height = alone.u[:, 1]
+    upwards = np.flatnonzero((height[:-1] < 0.0) & (height[1:] >= 0.0))
+    assert counted.status == "finished"
+    assert counted.crossings == len(upwards) == 6
+    assert alone.t[upwards[-1]] < counted.crossing_time <= alone.t[upwards[-1] + 1]
+    np.testing.assert_allclose(counted.q, alone.q[-1], rtol=1e-7)
+    few = {"u0": [0.1, 0.0], "t_end": 400.0, "max_events": 20}
+    through = asp.Section([1.0, 0.0, 0.0, 0.0], 20.0)
+    for keep in ("end", through):
+        stopped = asp.integrate_many(UNSTABLE, keep=keep, **few)
+        assert stopped.status == "failed"
+        assert "max_events" in str(stopped.failures[0])
+
+
+SETS = [
+    asp.Disk(0.6),
+    asp.Ellipse(0.51, 0.6, angle=0.3),
+    asp.Superellipse(0.6, 0.5, 2.5, angle=0.2),
+    asp.Rectangle(0.6, 0.5, angle=0.1),
+    asp.CappedRectangle(0.7, 0.9, cap=0.2),
+    asp.WedgeAsperity(0.4, beta=0.3),
+    asp.Box([0.6, 0.5]),
+]
+
+
+@pytest.mark.parametrize("reservoir", SETS, ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("direction", SETS, ids=lambda one: type(one).__name__)
+def test_laws_of_all_sets_are_made_to_the_bit(reservoir, direction):
+    rng = np.random.default_rng(5)
+    system = asp.SlidingPoint(1.0, law=asp.FrictionLaw(reservoir, direction))
+    name = next(n for n, v in reservoir._parameters.items() if isinstance(v, float | np.ndarray))
+    value = np.asarray(reservoir._parameters[name])
+    values = value * rng.uniform(0.8, 1.2, size=(6, *(1,) * value.ndim))
+    options = {"dt": 0.01, "t_end": 0.05, "u0": [0.7, -0.4]}
+    many = asp.simulate_many(system, replace={f"law.reservoir.{name}": values}, **options)
+    for index in range(6):
+        law = system.law.replace(reservoir=reservoir.replace(**{name: values[index]}))
+        assert_is(many, index, asp.simulate(system.replace(law=law), **options))
+
+
+def test_borders_of_what_can_be_replaced():
+    rated = BELT.replace(law=LAW.replace(rate=asp.Stribeck(0.3, ratio=0.5)))
+    many = asp.simulate_many(rated, **STEPS, replace={"law.rate.ratio": [0.5, 1.05]})
+    assert many.status.tolist() == ["finished", "failed"]
+    assert "between 0 and 1" in str(many.failures[0])
+    none = asp.simulate_many(BELT, **STEPS, replace={"mass": [-1.0, -2.0]})
+    assert none.status.tolist() == ["failed", "failed"]
+    assert none.q.shape == (2, 2)
+    two = asp.LinearSystem(
+        1.0,
+        contacts=[
+            asp.Contact(law, direction=np.eye(2), normal_force=1.0)
+            for law in (LAW, asp.FrictionLaw.isotropic(0.5))
+        ],
+    )
+    with pytest.raises(asp.ParameterError, match="no part 'contacts"):
+        asp.simulate_many(two, **STEPS, replace={"contacts[*].law.reservoir.a": [0.3, 0.6]})
+    with pytest.raises(asp.ParameterError, match="a value at least"):
+        asp.simulate_many(BELT, **STEPS, replace={"mass": []})
+    with pytest.raises(asp.ParameterError, match="1e8 samples"):
+        asp.simulate_many(BELT, dt=1e-6, t_end=100.0, keep=1, u0=np.ones((1000, 2)))
+    with pytest.raises(asp.ParameterError, match="axes"):
+        asp.simulate_many(BELT, **STEPS, u0=STATES, axes="status")
+    ball = asp.RigidBodies([asp.Body.ball(1.0, radius=0.1), asp.Body.ball(2.0, radius=0.1)])
+    moved = ball.replace(
+        pairs=[
+            asp.PointPlane(
+                0, point=(0.0, 0.0, -0.1), plane=asp.Plane(point=(0.0, 0.0, -9.0)), law=LAW
+            )
+        ]
+    )
+    which = asp.simulate_many(moved, dt=0.01, t_end=0.02, replace={"pairs[0].body": [0, 1]})
+    assert which.system(1).pairs[0].body == 1
+
+
+def test_planar_bodies_start_in_their_own_state_wherever_they_stand():
+    foot = asp.PointPlane(
+        0, point=(0.0, -0.1), plane=asp.Line(), law=asp.FrictionLaw.isotropic(0.3, dimension=1)
+    )
+    body = asp.PlanarBody(1.0, inertia=0.1, position=(0.0, 0.1), velocity=(1.0, 0.0))
+    planar = asp.RigidBodies([body], pairs=[foot])
+    line = asp.Contact(foot.law, direction=np.eye(3)[:, :1], normal=[0.0, 1.0, 0.0])
+    linear = asp.LinearSystem(np.eye(3), contacts=[line])
+    many = asp.simulate_many([linear, planar], **STEPS)
+    assert_is(many, 1, asp.simulate(planar, **STEPS))
+
+
+def test_quantities_that_there_are_not():
+    free = asp.simulate_many(asp.LinearSystem(1.0), **STEPS, u0=[[1.0], [2.0]], keep="stick_share")
+    assert free.stick_share.shape == (2, 0)
+    late = asp.simulate_many(POINT, **STEPS, keep=["rest_time", "extent"], after=9.0)
+    assert np.isnan(late.rest_time)
+    assert np.isnan(late.extent).all()
+    sampled = asp.integrate_many(POINT, t_end=0.9, u0=[1.0, 0.0], keep=0.3)
+    alone = asp.integrate(POINT, t_end=0.9, u0=[1.0, 0.0], sample_every=0.3)
+    np.testing.assert_array_equal(sampled.samples["t"], alone.t)
+
+
+def test_arrays_that_are_replaced_stay_out_of_the_columns():
+    many = asp.simulate_many(
+        BELT, **STEPS, u0=np.zeros((5, 1, 2)), replace={"belt_velocity": np.ones((4, 2))}
+    )
+    assert many.shape == (5, 4)
+    assert "belt_velocity" not in many.to_xarray()
+    assert len(many.to_pandas()) == 20
+
+
+def test_the_first_search_without_a_cycle_is_that_of_the_smallest_number():
+    calm = UNSTABLE.replace(law=asp.FrictionLaw.isotropic(0.5))
+    # The second search fails at once, the first one after a while.
+    with pytest.raises(asp.NoCycleError):
+        asp.limit_cycle_many(calm, replace={"mass": [1.0, -1.0]}, on_failure="raise", threads=2)
+
+
+MANY_BODIES = """
+import asperity as asp
+import numpy as np
+ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1))
+law = asp.FrictionLaw.isotropic(0.3)
+bodies = asp.RigidBodies([ball], pairs=[asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=law)])
+print("ready", flush=True)
+try:
+    asp.simulate_many(
+        bodies, dt=1e-3, t_end=0.1, replace={"bodies[0].mass": np.linspace(1.0, 2.0, 100000)}
+    )
+except asp.EnsembleInterrupted as stopped:
+    print("interrupted", flush=True)
+    assert (stopped.ensemble.status == "interrupted").any()
+    raise SystemExit(42)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
+def test_ctrl_c_while_python_makes_systems():
+    found = run_interrupted(MANY_BODIES, after=0.05)
+    assert found.lines == ["interrupted"]
+    assert found.code == 42

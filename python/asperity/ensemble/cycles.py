@@ -168,9 +168,11 @@ def limit_cycle_many(
                     found[futures[future]] = error or future.result()
                 if report is not None:
                     report(len(found), len(members))
-                if on_failure == "raise" and any(
-                    isinstance(one, Exception) for one in found.values()
-                ):
+                # The first one is that of the smallest number, whichever is found out first.
+                bad = min(
+                    (k for k, one in found.items() if isinstance(one, Exception)), default=None
+                )
+                if on_failure == "raise" and bad is not None and found.keys() >= set(range(bad)):
                     break
         except BaseException as error:
             stop.set()
@@ -187,7 +189,7 @@ def limit_cycle_many(
         raise first.error
     if ensemble.failures:
         log.warning(
-            "limit_cycle_many: %d of %d searches found no cycle, the first one is %s",
+            "limit_cycle_many: %d of %d searches found no cycle, the first one is search %s",
             len(ensemble.failures),
             len(members),
             ensemble.failures[0],
@@ -212,7 +214,7 @@ def _ensemble(
             continue
         if isinstance(cycle, Exception):
             endings[member] = _NONE if isinstance(cycle, NoCycleError) else _FAILED
-            failures.append(MemberFailure(members.index(member), 0.0, cycle))
+            failures.append(MemberFailure(members.index(member), None, cycle))
             continue
         endings[member] = _FOUND
         sticking = [cycle.share(Phase.STICK, contact=k) for k in range(sizes["contact"])]
@@ -233,6 +235,7 @@ def _ensemble(
         others={},
         failures=failures,
         values=members.variants.values,
+        inner={name: members.variants.inner_axes(name) for name in members.variants.values},
         axes=members.axes,
         labels=labels,
         again=again,

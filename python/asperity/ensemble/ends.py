@@ -28,7 +28,8 @@ class Ensemble(AnyEnsemble):
     """The ends of many runs, and what was asked for of the way; made by `simulate_many`.
 
     Arrays begin with the axes of the ensemble, those to which start states and replaced values were
-    broadcast; what there is not, as in runs that failed before their first step, is NaN.
+    broadcast; what there is not is NaN, as in runs that failed before their first step, or in a
+    step that could not be made.
 
     Attributes:
         status: how each run ended, `Outcome` as words.

@@ -122,6 +122,7 @@ def integrate_many(
         check,
         event_driven.unfinished,
         Again(members, event_driven.integrate, {**options, "max_events": max_events}),
+        kept.names,
         on_failure=on_failure,
         progress=progress,
     )

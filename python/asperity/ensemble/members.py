@@ -17,15 +17,17 @@ from asperity.ensemble.ends import OUTCOMES, Ensemble
 from asperity.ensemble.result import MemberFailure
 from asperity.ensemble.variants import Variants
 from asperity.errors import DimensionError, ParameterError
-from asperity.runs.model import Model, labels_of
+from asperity.runs.model import Model, labels_of, laws_of
 from asperity.runs.state import State
 from asperity.runs.time_stepping import beginning
 from asperity.status import Outcome, Phase
 from asperity.system import RigidBodies
 from asperity.system.custom import System
 
-# Systems that Python makes are there while a chunk of so many of them is run.
+# So many runs, with the systems that Python makes for them, are prepared before they are run.
 _CHUNK = 256
+# Of so many runs that fail with what the core says Python makes the system again, for its words.
+_REWORDED = 1000
 _FAILED, _INTERRUPTED = OUTCOMES.index(Outcome.FAILED), OUTCOMES.index(Outcome.INTERRUPTED)
 
 
@@ -88,6 +90,34 @@ class Members:
         state = _state(first, self.q0, self.u0)
         return len(state.q) + len(state.u)
 
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Numbers of coordinates, velocities, contacts and components of their laws."""
+        first = self.variants.first
+        state = _state(first, self.q0, self.u0)
+        dimensions = [law.dimension for law in laws_of(first)]
+        return {
+            "coordinate": len(state.q),
+            "velocity": len(state.u),
+            "contact": len(dimensions),
+            "component": max(dimensions, default=0),
+        }
+
+    def nothing(self) -> dict[str, NDArray[Any]]:
+        """Return the series of runs none of which was begun."""
+        sizes = self.sizes
+        series: dict[str, NDArray[Any]] = {
+            name: np.full((self.count, *(sizes[a] for a in Ensemble._meanings[name].axes)), np.nan)
+            for name in ("t", "q", "u", "slip", "force", "normal_force")
+        }
+        series["phase"] = np.full((self.count, sizes["contact"]), int(Phase.NONE), dtype=np.int8)
+        counts = (
+            "steps",
+            "ambiguous",
+            *(("in_lanes",) if "in_lanes" in Ensemble._meanings else ()),
+        )
+        return {**series, **{name: np.zeros(self.count, dtype=np.int64) for name in counts}}
+
     def system(self, member: int) -> Model:
         """Return the system of a run."""
         return self.variants.system(int(self._variants[member]))
@@ -122,7 +152,7 @@ class Members:
         made = self.variants.of_the_core()
         listed = self.variants.listed
         first = self.variants.first
-        by_themselves = isinstance(first, RigidBodies) and (
+        by_themselves = any(isinstance(system, RigidBodies) for system in listed) and (
             self.q0 is not None or self.variants.count > 1
         )
         calls_python = any(_core.calls_python(system._core) for system in listed)
@@ -164,15 +194,12 @@ class Members:
             except Exception as error:
                 yield own, error
                 continue
-            if chunk == 1:
-                for member in own:
-                    yield from self._chunk([system], [own[own == member]])
-                continue
-            members.append(own)
-            systems.append(system)
-            if len(systems) == chunk:
-                yield from self._chunk(systems, members)
-                members, systems = [], []
+            for begin in range(0, len(own), chunk):
+                members.append(own[begin : begin + chunk])
+                systems.append(system)
+                if sum(map(len, members)) >= chunk:
+                    yield from self._chunk(systems, members)
+                    members, systems = [], []
         if systems:
             yield from self._chunk(systems, members)
 
@@ -234,12 +261,17 @@ def _axes(given: Any, count: int) -> tuple[str, ...]:
     fits = len(axes) == count and len({*axes, *_TAKEN}) == count + len(_TAKEN)
     if not fits or not all(isinstance(name, str) and name for name in axes):
         raise ParameterError(
-            "axes", f"must be {count} different names other than {', '.join(_TAKEN)}, got {given!r}"
+            "axes",
+            f"must be a name for each of the {count} axes, all different and none of a result, "
+            f"got {given!r}",
         )
     return axes
 
 
-_TAKEN = ("coordinate", "velocity", "contact", "component", "sample")
+_TAKEN = (
+    *("coordinate", "velocity", "contact", "component", "sample", "status", "run", "search"),
+    *(name for name in Ensemble._meanings),
+)
 
 
 @dataclass(frozen=True)
@@ -316,6 +348,7 @@ class Collection:
         members: Members,
         errors: Callable[[dict[str, Any], Model], BaseException],
         again: Again,
+        names: frozenset[str],
     ) -> Ensemble:
         """Return the results of all runs.
 
@@ -323,21 +356,23 @@ class Collection:
             members: the runs.
             errors: returns what a failure would have raised, given the system of the run.
             again: makes a run again.
-
-        Raises:
-            Exception: what the first run raised, if none could begin.
+            names: of the quantities that were asked for.
         """
         self.failures.sort(key=lambda failure: failure[0])
         if not self._series:
-            raise self.failures[0][2]["error"]
+            self._series = members.nothing()
+        for name in names - self._series.keys():
+            inner = Ensemble._meanings[name].axes
+            sizes = (members.sizes[axis] for axis in inner)
+            self._series[name] = np.full((self._count, *sizes), np.nan)
         shape = members.shape
         failures = [
             MemberFailure(
                 members.index(member),
                 time,
-                _error(found, members, member, errors),
+                _error(found, members, member, errors, reworded=number < _REWORDED),
             )
-            for member, time, found in self.failures
+            for number, (member, time, found) in enumerate(self.failures)
         ]
         return Ensemble(
             {name: rows.reshape((*shape, *rows.shape[1:])) for name, rows in self._series.items()},
@@ -350,6 +385,7 @@ class Collection:
             },
             failures=failures,
             values=members.variants.values,
+            inner={name: members.variants.inner_axes(name) for name in members.variants.values},
             axes=members.axes,
             labels=labels_of(members.variants.first),
             again=again,
@@ -361,11 +397,16 @@ def _error(
     members: Members,
     member: int,
     errors: Callable[[dict[str, Any], Model], BaseException],
+    *,
+    reworded: bool,
 ) -> BaseException:
     """Return what a run alone would have raised."""
+    if found["error"] is not None and not reworded:
+        error: BaseException = found["error"]
+        return error
     try:
         system = members.system(member)
-    except Exception as error:
+    except Exception as raised:
         # The core has refused the same numbers in words of its own.
-        return error
+        return raised
     return found["error"] or errors(found, system)

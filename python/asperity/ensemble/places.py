@@ -24,10 +24,11 @@ _LISTED, _TOLD = 2000, 3
 
 
 def places(system: Value, name: str) -> list[Place]:
-    """Return the places that a dotted name means: several where it holds ``[*]``.
+    """Return the places that a dotted name means, several where it holds ``[*]``.
 
     Raises:
-        ParameterError: ``replace``, with the nearest names of what there is.
+        ParameterError: ``replace``, with the nearest names of what there is, if one of the places
+            does not exist.
 
     >>> from asperity import FrictionLaw, SlidingPoint
     >>> from asperity.ensemble.places import places
@@ -36,9 +37,10 @@ def places(system: Value, name: str) -> list[Place]:
     """
     found: list[Place] = [()]
     for step in _steps(name):
-        found = [(*place, key) for place in found for key in _keys(part_at(system, place), step)]
-        if not found:
+        keys = [_keys(part_at(system, place), step) for place in found]
+        if not found or not all(keys):
             raise ParameterError("replace", f"has no part {name!r}{_nearest(system, name)}")
+        found = [(*place, key) for place, own in zip(found, keys, strict=True) for key in own]
     return found
 
 

@@ -46,18 +46,19 @@ class MemberFailure(Record):
 
     Attributes:
         index: of the run, along the axes of the ensemble.
-        time: up to which it came, in s.
-        error: what `simulate` or `integrate` would have raised.
+        time: up to which it came, in s; None of a search for a cycle.
+        error: what `simulate`, `integrate` or `limit_cycle` would have raised.
     """
 
     _descriptive = frozenset({"error"})
 
     index: Annotated[tuple[int, ...], _index]
-    time: Number
+    time: Number | None
     error: BaseException
 
     def __str__(self) -> str:
-        return f"run {', '.join(map(str, self.index))} at t = {self.time:.9g} s: {self.error}"
+        when = "" if self.time is None else f" at t = {self.time:.9g} s"
+        return f"{', '.join(map(str, self.index))}{when}: {self.error}"
 
 
 class AnyEnsemble(TableResult, Value):
@@ -84,6 +85,7 @@ class AnyEnsemble(TableResult, Value):
         others: Mapping[str, Any],
         failures: Sequence[MemberFailure],
         values: Mapping[str, NDArray[Any]],
+        inner: Mapping[str, int],
         axes: Sequence[str],
         labels: Labels,
         again: Any = None,
@@ -106,6 +108,7 @@ class AnyEnsemble(TableResult, Value):
             others=dict(others),
             failures=tuple(failures),
             values={name: arrays.read_only(array) for name, array in values.items()},
+            inner=dict(inner),
             axes=tuple(axes),
             labels=labels,
             again=again,
@@ -160,7 +163,7 @@ class AnyEnsemble(TableResult, Value):
     def summary(self) -> str:
         """Return how they ended, in sentences."""
         lines = [" ".join(self._sentences())]
-        lines += [f"Failed: {failure}." for failure in self.failures[:_TOLD]]
+        lines += [f"Failed: {self._noun} {failure}." for failure in self.failures[:_TOLD]]
         if len(self.failures) > _TOLD:
             lines.append(f"`failures` has the other {len(self.failures) - _TOLD}.")
         return "\n".join(lines)
@@ -210,10 +213,11 @@ class AnyEnsemble(TableResult, Value):
 
     def _wide_values(self) -> dict[str, NDArray[Any]]:
         """Return the numbers that were replaced, one for each."""
+        inner = self._parameters["inner"]
         return {
             name: np.broadcast_to(values, self.shape)
             for name, values in self.values.items()
-            if values.dtype != object and values.ndim <= len(self.shape)
+            if values.dtype != object and not inner[name]
         }
 
     def to_xarray(self) -> xarray.Dataset:

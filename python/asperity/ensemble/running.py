@@ -35,6 +35,7 @@ def made(
     check: Callable[[Model], None],
     errors: Callable[[dict[str, Any], Model], BaseException],
     again: Again,
+    names: frozenset[str],
     *,
     on_failure: str,
     progress: Progress,
@@ -47,6 +48,7 @@ def made(
         check: raises what is wrong with a system.
         errors: returns what a failure would have raised.
         again: makes a run again.
+        names: of the quantities that were asked for.
         on_failure: ``"record"`` or ``"raise"``.
         progress: as users give it.
     """
@@ -67,7 +69,7 @@ def made(
     except KeyboardInterrupt as error:
         # Between the parts, while Python makes systems.
         stopped = error
-    ensemble = collection.ensemble(members, errors, again)
+    ensemble = collection.ensemble(members, errors, again, names)
     if stopped is not None:
         if isinstance(stopped, KeyboardInterrupt):
             raise EnsembleInterrupted(ensemble) from stopped
@@ -79,7 +81,7 @@ def made(
         raise first.error
     if ensemble.failures:
         log.warning(
-            "%s_many: %d of %d runs failed and were recorded, the first one is %s",
+            "%s_many: %d of %d runs failed and were recorded, the first one is run %s",
             again.engine.__name__,
             len(ensemble.failures),
             len(members),

@@ -135,6 +135,7 @@ def simulate_many(
         lambda system: plane_motion.check_rates(system, 0.0, t_end),
         _error,
         Again(members, time_stepping.simulate, {**options, "until_rest": bool(until_rest)}),
+        kept.names,
         on_failure=on_failure,
         progress=progress,
     )

@@ -21,13 +21,10 @@ from asperity.law import file as law_file
 from asperity.runs.model import Model
 from asperity.sets import (
     Ball,
-    Box,
-    CappedRectangle,
     Disk,
     Ellipse,
     Ellipsoid,
     Interval,
-    Rectangle,
     Superellipse,
     Superellipsoid,
     WedgeAsperity,
@@ -36,18 +33,15 @@ from asperity.system import LinearSystem, MassOnBelt, SlidingPoint
 
 _BY_NUMBERS = (
     Ball,
-    Box,
-    CappedRectangle,
     Disk,
     Ellipse,
     Ellipsoid,
     Interval,
-    Rectangle,
     Superellipse,
     Superellipsoid,
     WedgeAsperity,
 )
-"""Sets that are a few numbers."""
+"""Sets whose tables the core takes to the bit; others it keeps in forms that a table rounds."""
 _CoreChange = tuple[tuple[str, int, int, list[str]], Array]
 """A place of the core's linear systems, with a number per variant."""
 
@@ -164,10 +158,15 @@ class Variants(Value):
             np.stack([column for _, column in changes], axis=-1),
         )
 
+    def inner_axes(self, name: str) -> int:
+        """Return how many axes of the values of a name are those of the part."""
+        values = self.values[name]
+        return values.ndim - len(_lead(values, self.first, self._places[name]))
+
     def _columns(self, name: str) -> Array | None:
         """Return the values as an array ``(variants, …)``; None of objects."""
         values = self.values[name]
-        if values.dtype == object:
+        if values.dtype == object or values.dtype.kind in "iu":
             return None
         lead = _lead(values, self.first, self._places[name])
         inner = values.shape[len(lead) :]
@@ -186,18 +185,29 @@ def _listed(systems: Any) -> tuple[Model, ...]:
 
 def _values(given: Any, name: str, part: Any) -> NDArray[Any]:
     """Return the values of a name as an array of numbers, or of objects where the part is one."""
-    if isinstance(part, Value) or isinstance(given, Value):
-        listed = (given,) if isinstance(given, Value) else arrays.several(given, name)
+    listed = (given,) if isinstance(given, Value) else given
+    if isinstance(listed, list | tuple) and any(isinstance(one, Value) for one in listed):
         values = np.empty(len(listed), dtype=object)
         values[:] = listed
         return values.reshape(() if isinstance(given, Value) else (-1,))
-    return arrays.read_only(arrays.with_gaps(given, name))
+    if not isinstance(part, int | float | np.ndarray):
+        raise ParameterError(
+            "replace",
+            f"of {name!r} needs a sequence of such objects as there are now, "
+            f"{type(part).__name__}; numbers, arrays and values of the library can be replaced",
+        )
+    numbers = arrays.with_gaps(given, name)
+    if not numbers.size:
+        raise DimensionError("replace", f"of {name!r} must give a value at least")
+    # What counts or numbers something stays whole.
+    whole = type(part) is int and np.asarray(given).dtype.kind in "iu"
+    return arrays.read_only(np.asarray(given) if whole else numbers)
 
 
 def _lead(values: NDArray[Any], system: Any, found: list[Place]) -> tuple[int, ...]:
     """Return the axes of values that are not those of the part that they replace."""
     part = part_at(system, found[0])
-    inner = part.shape if isinstance(part, np.ndarray) else ()
+    inner = part.shape if isinstance(part, np.ndarray) and values.dtype != object else ()
     if inner and values.shape[len(values.shape) - len(inner) :] != inner:
         name = _name(found[0])
         wanted = ", ".join(["...", *map(str, inner)])
@@ -312,7 +322,12 @@ def _law_change(
     law: FrictionLaw, contact: int, keys: tuple[Key, ...], values: Array
 ) -> list[_CoreChange] | None:
     """Return the change of a number of a law, if its table says it in the same words."""
-    # Others are kept by the core in forms that their tables give back to the last digit only.
+    # The table of a turned one is rounded where D is scaled.
+    if isinstance(law.direction, Superellipse) and (law.direction.angle or "angle" in keys):
+        return None
+    # What the constructor of a rate refuses the core may take.
+    if keys[:1] == ("rate",):
+        return None
     if not all(type(one) in _BY_NUMBERS for one in (law.reservoir, law.direction)):
         return None
     if not keys or not isinstance(part_at(law, keys), float):

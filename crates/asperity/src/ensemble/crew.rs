@@ -8,8 +8,11 @@ use super::outcome::{Ending, Ensemble, Layout, Reason, Rows};
 use super::reduction::Reduction;
 use super::workers::{self, Stop};
 use super::{Member, Members};
-use crate::argument::{ArgumentError, entries, finite};
+use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::system::{InitialState, System, SystemError};
+
+/// Most samples on the way, as many as an integration may have: their memory is that of a small computer.
+const MOST_SAMPLES: f64 = 1e8;
 
 /// Runs one member from its start, and appends what comes out.
 pub(super) type RunMember<'a> =
@@ -59,6 +62,13 @@ impl Crew<'_> {
         let Self { members, keep, samples, threads } = *self;
         let (count, layout) = (members.count(), Layout::of(members.first()));
         finite("after", &[keep.after])?;
+        let kept = count as f64 * samples as f64;
+        if kept > MOST_SAMPLES {
+            let message = format!(
+                "must not give more than {MOST_SAMPLES:e} samples of all runs together, gives {kept:.3e}"
+            );
+            return refuse("keep", message);
+        }
         if let Some(section) = &keep.section {
             entries("section", &section.normal, layout.coordinates + layout.dof)?;
             finite("section", &[section.level, section.after])?;

@@ -9,8 +9,7 @@ use super::outcome::{Counts, Ending, Ensemble, Reason, Rows};
 use super::reduction::Reduction;
 use super::workers::{self, Stop};
 use crate::argument::{ArgumentError, refuse};
-use crate::integrator::event::{self, Options, Outcome, Section};
-use crate::integrator::samples::Samples;
+use crate::integrator::event::{self, EventKind, Motion, Options, Outcome, Run, Section};
 use crate::system::{InitialState, System};
 
 /// Integrates every member of an ensemble as [`integrate`](crate::event::integrate) would.
@@ -41,7 +40,7 @@ pub fn integrate_many(
         return refuse("sample_every", "excludes a section that is counted");
     }
     options.check(members.first())?;
-    let samples = options.sample.map_or(0, |dt| 1 + (options.duration() / dt).ceil() as usize);
+    let samples = options.sample.map_or(0, |dt| samples_of(options, dt));
     let threads = workers::threads(threads, members.count());
     let crew = Crew { members, keep, samples, threads };
     crew.run(observer, &|system, start, stop, reduction, rows| {
@@ -62,36 +61,17 @@ fn integrate_one(
     if let Some(section) = &keep.section {
         let after = section.after.max(keep.after);
         options.section = Some(Section { after, ..section.clone() });
+        options.goes_on = true;
     }
     let mut asked =
         |_| if stop.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let (mut begun, mut steps, mut ambiguous) = (false, 0, 0);
-    let (outcome, samples) = loop {
-        let run = match event::integrate(system, &options, &mut asked) {
-            Ok(run) => run,
-            Err(error) => return rows.push_failure(options.t_start, Reason::Argument(error)),
-        };
-        let (motion, samples) = (&run.motion, &run.motion.samples);
-        steps += motion.steps;
-        ambiguous += motion.ambiguous_events();
-        if keep.reduces() {
-            look_at(samples, system, keep, begun, reduction);
-            begun = true;
-        }
-        let counted = matches!(run.outcome, Outcome::Section) && keep.section.is_some();
-        let Some((t, q, u)) = samples.last().filter(|_| counted) else {
-            break (run.outcome, run.motion.samples);
-        };
-        reduction.cross_here(t, q, u);
-        if t >= options.t_end {
-            break (Outcome::Finished, run.motion.samples);
-        }
-        // What lies on the section has crossed it.
-        options = options.with_start(q, u).with_start_time(t);
-        if let Some(section) = &mut options.section {
-            section.after = section.after.max(t);
-        }
+    let Run { motion, outcome, .. } = match event::integrate(system, &options, &mut asked) {
+        Ok(run) => run,
+        Err(error) => return rows.push_failure(options.t_start, Reason::Argument(error)),
     };
+    if keep.reduces() {
+        look_at(&motion, system, keep, reduction);
+    }
     let (ending, reason) = match outcome {
         Outcome::Finished => (Ending::Finished, None),
         Outcome::Section => (Ending::Section, None),
@@ -99,25 +79,20 @@ fn integrate_one(
         failed => (Ending::Failed, Some(Reason::Event(failed))),
     };
     if let Some(reason) = reason {
-        rows.fail(samples.t.last().copied().unwrap_or(options.t_start), reason);
+        rows.fail(motion.samples.t.last().copied().unwrap_or(options.t_start), reason);
     }
-    let counts = Counts { steps, ambiguous, in_lanes: 0 };
-    rows.push(ending, true, &samples, counts, reduction);
+    let counts = Counts { steps: motion.steps, ambiguous: motion.ambiguous_events(), in_lanes: 0 };
+    rows.push(ending, true, &motion.samples, counts, reduction);
 }
 
-/// Shows the samples of a run, or of what follows what was seen before.
-fn look_at(
-    samples: &Samples,
-    system: &dyn System,
-    keep: &Keep,
-    begun: bool,
-    reduction: &mut Reduction,
-) {
+/// Shows a motion.
+fn look_at(motion: &Motion, system: &dyn System, keep: &Keep, reduction: &mut Reduction) {
+    let samples = &motion.samples;
     // Of rotations the velocities are not the rates of the coordinates.
     let smooth = system.rotations().is_empty();
     for sample in 0..samples.len() {
         let (t, q, u) = samples.state(sample);
-        if sample == 0 && !begun {
+        if sample == 0 {
             reduction.begin(keep, samples.contacts, t, q, u);
             continue;
         }
@@ -128,4 +103,25 @@ fn look_at(
         // The section is looked for by the integration, which finds it exactly.
         reduction.go_on_beside_section(keep, t, q, u, phases);
     }
+    for event in motion.events.iter().filter(|event| event.kind == EventKind::Section) {
+        // At a jump of the velocities the later of two samples is the one beyond the section.
+        let until = samples.t.partition_point(|&t| t <= event.time);
+        if let Some(sample) = until.checked_sub(1) {
+            let (_, q, u) = samples.state(sample);
+            reduction.cross_here(event.time, q, u);
+        }
+    }
+}
+
+/// Number of samples of a motion: those of the grid before its end, and the end.
+fn samples_of(options: &Options, dt: f64) -> usize {
+    let (start, end) = (options.t_start, options.t_end);
+    let mut before = (options.duration() / dt).ceil() as usize;
+    while before > 0 && start + (before - 1) as f64 * dt >= end {
+        before -= 1;
+    }
+    while start + before as f64 * dt < end {
+        before += 1;
+    }
+    before + 1
 }

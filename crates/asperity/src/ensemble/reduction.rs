@@ -209,7 +209,9 @@ impl Reduction {
 
     /// A crossing in a state that is on the section.
     pub(super) fn cross_here(&mut self, t: f64, q: &[f64], u: &[f64]) {
-        self.cross(t, 1.0, q, u);
+        self.period = t - self.crossing.t;
+        self.crossings += 1;
+        self.crossing.set(t, q, u);
     }
 
     /// Appends what was found of the run to the columns; [`f64::NAN`] of a run that could not begin.
@@ -231,7 +233,8 @@ impl Reduction {
             to.stick_share.extend(padded(found, contacts));
         }
         if keep.rest_time {
-            to.rest_time.push(self.resting_since.map_or(nan, |t| t.max(keep.after)));
+            let rest = self.resting_since.filter(|_| keep.after <= self.last.t);
+            to.rest_time.push(rest.map_or(nan, |t| t.max(keep.after)));
         }
         if keep.section.is_some() {
             to.crossings.push(self.crossings);

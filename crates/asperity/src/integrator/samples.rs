@@ -118,11 +118,6 @@ impl Samples {
         (self.t[sample], q, &self.u[sample * self.dof..][..self.dof])
     }
 
-    /// The last one, if there is one.
-    pub(crate) fn last(&self) -> Option<(f64, &[f64], &[f64])> {
-        self.len().checked_sub(1).map(|last| self.state(last))
-    }
-
     /// What the contacts do in a sample.
     pub(crate) fn phases(&self, sample: usize) -> impl Iterator<Item = Phase> {
         let numbers = &self.phase[sample * self.contacts..][..self.contacts];

@@ -3,7 +3,9 @@
 //! In coordinates `y = (WF)ᵀq`, where `F` maps the unit disk to *D*, the direction set is the unit disk: with `ν = Fᵀγ`,
 //! and χ likewise, the midpoint scheme is
 //!
-//!     y_M = y + ½Δt (ν − χ),   β = A y_M + B ν + c,   ν′ = β − K x,   y′ = y_M + ½Δt (ν′ − χ),
+//! ```text
+//! y_M = y + ½Δt (ν − χ),   β = A y_M + B ν + c,   ν′ = β − K x,   y′ = y_M + ½Δt (ν′ − χ),
+//! ```
 //!
 //! where `K = P_N FᵀGF` and `−P_T = P_N F x`. The reservoir is `{x : xᵀΓx ≤ 1}`, and `ν′` is along the normal `m` of the
 //! disk where the contact slips, `x = m/√(mᵀΓm)`. Nothing is a function of an angle: `m` may have any length.

@@ -56,6 +56,9 @@ pub struct Options {
     pub max_step: Option<f64>,
     /// Where to stop; nowhere by default.
     pub section: Option<Section>,
+    /// Whether the motion goes on beyond the section, so that its crossings are events among others, which do not count
+    /// as those after which the integration gives up; not by default.
+    pub goes_on: bool,
     /// Events after which the integration gives up; 10,000.
     pub max_events: usize,
 }
@@ -70,7 +73,18 @@ impl Options {
         positive("t_end", t_end)?;
         let (tolerance, max_events) = (1e-10, 10_000);
         let (t_start, start, sample, max_step, section) = (0.0, None, None, None, None);
-        Ok(Self { t_start, t_end, start, tolerance, sample, max_step, section, max_events })
+        let goes_on = false;
+        Ok(Self {
+            t_start,
+            t_end,
+            start,
+            tolerance,
+            sample,
+            max_step,
+            section,
+            goes_on,
+            max_events,
+        })
     }
 
     /// The same from these coordinates and velocities.

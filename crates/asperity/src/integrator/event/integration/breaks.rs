@@ -46,7 +46,7 @@ impl Integration<'_> {
             return Ok(None);
         }
         self.record_event(None, EventKind::Kink, false);
-        self.kinks += 1;
+        self.uncounted += 1;
         let State { t, q, u } = &self.state;
         self.dynamics.kinematics(*t, q, u)?;
         self.step_size.account_for(&mut self.dynamics, &self.state, 0.0);

@@ -88,7 +88,7 @@ impl Integration<'_> {
             event.phase = event.contact.map(|i| contacts[i].mode);
         }
         self.start_phase(onset)?;
-        let too_many = self.motion.events.len() - self.kinks >= self.options.max_events;
+        let too_many = self.motion.events.len() - self.uncounted >= self.options.max_events;
         Ok(too_many.then_some(Outcome::TooManyEvents))
     }
 

@@ -36,6 +36,13 @@ impl Integration<'_> {
             if counts {
                 self.record_event(None, EventKind::Section, false);
             }
+            if counts && self.options.goes_on {
+                // As kinks, crossings tell of nothing that could go wrong. A crossing that was located a little too early
+                // must not be found once more.
+                self.uncounted += 1;
+                self.event_values[number] = self.event_values[number].max(0.0);
+                return Ok(None);
+            }
             return Ok(counts.then_some(Outcome::Section));
         }
         match self.dynamics.contacts[number].mode {

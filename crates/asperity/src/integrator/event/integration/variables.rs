@@ -48,10 +48,10 @@ pub(crate) struct Integration<'a> {
     pub(crate) linearised: Option<f64>,
     /// Whether the dynamics are where a rejected attempt has left them.
     pub(crate) stale: bool,
-    /// The end of the smooth piece of functions of time in which the motion is, if it has one, and how many ends there
-    /// were that are events.
+    /// The end of the smooth piece of functions of time in which the motion is, if it has one.
     pub(crate) next_break: Option<Break>,
-    pub(crate) kinks: usize,
+    /// Events after which the integration does not give up: kinks, and crossings of a section beyond which it goes on.
+    pub(crate) uncounted: usize,
     /// Event functions at the present state, contacts first, then the section; those along the attempt.
     pub(crate) event_values: Vec<f64>,
     pub(crate) stage_values: Vec<[f64; NODES]>,
@@ -93,7 +93,7 @@ impl<'a> Integration<'a> {
             linearised: None,
             stale: false,
             next_break: None,
-            kinks: 0,
+            uncounted: 0,
             event_values: vec![0.0; contacts + 1],
             stage_values: vec![[0.0; NODES]; contacts + 1],
             samples: 1,
