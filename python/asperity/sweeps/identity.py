@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from enum import Enum
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -86,31 +86,30 @@ def _listed(argument: str, kind: str, values: Mapping[str, Any], stored: bool) -
     return ", ".join(texts)
 
 
-def _coded(function: Callable[..., Any]) -> Any:
-    """Return a function with code in Python: itself or what it wraps; None if there is none."""
-    if not hasattr(function, "__code__"):
+def _in_python(function: Callable[..., Any]) -> FunctionType | None:
+    """Return a function that is written in Python: of a method its own, or the one wrapped."""
+    function = getattr(function, "__func__", function)
+    if not isinstance(function, FunctionType):
         function = inspect.unwrap(function)
-    return function if hasattr(function, "__code__") else None
+    return function if isinstance(function, FunctionType) else None
 
 
 def _defaults(function: Callable[..., Any]) -> dict[str, Any]:
     """Return default values by the names of parameters."""
-    function = _coded(function)
-    if function is None:
+    plain = _in_python(function)
+    if plain is None:
         return {}
-    values = function.__defaults__ or ()
-    count = function.__code__.co_argcount
-    names = function.__code__.co_varnames[count - len(values) : count]
-    return {**dict(zip(names, values, strict=True)), **(function.__kwdefaults__ or {})}
+    values = plain.__defaults__ or ()
+    count = plain.__code__.co_argcount
+    names = plain.__code__.co_varnames[count - len(values) : count]
+    return {**dict(zip(names, values, strict=True)), **(plain.__kwdefaults__ or {})}
 
 
 def _closure(function: Callable[..., Any]) -> dict[str, Any]:
     """Return the variables of enclosing functions that a function uses, those that have a value."""
-    function = _coded(function)
-    found = {}
-    if function is not None:
-        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)
-        for name, cell in cells:
+    plain, found = _in_python(function), {}
+    if plain is not None:
+        for name, cell in zip(plain.__code__.co_freevars, plain.__closure__ or (), strict=True):
             with suppress(ValueError):
                 found[name] = cell.cell_contents
     return found
