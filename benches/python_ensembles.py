@@ -9,6 +9,7 @@ rollout keeps the states of all steps.
 
 import sys
 import time
+from importlib.util import find_spec
 
 import asperity as asp
 import numpy as np
@@ -54,9 +55,7 @@ def main() -> None:
         "asperity, simulate_many": lambda threads: asperity(threads, lanes=False),
         "asperity, with lanes": lambda threads: asperity(threads, lanes=True),
     }
-    try:
-        import mujoco  # noqa: F401
-    except ImportError:
+    if find_spec("mujoco") is None:
         print("without MuJoCo: pip install mujoco", file=sys.stderr)
     else:
         engines["mujoco.rollout"] = rollout

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.log import log
 from asperity._base.pool import one_of_many
 from asperity._base.progress import Progress, reporter
 from asperity._base.result import NO_UNIT
@@ -183,17 +182,7 @@ def limit_cycle_many(
         stop.set()
         pool.shutdown(wait=False, cancel_futures=True)
     ensemble = _ensemble(members, found, again)
-    if ensemble.failures and on_failure == "raise":
-        first = ensemble.failures[0]
-        first.error.add_note(f"asperity: of search {first.index} of limit_cycle_many")
-        raise first.error
-    if ensemble.failures:
-        log.warning(
-            "limit_cycle_many: %d of %d searches found no cycle, the first one is search %s",
-            len(ensemble.failures),
-            len(members),
-            ensemble.failures[0],
-        )
+    running.tell(ensemble, "limit_cycle_many", on_failure)
     return ensemble
 
 
@@ -201,9 +190,8 @@ def _ensemble(
     members: Members, found: Mapping[int, LimitCycle | Exception], again: Again
 ) -> CycleEnsemble:
     """Return what is known of the cycles that were found, and why others were not."""
-    count, labels = len(members), labels_of(members.variants.first)
+    count, sizes = len(members), members.sizes
     endings = np.full(count, _INTERRUPTED, dtype=np.int8)
-    sizes = {"coordinate": len(labels.coordinates), "contact": len(labels.contacts)}
     series: dict[str, NDArray[Any]] = {
         name: np.full((count, *(sizes[axis] for axis in meaning.axes)), np.nan)
         for name, meaning in CycleEnsemble._meanings.items()
@@ -237,6 +225,6 @@ def _ensemble(
         values=members.variants.values,
         inner={name: members.variants.inner_axes(name) for name in members.variants.values},
         axes=members.axes,
-        labels=labels,
+        labels=labels_of(members.variants.first),
         again=again,
     )

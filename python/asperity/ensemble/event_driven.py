@@ -92,7 +92,7 @@ def integrate_many(
         max_step = arrays.positive(max_step, "max_step")
     arrays.of_kind(section, "section", Section | None, "a Section or None")
     members = Members(Variants(systems, replace), q0, u0, axes)
-    kept = reductions.kept(keep, after, members.states)
+    kept = reductions.kept(keep, after, members.sizes)
     if section is not None and kept.section is not None:
         raise ParameterError("section", "either ends the runs or is counted by keep, not both")
     number = running.threads(threads, members)
@@ -116,7 +116,7 @@ def integrate_many(
         plane_motion.check_rates(system, 0.0, t_end)
 
     options = {"t_end": t_end, "tolerance": tolerance, "max_step": max_step, "section": section}
-    return running.made(
+    return running.all_runs(
         members,
         compute,
         check,

@@ -84,13 +84,6 @@ class Members:
         return self.count
 
     @property
-    def states(self) -> int:
-        """Number of coordinates and velocities together."""
-        first = self.variants.first
-        state = _state(first, self.q0, self.u0)
-        return len(state.q) + len(state.u)
-
-    @property
     def sizes(self) -> dict[str, int]:
         """Numbers of coordinates, velocities, contacts and components of their laws."""
         first = self.variants.first
@@ -111,16 +104,16 @@ class Members:
             for name in ("t", "q", "u", "slip", "force", "normal_force")
         }
         series["phase"] = np.full((self.count, sizes["contact"]), int(Phase.NONE), dtype=np.int8)
-        counts = (
-            "steps",
-            "ambiguous",
-            *(("in_lanes",) if "in_lanes" in Ensemble._meanings else ()),
-        )
+        counts = ("steps", "ambiguous")
         return {**series, **{name: np.zeros(self.count, dtype=np.int64) for name in counts}}
 
     def system(self, member: int) -> Model:
         """Return the system of a run."""
-        return self.variants.system(int(self._variants[member]))
+        shape = self.variants.shape
+        # The last axes are those of the systems; of an axis with one system all runs have that.
+        places = self.index(member)[len(self.shape) - len(shape) :]
+        own = tuple(k if n > 1 else 0 for k, n in zip(places, shape, strict=True))
+        return self.variants.system(int(np.ravel_multi_index(own, shape)) if own else 0)
 
     @property
     def _variants(self) -> NDArray[np.int64]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -43,15 +43,16 @@ def section_arguments(section: Section | None) -> tuple[Array, float, float] | N
     return None if section is None else (section.normal, section.level, section.after)
 
 
-def kept(keep: Any, after: float, states: int) -> Kept:
+def kept(keep: Any, after: float, sizes: Mapping[str, int]) -> Kept:
     """Return what a user has asked for.
 
     Args:
         keep: ``"end"``, a number, a quantity or several of them.
         after: time in s before which quantities do not look.
-        states: number of coordinates and velocities together.
+        sizes: numbers of coordinates and velocities.
     """
     after = arrays.non_negative(after, "after")
+    states = sizes["coordinate"] + sizes["velocity"]
     if isinstance(keep, str | Section):
         keep = (keep,)
     elif not isinstance(keep, Iterable) or getattr(keep, "ndim", 1) == 0:

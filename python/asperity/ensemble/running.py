@@ -12,6 +12,7 @@ from asperity._base.pool import threads_to_use
 from asperity._base.progress import Progress, Report, part_of, reporter
 from asperity.ensemble.ends import Ensemble
 from asperity.ensemble.members import Again, Collection, Members, Part
+from asperity.ensemble.result import AnyEnsemble
 from asperity.errors import EnsembleInterrupted
 from asperity.runs.model import Model
 
@@ -29,7 +30,7 @@ def threads(given: int | None, members: Members) -> int:
     return count
 
 
-def made(
+def all_runs(
     members: Members,
     compute: Compute,
     check: Callable[[Model], None],
@@ -75,16 +76,24 @@ def made(
             raise EnsembleInterrupted(ensemble) from stopped
         vars(stopped)["ensemble"] = ensemble
         raise stopped
-    if ensemble.failures and on_failure == "raise":
-        first = ensemble.failures[0]
-        first.error.add_note(f"asperity: of run {first.index} of {again.engine.__name__}_many")
-        raise first.error
-    if ensemble.failures:
-        log.warning(
-            "%s_many: %d of %d runs failed and were recorded, the first one is run %s",
-            again.engine.__name__,
-            len(ensemble.failures),
-            len(members),
-            ensemble.failures[0],
-        )
+    tell(ensemble, f"{again.engine.__name__}_many", on_failure)
     return ensemble
+
+
+def tell(ensemble: AnyEnsemble, function: str, on_failure: str) -> None:
+    """Raise the first failure of an ensemble, or log how many there are."""
+    if not ensemble.failures:
+        return
+    first, noun = ensemble.failures[0], ensemble._noun
+    if on_failure == "raise":
+        first.error.add_note(f"asperity: of {noun} {first.index} of {function}")
+        raise first.error
+    log.warning(
+        "%s: %d of %d %s failed and were recorded, the first one is %s %s",
+        function,
+        len(ensemble.failures),
+        len(ensemble),
+        ensemble._plural,
+        noun,
+        first,
+    )

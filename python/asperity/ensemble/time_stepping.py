@@ -109,7 +109,7 @@ def simulate_many(
     dt, t_end = arrays.positive(dt, "dt"), arrays.positive(t_end, "t_end")
     tolerance, method = arrays.positive(tolerance, "tolerance"), chosen(solver)
     members = Members(Variants(systems, replace), q0, u0, axes)
-    kept = reductions.kept(keep, after, members.states)
+    kept = reductions.kept(keep, after, members.sizes)
     every = None if kept.every is None else arrays.count(keep, "keep")
     number = running.threads(threads, members)
     steps = time_stepping.steps_from(State([], []), dt, t_end)
@@ -129,7 +129,7 @@ def simulate_many(
         )
 
     options = {"dt": dt, "t_end": t_end, "solver": method, "tolerance": tolerance}
-    return running.made(
+    return running.all_runs(
         members,
         compute,
         lambda system: plane_motion.check_rates(system, 0.0, t_end),

@@ -140,7 +140,7 @@ class Variants(Value):
                     return None
                 changes.extend(added)
         linear = _linear(self.first)
-        if not changes or linear is None or type(linear) is not LinearSystem:
+        if not changes or linear is None:
             return None
         numbers = {place[1] for place, _ in changes if place[0] == "law"}
         laws = [
@@ -236,28 +236,21 @@ def _common_shape(shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
 
 
 def _refuse_overlapping(changed: Mapping[str, list[Place]]) -> None:
-    """Refuse names of which one means a part of what the other one means."""
+    """Refuse names of which one means what the other one means, or a part of it."""
+    pairs = ((place, name) for name, found in changed.items() for place in found)
     seen: dict[Place, str] = {}
-    for name, found in changed.items():
-        for place in found:
-            for length in range(len(place) + 1):
-                other = seen.get(place[:length])
-                if other is not None and other != name:
-                    raise ParameterError("replace", f"has {other!r} and a part of it, {name!r}")
-        seen.update(dict.fromkeys(found, name))
-    for name, found in changed.items():
-        for place in found:
-            for length in range(len(place)):
-                if seen.get(place[:length], name) != name:
-                    other = seen[place[:length]]
-                    raise ParameterError("replace", f"has {other!r} and a part of it, {name!r}")
+    # What holds others is shorter than they are.
+    for place, name in sorted(pairs, key=lambda pair: len(pair[0])):
+        whole = next((seen[place[:n]] for n in range(len(place) + 1) if place[:n] in seen), name)
+        if whole != name:
+            raise ParameterError("replace", f"has {whole!r} and a part of it, {name!r}")
+        seen[place] = name
 
 
 def _linear(system: Model) -> LinearSystem | None:
     """Return the linear system behind one."""
-    if type(system) in (SlidingPoint, MassOnBelt):
-        linear: LinearSystem = system.linear  # type: ignore[attr-defined]
-        return linear
+    if type(system) is SlidingPoint or type(system) is MassOnBelt:
+        return system.linear
     return system if type(system) is LinearSystem else None
 
 
@@ -321,7 +314,7 @@ def _entries(kind: str, front: tuple[int, ...], entry: Place, values: Array) -> 
 def _law_change(
     law: FrictionLaw, contact: int, keys: tuple[Key, ...], values: Array
 ) -> list[_CoreChange] | None:
-    """Return the change of a number of a law, if its table says it in the same words."""
+    """Return the change of a number of a law; None where Python has to make the law."""
     # The table of a turned one is rounded where D is scaled.
     if isinstance(law.direction, Superellipse) and (law.direction.angle or "angle" in keys):
         return None
@@ -332,13 +325,8 @@ def _law_change(
         return None
     if not keys or not isinstance(part_at(law, keys), float):
         return None
-    table: Any = law_file.table_of(law, "law")
-    words = [str(key[0] if isinstance(key, tuple) else key) for key in keys]
-    for word in words:
-        try:
-            table = table[int(word) if isinstance(table, list) else word]
-        except (KeyError, IndexError, ValueError, TypeError):
-            return None
-    if not isinstance(table, float) or not np.isfinite(values).all():
+    if not np.isfinite(values).all():
         return None
+    # The table of such a law has the words of the constructors.
+    words = [str(key[0] if isinstance(key, tuple) else key) for key in keys]
     return [(("law", contact, 0, words), values)]

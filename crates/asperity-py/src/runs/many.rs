@@ -170,8 +170,8 @@ fn run<'py>(
     let mut watch = Watch { progress, raised: None };
     let found = py.detach(|| compute(&given, &mut |done, count| watch.ask(done, count)))?;
     if watch.raised.is_none() {
-        // The bar comes to its end.
-        if let ControlFlow::Break(()) = watch.ask(*count, *count) {}
+        // The bar comes to its end; what that raises is kept.
+        let _ = watch.ask(*count, *count);
     }
     // A run that failed as a function of Python has raised something fails with that.
     let meanwhile = objects.iter().find_map(raised);

@@ -63,8 +63,7 @@ fn integrate_one(
         options.section = Some(Section { after, ..section.clone() });
         options.goes_on = true;
     }
-    let mut asked =
-        |_| if stop.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let mut asked = |_| stop.answer();
     let Run { motion, outcome, .. } = match event::integrate(system, &options, &mut asked) {
         Ok(run) => run,
         Err(error) => return rows.push_failure(options.t_start, Reason::Argument(error)),

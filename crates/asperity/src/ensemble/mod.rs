@@ -1,8 +1,8 @@
 //! Many runs of one kind: the same options for many start states, or for many systems of the same build.
 //!
 //! Every run is what [`simulate`](crate::simulate::simulate) or [`integrate`](crate::event::integrate) would do alone, to
-//! the bit: threads take the runs in chunks, no run knows of its neighbours, and one that fails ends alone. Kept are the
-//! ends of all runs, and what [`Keep`] asks for.
+//! the bit unless [`Lanes`] are asked for: threads take the runs in chunks, no run knows of its neighbours, and one that
+//! fails ends alone. Kept are the ends of all runs, and what [`Keep`] asks for.
 //!
 //! | file | concept |
 //! |---|---|

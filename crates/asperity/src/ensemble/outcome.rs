@@ -59,8 +59,8 @@ pub struct MemberFailure {
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Ensemble {
-    /// The last sample of every run as far as it came; NaN, and phases unknown, of a run that was not begun or whose
-    /// state was not finite.
+    /// The last sample of every run as far as it came; NaN, and phases unknown, of a run that was not begun or of
+    /// which a step could not be made.
     pub ends: Samples,
     /// How every run has ended.
     pub endings: Vec<Ending>,

@@ -2,10 +2,9 @@
 
 use super::keep::Keep;
 use crate::contact::Phase;
+use crate::integrator::midpoint::Stepper;
+use crate::simulate::AT_REST;
 use crate::vectors::largest;
-
-/// Part of the largest velocity so far up to which velocities are at rest, that of `until_rest`.
-const AT_REST: f64 = 1e-12;
 
 /// Such quantities of many runs, an entry per run; those that are not asked for are empty.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -98,6 +97,23 @@ impl Reduction {
         self.last.set(t, q, u);
         self.widen(keep, t, q);
         self.look_for_rest(t, u);
+    }
+
+    /// Begins a run in the state of a stepper, if there is something to find.
+    pub(super) fn begin_with(&mut self, keep: &Keep, stepper: &Stepper<'_>) {
+        if keep.reduces() {
+            let contacts = stepper.phases().len();
+            self.begin(keep, contacts, stepper.time(), stepper.q(), stepper.u());
+        }
+    }
+
+    /// Goes on to the state of a stepper, if there is something to find.
+    #[inline]
+    pub(super) fn go_on_with(&mut self, keep: &Keep, stepper: &Stepper<'_>) {
+        if keep.reduces() {
+            let phases = stepper.phases().iter().copied();
+            self.go_on(keep, stepper.time(), stepper.q(), stepper.u(), phases);
+        }
     }
 
     /// Goes on to a state, in which the contacts have been in these phases since the last one.

@@ -104,8 +104,7 @@ fn step_together(
     (keep, stop): (&Keep, &Stop),
     rows: &mut Rows<'_>,
 ) {
-    let mut asked =
-        |_| if stop.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let mut asked = |_| stop.answer();
     let observer = Observer::new(&mut asked);
     let common = Common { options, keep, stop, observer: &observer };
     let (made, errors): (Vec<_>, Vec<_>) = members
@@ -155,18 +154,12 @@ fn step_through(
         Err(error) => return rows.push_failure(0.0, Reason::Step(error)),
     };
     let mut trajectory = Trajectory::empty(system);
-    let mut asked =
-        |_| if stop.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let mut asked = |_| stop.answer();
     let observer = Observer::new(&mut asked);
-    let outcome = if keep.reduces() {
-        reduction.begin(keep, system.contacts().len(), 0.0, stepper.q(), stepper.u());
-        run(options, &mut stepper, &mut trajectory, &observer, &mut |stepper| {
-            let phases = stepper.phases().iter().copied();
-            reduction.go_on(keep, stepper.time(), stepper.q(), stepper.u(), phases);
-        })
-    } else {
-        run(options, &mut stepper, &mut trajectory, &observer, &mut |_| {})
-    };
+    reduction.begin_with(keep, &stepper);
+    let outcome = run(options, &mut stepper, &mut trajectory, &observer, &mut |stepper| {
+        reduction.go_on_with(keep, stepper);
+    });
     finish(outcome, stepper.time(), (&trajectory, 0), reduction, rows);
 }
 

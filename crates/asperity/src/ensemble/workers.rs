@@ -29,6 +29,11 @@ impl Stop {
     pub(super) fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+
+    /// The same as the answer of an observer of one run.
+    pub(super) fn answer(&self) -> ControlFlow<()> {
+        if self.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
 }
 
 /// How many threads serve for an ensemble: as many as the machine has, unless told otherwise, and not more than members.

@@ -77,12 +77,10 @@ impl<'a> Run<'a> {
         let (mut trajectory, mut reduction) = (Trajectory::empty(system), Reduction::default());
         let mut progress = Loop::new(options);
         trajectory.begin(&mut stepper).ok()?;
-        if keep.reduces() {
-            reduction.begin(keep, system.contacts().len(), 0.0, stepper.q(), stepper.u());
-        }
+        reduction.begin_with(keep, &stepper);
         let first =
             progress.step(1, options, &mut stepper, &mut trajectory, observer, &mut |stepper| {
-                show(stepper, keep, &mut reduction)
+                reduction.go_on_with(keep, stepper);
             });
         let plan = match first {
             Ok(None) => Plan::new(system, &stepper, options)?,
@@ -113,7 +111,7 @@ impl<'a> Run<'a> {
         trajectory.steps = step - 1;
         progress.until_sample = until_sample;
         let ended = progress.step(step, options, stepper, trajectory, observer, &mut |stepper| {
-            show(stepper, keep, reduction);
+            reduction.go_on_with(keep, stepper);
         });
         let outcome = match ended {
             Ok(None) if stop.is_asked() => Ok(Outcome::Interrupted),
@@ -141,14 +139,6 @@ impl<'a> Run<'a> {
         *fastest = fastest.max(u.amax());
         let rests = options.until_rest && u.amax() <= AT_REST * *fastest;
         *rested = usize::from(rests);
-    }
-}
-
-/// Shows the state of a stepper to a reduction.
-fn show(stepper: &Stepper<'_>, keep: &Keep, reduction: &mut Reduction) {
-    if keep.reduces() {
-        let phases = stepper.phases().iter().copied();
-        reduction.go_on(keep, stepper.time(), stepper.q(), stepper.u(), phases);
     }
 }
 

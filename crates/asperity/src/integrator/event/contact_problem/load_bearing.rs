@@ -7,7 +7,7 @@
 //!
 //! and the forces of rigid contacts are its limit for ε → 0. In the limit the contacts L that carry load have
 //! `γ̈_L = 0` and, as `Zᵀγ̈_L = 0` for the null space `W_L Z = 0` of their rows, `Zᵀλ_L = 0`: `λ_L = W_Lᵀx`, see
-//! [`Sharing`](crate::integrator::event::dynamics::sharing). For a contact without load `γ̈_N + ελ_N` is
+//! [`Sharing`](crate::integrator::event::dynamics::forces::sharing). For a contact without load `γ̈_N + ελ_N` is
 //! `γ̈_i − ε w_iᵀx`, the second term where its row depends on those of L, `w_i = W_L β` with `β = N_LL⁺ N_Li`, and with it
 //! its acceleration: then `γ̈_i = βᵀγ̈_L = −ε βᵀλ_L`. Such a contact is closed by the others and carries nothing while
 //! its share `βᵀλ_L = w_iᵀx` would pull; all others without load open. So the signs of the pairs (γ̈_i, −βᵀλ_L),

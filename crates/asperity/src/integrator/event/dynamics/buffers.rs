@@ -1,6 +1,6 @@
 //! What the dynamics work in, kept from one evaluation to the next.
 
-use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
+use crate::integrator::event::dynamics::forces::constraint_matrix::ConstraintMatrix;
 
 /// The states of differences along the motion.
 #[derive(Debug)]

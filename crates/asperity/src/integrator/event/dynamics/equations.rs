@@ -8,7 +8,7 @@ use crate::integrator::event::dynamics::buffers::{
 };
 use crate::integrator::event::dynamics::chart::Chart;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
-use crate::integrator::event::dynamics::sharing::Sharing;
+use crate::integrator::event::dynamics::forces::sharing::Sharing;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;

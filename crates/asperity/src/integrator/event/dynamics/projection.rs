@@ -3,8 +3,8 @@
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Projection;
-use crate::integrator::event::dynamics::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::forces::constraint_matrix::ConstraintMatrix;
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::add;
 

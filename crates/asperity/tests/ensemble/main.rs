@@ -1,5 +1,9 @@
 //! Many runs are the runs, one by one.
 
+#[path = "../common/mod.rs"]
+mod common;
+mod lanes;
+
 use std::ops::ControlFlow;
 
 use asperity::ArgumentError;

@@ -12,8 +12,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::integrator::event::dynamics::constraint_matrix::{RANK, SINGULAR};
 use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::dynamics::forces::constraint_matrix::{RANK, SINGULAR};
 use crate::linear::{BlockLu, LeastNorm};
 
 /// Part of the normal accelerations in the directions of `Z`, over what they are made of, which tells surfaces that part

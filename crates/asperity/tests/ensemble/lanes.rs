@@ -1,7 +1,5 @@
 //! Runs in lanes are the runs by themselves up to rounding, and the same to the bit for any number of lanes.
 
-mod common;
-
 use std::mem::discriminant;
 use std::ops::ControlFlow;
 
@@ -14,8 +12,9 @@ use asperity::solver::Solver;
 use asperity::system::{
     Contact, InitialState, LinearSystem, System, SystemError, mass_on_belt, sliding_point,
 };
-use common::Random;
 use nalgebra::{DMatrix, Matrix2, Vector2};
+
+use crate::common::Random;
 
 const EVERY: [Lanes; 4] = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::Widest];
 

@@ -4,7 +4,7 @@ use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Constraints;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
-use crate::integrator::event::dynamics::sharing::Rate;
+use crate::integrator::event::dynamics::forces::sharing::Rate;
 use crate::vectors::{add, dot, largest};
 
 impl Dynamics<'_> {
