@@ -5,16 +5,15 @@
 //! `cargo bench --bench lanes` prints the shortest of several runs that alternate, and by how much coordinates at the
 //! end differ; `cargo bench --bench lanes -- steps 10000` makes so many steps.
 //!
-//! On an Intel Xeon with AVX-512, four lanes of AVX2 took 0.29 of the time of the runs alone with ellipses and 0.24 with
-//! isotropic friction; over the first 10,000 steps 0.56 and 0.26. Eight lanes of AVX-512 took 0.36 and 0.34 (0.61 and
-//! 0.35): roots and divisions are no faster there, and a group waits for its slowest lane. `pulp` is built without them.
+//! On an Intel Xeon with AVX-512, four lanes of AVX2 took 0.23 of the time of the runs alone with ellipses, 0.17 with
+//! isotropic friction and 0.40 with superellipses; over the first 10,000 steps 0.49, 0.18 and 0.39. @AVX512@
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use asperity::ensemble::{Ensemble, Keep, Lanes, Member, Members, Workers, simulate_many};
 use asperity::law::FrictionLaw;
-use asperity::set::{Convex, Ellipse, Vector};
+use asperity::set::{Convex, Ellipse, Superellipse, Vector};
 use asperity::simulate::Options;
 use asperity::system::{InitialState, LinearSystem, System, SystemError, mass_on_belt};
 use nalgebra::{Matrix2, Vector2};
@@ -52,6 +51,15 @@ fn ellipses(angle: f64) -> FrictionLaw<2> {
     FrictionLaw::new(reservoir.rotated(angle).unwrap().into(), direction).unwrap()
 }
 
+/// A reservoir and a direction set with the exponents that were measured for PVC on ground steel (\[WL19\] Table 1).
+fn superellipses(angle: f64) -> FrictionLaw<2> {
+    let set = |a: f64, b: f64, exponent: f64| -> Convex<2> {
+        Superellipse::new(Vector::<2>::new(a, b), exponent).unwrap().try_into().unwrap()
+    };
+    let reservoir = set(30.0, 10.0, 2.94).rotated(angle).unwrap();
+    FrictionLaw::new(reservoir.into(), set(3.0, 1.0, 2.51)).unwrap()
+}
+
 /// Directions of a belt, all around.
 fn belts(law: impl Fn() -> FrictionLaw<2>) -> Belts {
     let belt = |k: usize| {
@@ -78,10 +86,12 @@ fn main() {
     let mut arguments = std::env::args().skip_while(|argument| argument != "steps").skip(1);
     let steps = arguments.next().and_then(|steps| steps.parse().ok()).unwrap_or(100_000);
     let kinds = [("alone", Lanes::None), ("in lanes", Lanes::Widest)];
-    println!("belts                   ns    ratio   allowed   in lanes   ambiguous   apart");
+    println!("belts                       ns    ratio   allowed   in lanes   ambiguous   apart");
     let turned = belts(|| ellipses(30f64.to_radians()));
     let isotropic = belts(|| FrictionLaw::isotropic(20.0).unwrap());
-    for (name, belts) in [("ellipses", turned), ("isotropic", isotropic)] {
+    let powers = belts(|| superellipses(30f64.to_radians()));
+    for (name, belts) in [("ellipses", turned), ("isotropic", isotropic), ("superellipses", powers)]
+    {
         let reference = run(&belts, steps, Lanes::None);
         let mut best = [f64::INFINITY; 2];
         let mut found = Vec::new();
@@ -98,7 +108,7 @@ fn main() {
         for ((kind, lanes), (time, many)) in kinds.iter().zip(best.iter().zip(&found)) {
             let part = |numbers: &[i64]| numbers.iter().sum::<i64>() as f64 / (steps * RUNS) as f64;
             println!(
-                "{name:10} {kind:8} {time:7.1}  {:7.2}   {:7}   {:8.4}   {:9.6}   {:.1e}",
+                "{name:14} {kind:8} {time:7.1}  {:7.2}   {:7}   {:8.4}   {:9.6}   {:.1e}",
                 time / best[0],
                 if *lanes == Lanes::None { "" } else { "0.7" },
                 part(&many.in_lanes),

@@ -538,18 +538,27 @@ def test_ctrl_c_leaves_cycles_that_are_found():
     assert found.seconds < 1.0
 
 
-def test_runs_in_lanes_are_the_runs_up_to_rounding():
-    given = {**STEPS, "q0": STATES, "replace": {"law.reservoir.angle": ANGLES[:, None]}}
-    alone = asp.simulate_many(BELT, **given)
-    lanes = asp.simulate_many(BELT, **given, lanes=True)
+POWERS = asp.FrictionLaw(asp.Superellipse(0.6, 0.4, 2.9), asp.Superellipse(0.5, 0.8, 1.6))
+
+
+@pytest.mark.parametrize("law", [LAW, POWERS], ids=["ellipses", "superellipses"])
+def test_runs_in_lanes_are_the_runs_up_to_rounding(law):
+    belt = BELT.replace(law=law)
+    directions = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=-1)
+    given = {**STEPS, "q0": STATES, "replace": {"belt_velocity": directions[:, None]}}
+    alone = asp.simulate_many(belt, **given)
+    lanes = asp.simulate_many(belt, **given, lanes=True)
     assert not np.array_equal(alone.q, lanes.q)
     for name in ("q", "u", "slip", "force"):
         np.testing.assert_allclose(getattr(lanes, name), getattr(alone, name), atol=1e-10)
     for name in ("steps", "ambiguous", "status", "phase"):
         np.testing.assert_array_equal(getattr(lanes, name), getattr(alone, name))
-    assert_same(lanes, asp.simulate_many(BELT, **given, lanes=True, threads=2))
-    powers = LAW.replace(reservoir=asp.Superellipse(0.6, 0.4, 2.9))
-    point = POINT.replace(law=powers)
+    assert_same(lanes, asp.simulate_many(belt, **given, lanes=True, threads=2))
+
+
+def test_laws_that_lanes_do_not_take_run_without_them():
+    polygon = asp.Polygon([[0.6, 0.0], [0.0, 0.4], [-0.5, -0.3]])
+    point = POINT.replace(law=LAW.replace(reservoir=polygon))
     here, there = (asp.simulate_many(point, **STEPS, u0=STATES, lanes=on) for on in (False, True))
     assert_same(here, there)
 

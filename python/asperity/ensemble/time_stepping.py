@@ -72,10 +72,10 @@ def simulate_many(
         lanes: whether a thread runs several members side by side in the wide registers of the
             processor, which makes their steps two to four times as fast. It does so for
             `SlidingPoint`, `MassOnBelt` and a `LinearSystem` with two degrees of freedom and one
-            contact with p = 2, a given normal force and a law of ellipses without a factor of the
-            speed, if ``tolerance`` is at least 1e-11; all others run as without. Results are then
-            those of `simulate` up to rounding, and still the same to the bit for any number of
-            threads and lanes.
+            contact with p = 2, a given normal force and a law of ellipses or superellipses (of
+            exponents from 1.1 to 20) without a factor of the speed, if ``tolerance`` is at least
+            1e-11; all others run as without. Results are then those of `simulate` up to rounding,
+            and still the same to the bit for any number of threads and lanes.
         progress: ``True`` for a bar of tqdm, or a function of (runs done, runs).
 
     Returns:

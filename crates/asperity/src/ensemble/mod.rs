@@ -32,7 +32,8 @@ pub use reduction::Reduced;
 pub use time_stepping::simulate_many;
 
 /// Whether runs of time stepping go side by side in the lanes of wide registers, which is for linear systems of two
-/// velocities and one contact with a given normal force and a law of ellipses; others run by themselves.
+/// velocities and one contact with a given normal force and a law of ellipses or superellipses; others run by
+/// themselves.
 ///
 /// What comes out is the same to the bit for any number of lanes and whatever the neighbours are, and that of runs by
 /// themselves up to rounding.

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use asperity::ensemble::{Ending, Ensemble, Keep, Lanes, Member, Members, Workers, simulate_many};
 use asperity::event::Section;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
-use asperity::set::{Convex, Ellipse, Star, Superellipse, Vector};
+use asperity::set::{Convex, Ellipse, Polygon, Star, Superellipse, Vector};
 use asperity::simulate::Options;
 use asperity::solver::Solver;
 use asperity::system::{
@@ -52,6 +52,11 @@ fn ellipse(a: f64, b: f64, angle: f64) -> Convex<2> {
     Convex::from(Ellipse::new(Vector::<2>::new(a, b)).unwrap()).rotated(angle).unwrap()
 }
 
+fn superellipse(a: f64, b: f64, exponent: f64, angle: f64) -> Convex<2> {
+    let set = Superellipse::new(Vector::<2>::new(a, b), exponent).unwrap();
+    Convex::try_from(set).unwrap().rotated(angle).unwrap()
+}
+
 fn law(c: Convex<2>, d: Convex<2>) -> FrictionLaw<2> {
     FrictionLaw::new(Star::from(c), d).unwrap()
 }
@@ -68,8 +73,20 @@ fn belts(count: usize) -> Runs {
     Runs((0..count).map(belt).collect())
 }
 
-/// A system that is driven and damped, with any directions, law of ellipses and start.
-fn random_run(random: &mut Random, associated: bool) -> (LinearSystem, InitialState) {
+/// What the sets of a random law are.
+#[derive(Clone, Copy, PartialEq)]
+enum Shapes {
+    Ellipses,
+    /// Superellipses, with an ellipse in some of the laws.
+    Superellipses,
+}
+
+/// A system that is driven and damped, with any directions, law and start.
+fn random_run(
+    random: &mut Random,
+    shapes: Shapes,
+    associated: bool,
+) -> (LinearSystem, InitialState) {
     let matrix = |random: &mut Random, own: f64, other: f64| {
         let entries = [own, 0.0, 0.0, own].map(|own| own + other * random.normal());
         DMatrix::from_row_slice(2, 2, &entries)
@@ -79,7 +96,13 @@ fn random_run(random: &mut Random, associated: bool) -> (LinearSystem, InitialSt
     let (stiffness, damping) = (matrix(random, 3.0, 1.0), matrix(random, 0.3, 0.1));
     let force = vec![random.normal(), random.normal()];
     let set = |random: &mut Random| {
-        ellipse(random.within(0.3, 1.5), random.within(0.3, 1.5), random.within(0.0, 3.0))
+        let [a, b, angle] = [1.5, 1.5, 3.0].map(|most| random.within(0.2 * most, most));
+        match shapes {
+            Shapes::Superellipses if random.within(0.0, 1.0) < 0.8 => {
+                superellipse(a, b, random.within(1.2, 6.0), angle)
+            }
+            _ => ellipse(a, b, angle),
+        }
     };
     let reservoir = set(random);
     let direction = if associated { reservoir.clone() } else { set(random) };
@@ -92,9 +115,19 @@ fn random_run(random: &mut Random, associated: bool) -> (LinearSystem, InitialSt
     (system, InitialState { q: vec![a, b], u: vec![c, d] })
 }
 
-fn random_runs(count: usize, seed: u64) -> Runs {
+fn random_runs(count: usize, seed: u64, shapes: Shapes) -> Runs {
     let mut random = Random::new(seed);
-    Runs((0..count).map(|k| random_run(&mut random, k % 3 == 0)).collect())
+    Runs((0..count).map(|k| random_run(&mut random, shapes, k % 3 == 0)).collect())
+}
+
+/// Runs with laws of ellipses and of superellipses in turn, which are not made side by side.
+fn mixed_runs(count: usize) -> Runs {
+    let [mut some, others] = [(5, Shapes::Ellipses), (6, Shapes::Superellipses)]
+        .map(|(seed, shapes)| random_runs(count, seed, shapes));
+    for (place, other) in some.0.iter_mut().zip(others.0).step_by(2) {
+        *place = other;
+    }
+    some
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
@@ -115,7 +148,12 @@ fn steps_in_lanes(many: &Ensemble) -> f64 {
 fn the_bits_are_the_same_for_any_number_of_lanes_and_any_neighbours() {
     let options = Options::new(1e-3, 1.5).unwrap();
     let keep = Keep { every: Some(100), ..Keep::default() };
-    for mut runs in [belts(21), random_runs(21, 1)] {
+    for mut runs in [
+        belts(21),
+        random_runs(21, 1, Shapes::Ellipses),
+        random_runs(21, 1, Shapes::Superellipses),
+        mixed_runs(21),
+    ] {
         let one = many(&runs, &options, &keep, Lanes::One);
         assert!(steps_in_lanes(&one) > 0.5);
         for lanes in EVERY {
@@ -140,7 +178,12 @@ fn the_bits_are_the_same_for_any_number_of_lanes_and_any_neighbours() {
 fn runs_in_lanes_are_the_runs_by_themselves() {
     let options = Options::new(1e-3, 3.0).unwrap();
     let keep = Keep { every: Some(50), ..Keep::default() };
-    for runs in [belts(64), random_runs(150, 2)] {
+    for runs in [
+        belts(64),
+        random_runs(150, 2, Shapes::Ellipses),
+        random_runs(150, 2, Shapes::Superellipses),
+        mixed_runs(30),
+    ] {
         let alone = many(&runs, &options, &keep, Lanes::None);
         let found = many(&runs, &options, &keep, Lanes::Widest);
         assert!(steps_in_lanes(&found) > 0.3, "{}", steps_in_lanes(&found));
@@ -195,7 +238,7 @@ fn quantities_on_the_way_are_those_of_runs_by_themselves() {
         after: 0.2,
         ..Keep::default()
     };
-    let (runs, options) = (random_runs(40, 3), Options::new(1e-3, 4.0).unwrap());
+    let (runs, options) = (mixed_runs(40), Options::new(1e-3, 4.0).unwrap());
     let alone = many(&runs, &options, &keep, Lanes::None);
     let found = many(&runs, &options, &keep, Lanes::Widest);
     assert_eq!(found.reduced.crossings, alone.reduced.crossings);
@@ -215,9 +258,12 @@ fn quantities_on_the_way_are_those_of_runs_by_themselves() {
 fn points_that_come_to_rest_end_where_they_do_by_themselves() {
     let mut random = Random::new(4);
     let point = |k| {
-        let law = law(ellipse(0.6, 0.2, 0.5), ellipse(3.0, 1.0, 0.0));
-        // The first one rests from the beginning.
-        let start = [random.normal(), random.normal()].map(|v| if k == 0 { 0.0 } else { v });
+        let law = match k % 2 {
+            0 => law(ellipse(0.6, 0.2, 0.5), ellipse(3.0, 1.0, 0.0)),
+            _ => law(superellipse(0.6, 0.2, 2.5, 0.5), superellipse(3.0, 1.0, 1.5, 0.0)),
+        };
+        // The first two rest from the beginning.
+        let start = [random.normal(), random.normal()].map(|v| if k < 2 { 0.0 } else { v });
         let start = InitialState { q: vec![0.0; 2], u: start.to_vec() };
         (sliding_point(2.0, law, 9.81).unwrap(), start)
     };
@@ -234,10 +280,12 @@ fn points_that_come_to_rest_end_where_they_do_by_themselves() {
 #[test]
 fn what_lanes_cannot_do_is_done_alone_to_the_bit() {
     let disk = || Ellipse::new(Vector::<2>::new(0.5, 0.5)).unwrap();
-    let powers = Superellipse::new(Vector::<2>::new(0.5, 0.3), 2.9).unwrap();
+    let nearly_rhombus = superellipse(0.5, 0.3, 1.05, 0.3);
+    let polygon = Polygon::new(&[[0.5, 0.0], [0.0, 0.4], [-0.3, -0.1]].map(Vector::<2>::from));
     let falling = Stribeck::new(Fall::Hyperbolic, 0.1, 0.5, 1.0, 0.0).unwrap();
-    let laws: [FrictionLaw<2>; 3] = [
-        FrictionLaw::new(powers.into(), disk().into()).unwrap(),
+    let laws: [FrictionLaw<2>; 4] = [
+        law(nearly_rhombus, disk().into()),
+        FrictionLaw::new(polygon.unwrap().into(), disk().into()).unwrap(),
         FrictionLaw::isotropic(0.4).unwrap().with_rate(falling),
         law(ellipse(0.5, 1e-4, 0.0), disk().into()),
     ];

@@ -1,28 +1,35 @@
 //! Runs of time stepping side by side in the lanes of wide registers.
 //!
-//! A lane takes runs of linear systems of two velocities and one contact with a given normal force and a law of ellipses.
-//! Where a step asks for more than stick, or than Newton's method from the last slip with a proof that there is no other
+//! A lane takes runs of linear systems of two velocities and one contact with a given normal force and a law of ellipses
+//! or superellipses. Where a step asks for more than stick, or than Newton's method from the last slip with a proof that there is no other
 //! solution, the stepper makes it, lane by lane, and so it does where a sample is kept. A lane knows nothing of its
 //! neighbours: what is computed is the same to the bit for any number of lanes. A run that fails is made again without
 //! lanes, so that what is reported is what it comes to by itself.
 //!
-//! Sets other than ellipses have powers, for which there are no instructions.
-//!
 //! | file | concept |
 //! |---|---|
 //! | `vector.rs` | numbers and truth values of several runs |
+//! | `elementary.rs` | their logarithms, exponentials and powers |
 //! | `kernel.rs` | a time step of several runs: the equations |
+//! | `newton.rs` | Newton's method for a direction |
+//! | `ellipses.rs`, `superellipses.rs` | the slip equation of both kinds of laws |
 //! | `plan.rs` | from a system to the constants of its step, and between its states and those of lanes |
 
+mod elementary;
+mod ellipses;
 mod kernel;
+mod newton;
 mod plan;
+mod superellipses;
 mod vector;
 
 use pulp::{Simd, WithSimd};
 
-use self::kernel::{Coefficients, Pair, State};
+use self::ellipses::Ellipses;
+use self::kernel::{Coefficients, Sets, State};
 use self::plan::Plan;
-use self::vector::{MOST, Mask, Number};
+use self::superellipses::Superellipses;
+use self::vector::{MOST, Mask, Number, Pair};
 use super::Lanes;
 use super::keep::Keep;
 use super::reduction::Reduction;
@@ -164,15 +171,28 @@ impl WithSimd for Together<'_, '_, '_, '_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { runs, common } = self;
-        for group in runs.chunks_mut(S::F64_LANES) {
-            Group::new(simd, group).go_on(simd, group, common);
+        runs.sort_by_key(|run| run.plan.of_ellipses);
+        for alike in runs.chunk_by_mut(|a, b| a.plan.of_ellipses == b.plan.of_ellipses) {
+            if alike.iter().all(|run| run.plan.of_ellipses) {
+                in_groups::<S, Ellipses<Number<S>>>(simd, alike, common);
+            } else {
+                in_groups::<S, Superellipses<Number<S>>>(simd, alike, common);
+            }
         }
     }
 }
 
+#[inline(always)]
+fn in_groups<S: Simd, L: Sets<S>>(simd: S, runs: &mut [&mut Run<'_>], common: Common<'_, '_>) {
+    for group in runs.chunks_mut(S::F64_LANES) {
+        Group::<S, L>::new(simd, group).go_on(simd, group, common);
+    }
+}
+
 /// Runs side by side.
-struct Group<S: Simd> {
+struct Group<S: Simd, L> {
     coefficients: Coefficients<Number<S>>,
+    sets: L,
     state: State<Number<S>>,
 }
 
@@ -186,10 +206,11 @@ fn square<S: Simd>(simd: S, of: impl Fn(usize) -> [Pair<f64>; 2]) -> [Pair<Numbe
     [0, 1].map(|i| pair(simd, |lane| of(lane)[i]))
 }
 
-impl<S: Simd> Group<S> {
+impl<S: Simd, L: Sets<S>> Group<S, L> {
     /// Lanes without a run of their own do what the first one does, and nobody looks at it.
     fn new(simd: S, runs: &[&mut Run<'_>]) -> Self {
-        let of = |lane: usize| &runs[if lane < runs.len() { lane } else { 0 }].plan.coefficients;
+        let plan = |lane: usize| &runs[if lane < runs.len() { lane } else { 0 }].plan;
+        let of = |lane: usize| &plan(lane).coefficients;
         let coefficients = Coefficients {
             half: Number::from_fn(simd, |lane| of(lane).half),
             belt: pair(simd, |lane| of(lane).belt),
@@ -199,14 +220,13 @@ impl<S: Simd> Group<S> {
             resistance: square(simd, |lane| of(lane).resistance),
             compliance: square(simd, |lane| of(lane).compliance),
             strongest: Number::from_fn(simd, |lane| of(lane).strongest),
-            gauge: [0, 1, 2].map(|i| Number::from_fn(simd, |lane| of(lane).gauge[i])),
             doubtful: pair(simd, |lane| of(lane).doubtful),
         };
         let zero = Number::splat(simd, 0.0);
         let (position, velocity, slip) = ([zero; 2], [zero; 2], [zero; 2]);
         let (change, bend, slips) = ([zero; 2], [zero; 2], zero);
-        let mut group =
-            Self { coefficients, state: State { position, velocity, slip, change, bend, slips } };
+        let state = State { position, velocity, slip, change, bend, slips };
+        let mut group = Self { coefficients, sets: L::gather(simd, plan), state };
         for (lane, run) in runs.iter().enumerate() {
             group.state.set(lane, &run.plan.state_of(&run.stepper, None));
         }
@@ -229,7 +249,7 @@ impl<S: Simd> Group<S> {
             let before = self.state;
             let mut alone = running;
             if until_sample > 1 && step < options.steps && !interrupted {
-                let tried = kernel::step(simd, &self.coefficients, &before, active);
+                let tried = kernel::step(simd, &self.coefficients, &self.sets, &before, active);
                 self.state = tried.state;
                 // A second step at rest is the last one.
                 let rests = |lane: &usize| options.until_rest && runs[*lane].progress.rested > 0;
@@ -242,7 +262,7 @@ impl<S: Simd> Group<S> {
                     for lane in lanes(tried.doubtful.bits() & !alone) {
                         let load = tried.load.map(|x| x.of(lane));
                         let plan = &mut runs[lane].plan;
-                        let several = plan.may_have_several(load, tried.gauge.of(lane));
+                        let several = plan.may_have_several(load);
                         alone |= u32::from(several) << lane;
                         for (end, own) in
                             self.coefficients.doubtful.iter_mut().zip(plan.coefficients.doubtful)

@@ -1,8 +1,13 @@
 //! From a system to the constants of its step, and between its states and those of lanes.
 
+use std::ops::RangeInclusive;
+
 use asperity_set::{Convex, Form, Matrix, Star, StarSet, Vector};
 
-use super::kernel::{Coefficients, Pair, State};
+use super::ellipses::Ellipses;
+use super::kernel::{Coefficients, State};
+use super::superellipses::Superellipses;
+use super::vector::Pair;
 use crate::contact::{ContactState, Phase};
 use crate::integrator::midpoint::Stepper;
 use crate::law::Law;
@@ -16,14 +21,22 @@ type M = Matrix<2>;
 /// The least tolerance of steps: slip is found in the coordinates in which *D* is a disk up to a relative defect of some
 /// 10⁻¹⁵, which the map to them may magnify by its condition.
 const LEAST_TOLERANCE: f64 = 1e-11;
-/// Largest condition of the maps of both sets to the unit disk.
+/// Largest condition of the maps of both sets to their unit disks.
 const LARGEST_CONDITION: f64 = 1e3;
+/// Exponents of superellipses that lanes take. On the belts of `benches/lanes.rs` Newton's method finds no slip in less than
+/// one of 10,000 steps between them; in a tenth of the steps with 100, which is nearly a rectangle.
+const EXPONENTS: RangeInclusive<f64> = 1.1..=20.0;
 
 /// A run in a lane.
 pub(super) struct Plan<'a> {
     pub(super) coefficients: Coefficients<f64>,
+    /// Whether both sets are ellipses, whose equation has no powers.
+    pub(super) of_ellipses: bool,
+    pub(super) ellipses: Ellipses<f64>,
+    pub(super) superellipses: Superellipses<f64>,
+    reservoir: &'a Convex<2>,
     uniqueness: Uniqueness<'a>,
-    /// `F`, which maps the unit disk to *D*, and `Wᵀ`, with their inverses.
+    /// `F`, which maps the unit disk of a norm to *D*, and `Wᵀ`, with their inverses.
     from_disk: M,
     to_disk: M,
     rows: M,
@@ -32,21 +45,50 @@ pub(super) struct Plan<'a> {
     velocity: V,
 }
 
-/// The maps of the unit disk to an ellipse and back.
-fn maps_of(set: &Convex<2>) -> Option<(M, M)> {
-    match set.form() {
-        Form::Ellipsoid { from_ball, to_ball }
-            if from_ball.norm() * to_ball.norm() <= LARGEST_CONDITION =>
-        {
-            Some((from_ball, to_ball))
-        }
-        _ => None,
+/// A set as the image of the unit disk `{z : Σ|zᵢ|^s ≤ 1}`.
+struct Image {
+    from_disk: M,
+    to_disk: M,
+    exponent: f64,
+}
+
+impl Image {
+    /// Nothing of a set that is none, or one that lanes do not take.
+    fn new(set: &dyn StarSet<2>) -> Option<Self> {
+        let image = match set.form() {
+            Form::Ellipsoid { from_ball, to_ball } => {
+                Self { from_disk: from_ball, to_disk: to_ball, exponent: 2.0 }
+            }
+            Form::Powers { lower, upper, reciprocal } if lower == upper => Self {
+                from_disk: M::from_diagonal(&upper),
+                to_disk: M::from_diagonal(&upper.map(f64::recip)),
+                exponent: reciprocal.recip(),
+            },
+            Form::Image { of, map } => {
+                let Self { from_disk, to_disk, exponent } = Self::new(of)?;
+                let (from_disk, to_disk) = (map * from_disk, to_disk * map.try_inverse()?);
+                Self { from_disk, to_disk, exponent }
+            }
+            _ => return None,
+        };
+        let condition = image.from_disk.norm() * image.to_disk.norm();
+        (condition <= LARGEST_CONDITION && EXPONENTS.contains(&image.exponent)).then_some(image)
+    }
+
+    /// The largest Euclidean norm of a point of the unit disk.
+    fn largest_norm(&self) -> f64 {
+        f64::max(1.0, 2f64.powf(0.5 - 1.0 / self.exponent))
+    }
+
+    /// A map under which no image has a norm less than the gauge.
+    fn bound(&self) -> M {
+        self.to_disk * f64::max(1.0, 2f64.powf(1.0 / self.exponent - 0.5))
     }
 }
 
-/// The squares of the ends of an interval of gauges, which may be empty.
-fn squares((low, high): (f64, f64)) -> Pair<f64> {
-    if low <= high { [low.max(0.0).powi(2), high.powi(2)] } else { [f64::INFINITY, 0.0] }
+/// The ends of an interval of gauges, which may be empty.
+fn ends((low, high): (f64, f64)) -> Pair<f64> {
+    if low <= high { [low.max(0.0), high] } else { [f64::INFINITY, 0.0] }
 }
 
 fn rows_of(matrix: &M) -> [Pair<f64>; 2] {
@@ -78,9 +120,9 @@ impl<'a> Plan<'a> {
             return None;
         }
         let Star::Convex(reservoir) = law.reservoir() else { return None };
-        let ((_, to_reservoir), (from_disk, to_disk)) =
-            (maps_of(reservoir)?, maps_of(law.direction())?);
-        let uniqueness = Uniqueness::new(stepper.problem(), law, &to_reservoir)?;
+        let of_reservoir = Image::new(reservoir)?;
+        let Image { from_disk, to_disk, exponent } = Image::new(law.direction())?;
+        let uniqueness = Uniqueness::new(stepper.problem(), law, &of_reservoir.bound())?;
         let (dt, rows) = (options.dt, direction.transpose());
         let (inverse_rows, response) = (rows.try_inverse()?, mass.try_inverse()? * dt);
         // γ with all forces but friction, as a function of Wᵀq and γ: u = W⁻ᵀ(γ − χ).
@@ -92,10 +134,11 @@ impl<'a> Plan<'a> {
         let constant = into * response * force + belt - by_velocity * belt;
         let delassus = M::from_fn(|i, j| stepper.problem().delassus().own(0, i, j));
         let resistance = scaled * delassus * from_disk * normal;
-        let gauge = to_reservoir * from_disk;
-        let gauge = gauge.transpose() * gauge;
+        let to_reservoir = of_reservoir.to_disk * from_disk;
+        let gauge = to_reservoir.transpose() * to_reservoir;
         // The smallest eigenvalue is det Γ/tr Γ at least.
-        let largest_radius = (gauge.trace() / gauge.determinant()).sqrt();
+        let largest_radius =
+            of_reservoir.largest_norm() * (gauge.trace() / gauge.determinant()).sqrt();
         let coefficients = Coefficients {
             half: 0.5 * dt,
             belt: pair_of(&belt),
@@ -105,18 +148,33 @@ impl<'a> Plan<'a> {
             resistance: rows_of(&resistance),
             compliance: rows_of(&resistance.try_inverse()?),
             strongest: resistance.norm() * largest_radius,
-            gauge: [gauge.m11, gauge.m12, gauge.m22],
-            doubtful: squares(uniqueness.doubtful),
+            doubtful: ends(uniqueness.doubtful),
         };
-        Some(Self { coefficients, uniqueness, from_disk, to_disk, rows, inverse_rows, velocity })
+        Some(Self {
+            coefficients,
+            of_ellipses: exponent == 2.0 && of_reservoir.exponent == 2.0,
+            ellipses: Ellipses { gauge: [gauge.m11, gauge.m12, gauge.m22] },
+            superellipses: Superellipses::new(
+                exponent,
+                of_reservoir.exponent,
+                rows_of(&to_reservoir),
+            ),
+            reservoir,
+            uniqueness,
+            from_disk,
+            to_disk,
+            rows,
+            inverse_rows,
+            velocity,
+        })
     }
 
-    /// Whether a contact may have several solutions by the force `F x` that stick needs and the square of its gauge. The
-    /// gauges for which this is asked may be fewer afterwards.
-    pub(super) fn may_have_several(&mut self, x: Pair<f64>, gauge: f64) -> bool {
+    /// Whether a contact may have several solutions by the force `F x` that stick needs. The gauges for which this is asked
+    /// may be fewer afterwards.
+    pub(super) fn may_have_several(&mut self, x: Pair<f64>) -> bool {
         let load = self.from_disk * V::from(x);
-        let several = self.uniqueness.may_have_several(&load, gauge.sqrt());
-        self.coefficients.doubtful = squares(self.uniqueness.doubtful);
+        let several = self.uniqueness.may_have_several(&load, self.reservoir.gauge(&load));
+        self.coefficients.doubtful = ends(self.uniqueness.doubtful);
         several
     }
 

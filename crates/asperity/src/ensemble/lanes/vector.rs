@@ -21,6 +21,9 @@ pub(super) struct Mask<S: Simd> {
     value: S::m64s,
 }
 
+/// What a vector is in the plane.
+pub(super) type Pair<T> = [T; 2];
+
 /// Most lanes of any set of instructions.
 pub(super) const MOST: usize = 8;
 
@@ -46,6 +49,14 @@ impl<S: Simd> Number<S> {
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, value: f64) {
         bytemuck::cast_slice_mut::<_, f64>(std::slice::from_mut(&mut self.value))[lane] = value;
+    }
+
+    /// A function of the bits of every number.
+    #[inline(always)]
+    pub(super) fn map_bits(mut self, of: impl Fn(u64) -> u64) -> Self {
+        let bits: &mut [u64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.value));
+        bits.iter_mut().for_each(|bits| *bits = of(*bits));
+        self
     }
 
     #[inline(always)]
@@ -164,4 +175,22 @@ impl<S: Simd> Not for Mask<S> {
     fn not(self) -> Self {
         Self { value: self.simd.not_m64s(self.value), ..self }
     }
+}
+
+#[inline(always)]
+pub(super) fn dot<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Number<S> {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+#[inline(always)]
+pub(super) fn cross<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Number<S> {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+#[inline(always)]
+pub(super) fn product<S: Simd>(
+    matrix: &[Pair<Number<S>>; 2],
+    v: Pair<Number<S>>,
+) -> Pair<Number<S>> {
+    [dot(matrix[0], v), dot(matrix[1], v)]
 }

@@ -1,0 +1,184 @@
+//! Slip under laws of two superellipses, with ellipses among them.
+//!
+//! *D* is the unit disk `{z : Σ|zᵢ|^p ≤ 1}` and the reservoir `{x : Σ|(R x)ᵢ|^s ≤ 1}` with the gauge `k`. At the force
+//! `x = d/k(d)` along `d` the normal of *D* has the components `nᵢ = |dᵢ|^(p−1) sign dᵢ`. Where `p ≥ 2` the normal is a
+//! differentiable function of `d`, else `d` of the normal: Newton's method turns a vector `w` with
+//!
+//! ```text
+//! n = w |w|^(p−2),  d = w                 for p ≥ 2,
+//! n = w,            d = w |w|^((2−p)/(p−1))   for p < 2,
+//! ```
+//!
+//! where powers and products are those of components. As `w` may have any length, `|w|` is divided by its larger
+//! component, and one power is enough.
+
+use pulp::Simd;
+
+use super::elementary::{exp, ln, power};
+use super::kernel::{Sets, SlipEquation, Start};
+use super::newton;
+use super::plan::Plan;
+use super::vector::{Mask, Number, Pair, cross, dot, product};
+
+/// Both sets.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Superellipses<T> {
+    /// `R`.
+    pub(super) to_reservoir: [Pair<T>; 2],
+    /// `s` and its reciprocal.
+    pub(super) exponent: T,
+    pub(super) reciprocal: T,
+    /// 1 where `p ≥ 2`, else 0.
+    pub(super) flat: T,
+    /// `p − 2` or `(2 − p)/(p − 1)`.
+    pub(super) excess: T,
+}
+
+impl Superellipses<f64> {
+    /// Of the exponents of *D* and of the reservoir, to whose unit disk `to_reservoir` maps.
+    pub(super) fn new(p: f64, s: f64, to_reservoir: [Pair<f64>; 2]) -> Self {
+        let excess = if p >= 2.0 { p - 2.0 } else { (2.0 - p) / (p - 1.0) };
+        let flat = f64::from(u8::from(p >= 2.0));
+        Self { to_reservoir, exponent: s, reciprocal: 1.0 / s, flat, excess }
+    }
+}
+
+/// The components of `|v|` by the larger one of them, which is not zero.
+struct Ratios<S: Simd> {
+    larger: Number<S>,
+    smaller: Number<S>,
+    /// Where the first component is the larger one.
+    first: Mask<S>,
+}
+
+impl<S: Simd> Ratios<S> {
+    #[inline(always)]
+    fn new(simd: S, v: Pair<Number<S>>) -> Self {
+        let [x, y] = v.map(Number::abs);
+        let first = x.above(y);
+        let (larger, least) = (first.select(x, y), Number::splat(simd, f64::MIN_POSITIVE));
+        // Of zero there are zero ratios, which have powers.
+        let divisor = larger.below(least).select(least, larger);
+        Self { larger, smaller: first.select(y, x) / divisor, first }
+    }
+
+    /// Both ratios to the same power, the smaller one of which is given.
+    #[inline(always)]
+    fn both(&self, simd: S, smaller: Number<S>) -> Pair<Number<S>> {
+        let one = Number::splat(simd, 1.0);
+        [self.first.select(one, smaller), self.first.select(smaller, one)]
+    }
+}
+
+/// Both ratios of the components of `|v|` to a power.
+#[inline(always)]
+fn powers<S: Simd>(simd: S, v: Pair<Number<S>>, exponent: Number<S>) -> Pair<Number<S>> {
+    let ratios = Ratios::new(simd, v);
+    ratios.both(simd, power(simd, ratios.smaller, exponent))
+}
+
+#[inline(always)]
+fn times<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Pair<Number<S>> {
+    [a[0] * b[0], a[1] * b[1]]
+}
+
+impl<S: Simd> Superellipses<Number<S>> {
+    /// `k` and its derivative, from the components of `R x` and of its change.
+    #[inline(always)]
+    fn gauge_along(
+        &self,
+        simd: S,
+        at: Pair<Number<S>>,
+        change: Pair<Number<S>>,
+    ) -> (Number<S>, Number<S>) {
+        let (zero, one) = (Number::splat(simd, 0.0), Number::splat(simd, 1.0));
+        let ratios = Ratios::new(simd, at);
+        let slope = power(simd, ratios.smaller, self.exponent - one);
+        let slopes = ratios.both(simd, slope);
+        let signed = [0, 1].map(|i| at[i].above(zero).select(slopes[i], -slopes[i]));
+        // k = M (1 + tˢ)^(1/s) of the larger component M and the ratio t.
+        let sum = one + ratios.smaller * slope;
+        let root = exp(simd, self.reciprocal * ln(simd, sum));
+        (ratios.larger * root, root / sum * dot(signed, change))
+    }
+}
+
+impl<S: Simd> Sets<S> for Superellipses<Number<S>> {
+    fn gather<'a>(simd: S, plan: impl Fn(usize) -> &'a Plan<'a>) -> Self {
+        let number = |part: fn(&Superellipses<f64>) -> f64| {
+            Number::from_fn(simd, |lane| part(&plan(lane).superellipses))
+        };
+        let entry = |i: usize, j: usize| {
+            Number::from_fn(simd, |lane| plan(lane).superellipses.to_reservoir[i][j])
+        };
+        Self {
+            to_reservoir: [0, 1].map(|i| [0, 1].map(|j| entry(i, j))),
+            exponent: number(|sets| sets.exponent),
+            reciprocal: number(|sets| sets.reciprocal),
+            flat: number(|sets| sets.flat),
+            excess: number(|sets| sets.excess),
+        }
+    }
+
+    /// The gauge.
+    #[inline(always)]
+    fn measure(&self, simd: S, force: Pair<Number<S>>) -> Number<S> {
+        let at = product(&self.to_reservoir, force);
+        self.gauge_along(simd, at, at).0
+    }
+
+    #[inline(always)]
+    fn of_gauge(gauge: Number<S>) -> Number<S> {
+        gauge
+    }
+
+    /// The equation is `Φ(w) = k n × ν′ = k n × β − n × K d = 0` with `k = k(d)`.
+    #[inline(always)]
+    fn slip(
+        &self,
+        simd: S,
+        equation: &SlipEquation<S>,
+        from: Start<S>,
+        wanted: Mask<S>,
+    ) -> (Pair<Number<S>>, Mask<S>) {
+        let &SlipEquation { free, resistance, size } = equation;
+        let (zero, one) = (Number::splat(simd, 0.0), Number::splat(simd, 1.0));
+        let rounding = newton::ROUNDING * size;
+        let flat = self.flat.above(zero);
+        let raised = one + self.excess;
+        let (mut open, mut velocity, mut along) = (wanted, free, zero);
+        if wanted.any() {
+            // w is the direction of the start itself, or the power 1 + excess of w is.
+            let is_power = (from.is_normal & flat) | !(from.is_normal | flat);
+            let to_w = is_power.select(one / raised - one, zero);
+            let mut w = times(powers(simd, from.direction, to_w), from.direction);
+            for iteration in 0..=newton::ITERATIONS {
+                let bent = powers(simd, w, self.excess);
+                let to_normal = bent.map(|factor| flat.select(factor, one));
+                let to_force = bent.map(|factor| flat.select(one, factor));
+                let (n, d) = (times(to_normal, w), times(to_force, w));
+                let across = [-w[1], w[0]];
+                let dn = times(to_normal, across).map(|x| flat.select(raised, one) * x);
+                let dd = times(to_force, across).map(|x| flat.select(one, raised) * x);
+                let at = product(&self.to_reservoir, d);
+                let (k, dk) = self.gauge_along(simd, at, product(&self.to_reservoir, dd));
+                let force = product(&resistance, d);
+                let load = cross(n, free);
+                let value = k * load - cross(n, force);
+                velocity = [0, 1].map(|i| free[i] - force[i] / k);
+                along = dot(n, velocity);
+                let least = rounding * rounding * (k * k * dot(n, n));
+                // The comparison also keeps NaN open.
+                open = wanted & !(value * value).below(least);
+                if iteration == newton::ITERATIONS || !open.any() {
+                    break;
+                }
+                let slope = dk * load + k * cross(dn, free)
+                    - cross(dn, force)
+                    - cross(n, product(&resistance, dd));
+                w = newton::turned(simd, w, value, slope, open);
+            }
+        }
+        (velocity, wanted & !open & along.above(zero))
+    }
+}
