@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from queue import Empty, SimpleQueue
 from typing import Any, ClassVar
 
 import numpy as np
@@ -155,16 +156,12 @@ def limit_cycle_many(
             return again.repeat(member, progress=stopping)
 
     found: dict[int, LimitCycle | Exception] = {}
-    with reporter(progress, "search") as report, ThreadPoolExecutor(number) as pool:
-        futures = {pool.submit(search, member): member for member in range(len(members))}
-        waiting: set[Future[LimitCycle]] = set(futures)
+    with reporter(progress, "search") as report:
+        searches = _Searches(search, len(members), stop)
         try:
-            while waiting:
-                done, waiting = wait(waiting, timeout=_ASK_EVERY)
-                for future in done:
-                    error = future.exception()
-                    assert error is None or isinstance(error, Exception)
-                    found[futures[future]] = error or future.result()
+            searches.begin(number)
+            while len(found) < len(members):
+                found.update(searches.answers())
                 if report is not None:
                     report(len(found), len(members))
                 # The first one is that of the smallest number, whichever is found out first.
@@ -173,17 +170,67 @@ def limit_cycle_many(
                 )
                 if on_failure == "raise" and bad is not None and found.keys() >= set(range(bad)):
                     break
-        except BaseException as error:
-            stop.set()
-            pool.shutdown(wait=False, cancel_futures=True)
-            if isinstance(error, KeyboardInterrupt):
-                raise EnsembleInterrupted(_ensemble(members, found, again)) from None
-            raise
-        stop.set()
-        pool.shutdown(wait=False, cancel_futures=True)
+        except KeyboardInterrupt:
+            searches.end()
+            raise EnsembleInterrupted(_ensemble(members, found, again)) from None
+        finally:
+            searches.end()
     ensemble = _ensemble(members, found, again)
     running.tell(ensemble, "limit_cycle_many", on_failure)
     return ensemble
+
+
+class _Searches:
+    """Searches in threads, which hand over what they find through queues.
+
+    Not futures: Ctrl-C while the main thread waits for many of these can leave one locked for
+    ever, and the thread that wants to set it would never end.
+    """
+
+    def __init__(
+        self, search: Callable[[int], LimitCycle], count: int, stop: threading.Event
+    ) -> None:
+        self._search, self._stop = search, stop
+        self._members: SimpleQueue[int] = SimpleQueue()
+        self._answers: SimpleQueue[tuple[int, LimitCycle | BaseException]] = SimpleQueue()
+        self._threads: list[threading.Thread] = []
+        for member in range(count):
+            self._members.put(member)
+
+    def begin(self, threads: int) -> None:
+        """Start so many threads."""
+        for _ in range(min(threads, self._members.qsize())):
+            self._threads.append(threading.Thread(target=self._serve, daemon=True))
+            self._threads[-1].start()
+
+    def answers(self) -> dict[int, LimitCycle | Exception]:
+        """Return what has been found since, after a while if there is nothing."""
+        found: dict[int, LimitCycle | Exception] = {}
+        with suppress(Empty):
+            member, answer = self._answers.get(timeout=_ASK_EVERY)
+            while True:
+                if not isinstance(answer, LimitCycle | Exception):
+                    raise answer
+                found[member] = answer
+                member, answer = self._answers.get_nowait()
+        return found
+
+    def end(self) -> None:
+        """Give up what is still searched for."""
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+
+    def _serve(self) -> None:
+        with suppress(Empty):
+            while not self._stop.is_set():
+                member = self._members.get_nowait()
+                answer: LimitCycle | BaseException
+                try:
+                    answer = self._search(member)
+                except BaseException as error:
+                    answer = error
+                self._answers.put((member, answer))
 
 
 def _ensemble(
