@@ -6,9 +6,9 @@
 //! end differ; `cargo bench --bench lanes -- steps 10000` makes so many steps.
 //!
 //! On an Intel Xeon with AVX-512, four lanes of AVX2 took 0.23 of the time of the runs alone with ellipses, 0.17 with
-//! isotropic friction and 0.40 with superellipses;
-//! over the first 10,000 steps 0.49, 0.18 and 0.39. Eight lanes of AVX-512 took 0.29, 0.26 and 0.45 (0.55, 0.28 and 0.43):
-//! roots and divisions are no faster there, and a group waits for its slowest lane. `pulp` is built without them.
+//! isotropic friction and 0.40 with superellipses; over the first 10,000 steps 0.49, 0.18 and 0.39. Eight lanes of AVX-512
+//! took 0.29, 0.26 and 0.45 (0.55, 0.28 and 0.43): roots and divisions are no faster there, and a group waits for its
+//! slowest lane. `pulp` is built without them.
 
 use std::ops::ControlFlow;
 use std::time::Instant;

@@ -556,6 +556,28 @@ def test_runs_in_lanes_are_the_runs_up_to_rounding(law):
     assert_same(lanes, asp.simulate_many(belt, **given, lanes=True, threads=2))
 
 
+def test_systems_that_rest_from_the_beginning_end_at_once():
+    # Stick leaves velocities of some 1e-20 m/s, which are at rest beside those that it has stopped.
+    rng = np.random.default_rng(5)
+    systems = []
+    for _ in range(30):
+        root = np.eye(2) + 0.3 * rng.normal(size=(2, 2))
+        contact = asp.Contact(
+            LAW, direction=np.eye(2) + 0.3 * rng.normal(size=(2, 2)), normal_force=10.0
+        )
+        systems.append(
+            asp.LinearSystem(
+                root @ root.T, stiffness=3.0 * np.eye(2), force=[0.1, 0.2], contacts=[contact]
+            )
+        )
+    for lanes in (False, True):
+        many = asp.simulate_many(
+            systems, dt=1e-3, t_end=1.0, q0=[0.02, 0.03], until_rest=True, lanes=lanes
+        )
+        assert set(many.status.tolist()) == {"at_rest"}
+        assert (many.steps == 2).all()
+
+
 def test_laws_that_lanes_do_not_take_run_without_them():
     polygon = asp.Polygon([[0.6, 0.0], [0.0, 0.4], [-0.5, -0.3]])
     point = POINT.replace(law=LAW.replace(reservoir=polygon))

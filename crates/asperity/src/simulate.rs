@@ -36,7 +36,8 @@ pub struct Options {
 /// Difference of `t_end` from a multiple of the step that counts as rounding, as a part.
 const MULTIPLE: f64 = 1e-9;
 
-/// Part of the largest velocity so far up to which everything rests.
+/// Part of the largest velocity so far up to which everything rests: of those that there were, and of those of contacts
+/// that there would have been without contact forces. Stick leaves rounding of the latter.
 pub(crate) const AT_REST: f64 = 1e-12;
 
 impl Options {
@@ -287,7 +288,8 @@ impl Loop {
         self.unsaved = Some(report);
         if options.until_rest {
             let speed = largest(stepper.u());
-            self.fastest = self.fastest.max(speed);
+            let free = largest(stepper.problem().free_velocity());
+            self.fastest = self.fastest.max(speed).max(free);
             self.rested = if speed <= AT_REST * self.fastest { self.rested + 1 } else { 0 };
         }
         // At rest for two steps: a turning point of a motion is at rest for one at the most.

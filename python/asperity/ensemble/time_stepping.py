@@ -70,7 +70,7 @@ def simulate_many(
         threads: number of threads; default the number of cores, one in a worker process. Systems
             with functions of Python are run one after the other.
         lanes: whether a thread runs several members side by side in the wide registers of the
-            processor, which makes their steps two to four times as fast. It does so for
+            processor, which makes most steps two to four times as fast. It does so for
             `SlidingPoint`, `MassOnBelt` and a `LinearSystem` with two degrees of freedom and one
             contact with p = 2, a given normal force and a law of ellipses or superellipses (of
             exponents from 1.1 to 20) without a factor of the speed, if ``tolerance`` is at least

@@ -112,6 +112,7 @@ impl Reduction {
     pub(super) fn go_on_with(&mut self, keep: &Keep, stepper: &Stepper<'_>) {
         if keep.reduces() {
             let phases = stepper.phases().iter().copied();
+            self.fastest = self.fastest.max(largest(stepper.problem().free_velocity()));
             self.go_on(keep, stepper.time(), stepper.q(), stepper.u(), phases);
         }
     }

@@ -23,10 +23,10 @@ pub(super) trait Sets<S: Simd>: Copy {
     /// Those of the runs of all lanes.
     fn gather<'a>(simd: S, plan: impl Fn(usize) -> &'a Plan<'a>) -> Self;
 
-    /// An increasing function of gauges that is easily had, of the reservoir's gauge of a force.
+    /// What loads are compared by: the reservoir's gauge of a force, or an increasing function of it that costs less.
     fn measure(&self, simd: S, force: Pair<Number<S>>) -> Number<S>;
 
-    /// That function.
+    /// The measure of a force with this gauge.
     fn of_gauge(gauge: Number<S>) -> Number<S>;
 
     /// The slip `ν′` that solves the slip equation, and the lanes of those wanted in which it is found, from a normal of

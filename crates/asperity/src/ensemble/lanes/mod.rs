@@ -1,10 +1,13 @@
 //! Runs of time stepping side by side in the lanes of wide registers.
 //!
 //! A lane takes runs of linear systems of two velocities and one contact with a given normal force and a law of ellipses
-//! or superellipses. Where a step asks for more than stick, or than Newton's method from the last slip with a proof that there is no other
-//! solution, the stepper makes it, lane by lane, and so it does where a sample is kept. A lane knows nothing of its
-//! neighbours: what is computed is the same to the bit for any number of lanes. A run that fails is made again without
-//! lanes, so that what is reported is what it comes to by itself.
+//! or superellipses. Where a step asks for more than stick, or than Newton's method from the last slip with a proof that
+//! there is no other solution, the stepper makes it, lane by lane, and so it does where a sample is kept. A lane knows
+//! nothing of its neighbours: what is computed is the same to the bit for any number of lanes. A run that fails is made
+//! again without lanes, so that what is reported is what it comes to by itself.
+//!
+//! What lanes do must be inlined into the function that is compiled for the processor: closures and iterators that are not
+//! are slower than the scalar solver. So there are none where powers are taken.
 //!
 //! | file | concept |
 //! |---|---|
@@ -173,7 +176,7 @@ impl WithSimd for Together<'_, '_, '_, '_, '_> {
         let Self { runs, common } = self;
         runs.sort_by_key(|run| run.plan.of_ellipses);
         for alike in runs.chunk_by_mut(|a, b| a.plan.of_ellipses == b.plan.of_ellipses) {
-            if alike.iter().all(|run| run.plan.of_ellipses) {
+            if alike[0].plan.of_ellipses {
                 in_groups::<S, Ellipses<Number<S>>>(simd, alike, common);
             } else {
                 in_groups::<S, Superellipses<Number<S>>>(simd, alike, common);

@@ -9,8 +9,9 @@
 //! n = w,            d = w |w|^((2−p)/(p−1))   for p < 2,
 //! ```
 //!
-//! where powers and products are those of components. As `w` may have any length, `|w|` is divided by its larger
-//! component, and one power is enough.
+//! where powers and products are those of components. The lengths of `n` and `d` have no meaning: both may be divided by
+//! the same power of the larger component of `w`, which then has a single power to compute. The derivative of that divisor
+//! would add a multiple of `Φ` to `Φ′`, and Newton's method needs none, since `Φ = 0` at the solution.
 
 use pulp::Simd;
 
@@ -18,7 +19,7 @@ use super::elementary::{exp, ln, power};
 use super::kernel::{Sets, SlipEquation, Start};
 use super::newton;
 use super::plan::Plan;
-use super::vector::{Mask, Number, Pair, cross, dot, product};
+use super::vector::{Mask, Number, Pair, cross, dot, product, times};
 
 /// Both sets.
 #[derive(Debug, Clone, Copy)]
@@ -28,8 +29,8 @@ pub(super) struct Superellipses<T> {
     /// `s` and its reciprocal.
     pub(super) exponent: T,
     pub(super) reciprocal: T,
-    /// 1 where `p ≥ 2`, else 0.
-    pub(super) flat: T,
+    /// 1 where `p ≥ 2` and `w` is a force, else 0, and `w` is a normal.
+    pub(super) by_force: T,
     /// `p − 2` or `(2 − p)/(p − 1)`.
     pub(super) excess: T,
 }
@@ -38,8 +39,8 @@ impl Superellipses<f64> {
     /// Of the exponents of *D* and of the reservoir, to whose unit disk `to_reservoir` maps.
     pub(super) fn new(p: f64, s: f64, to_reservoir: [Pair<f64>; 2]) -> Self {
         let excess = if p >= 2.0 { p - 2.0 } else { (2.0 - p) / (p - 1.0) };
-        let flat = f64::from(u8::from(p >= 2.0));
-        Self { to_reservoir, exponent: s, reciprocal: 1.0 / s, flat, excess }
+        let by_force = f64::from(u8::from(p >= 2.0));
+        Self { to_reservoir, exponent: s, reciprocal: 1.0 / s, by_force, excess }
     }
 }
 
@@ -77,11 +78,6 @@ fn powers<S: Simd>(simd: S, v: Pair<Number<S>>, exponent: Number<S>) -> Pair<Num
     ratios.both(simd, power(simd, ratios.smaller, exponent))
 }
 
-#[inline(always)]
-fn times<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Pair<Number<S>> {
-    [a[0] * b[0], a[1] * b[1]]
-}
-
 impl<S: Simd> Superellipses<Number<S>> {
     /// `k` and its derivative, from the components of `R x` and of its change.
     #[inline(always)]
@@ -95,7 +91,8 @@ impl<S: Simd> Superellipses<Number<S>> {
         let ratios = Ratios::new(simd, at);
         let slope = power(simd, ratios.smaller, self.exponent - one);
         let slopes = ratios.both(simd, slope);
-        let signed = [0, 1].map(|i| at[i].above(zero).select(slopes[i], -slopes[i]));
+        let [x, y] = slopes;
+        let signed = [at[0].above(zero).select(x, -x), at[1].above(zero).select(y, -y)];
         // k = M (1 + tˢ)^(1/s) of the larger component M and the ratio t.
         let sum = one + ratios.smaller * slope;
         let root = exp(simd, self.reciprocal * ln(simd, sum));
@@ -115,7 +112,7 @@ impl<S: Simd> Sets<S> for Superellipses<Number<S>> {
             to_reservoir: [0, 1].map(|i| [0, 1].map(|j| entry(i, j))),
             exponent: number(|sets| sets.exponent),
             reciprocal: number(|sets| sets.reciprocal),
-            flat: number(|sets| sets.flat),
+            by_force: number(|sets| sets.by_force),
             excess: number(|sets| sets.excess),
         }
     }
@@ -144,28 +141,29 @@ impl<S: Simd> Sets<S> for Superellipses<Number<S>> {
         let &SlipEquation { free, resistance, size } = equation;
         let (zero, one) = (Number::splat(simd, 0.0), Number::splat(simd, 1.0));
         let rounding = newton::ROUNDING * size;
-        let flat = self.flat.above(zero);
+        let by_force = self.by_force.above(zero);
         let raised = one + self.excess;
         let (mut open, mut velocity, mut along) = (wanted, free, zero);
         if wanted.any() {
             // w is the direction of the start itself, or the power 1 + excess of w is.
-            let is_power = (from.is_normal & flat) | !(from.is_normal | flat);
-            let to_w = is_power.select(one / raised - one, zero);
+            let back = one / raised - one;
+            let to_w = by_force
+                .select(from.is_normal.select(back, zero), from.is_normal.select(zero, back));
             let mut w = times(powers(simd, from.direction, to_w), from.direction);
             for iteration in 0..=newton::ITERATIONS {
                 let bent = powers(simd, w, self.excess);
-                let to_normal = bent.map(|factor| flat.select(factor, one));
-                let to_force = bent.map(|factor| flat.select(one, factor));
+                let to_normal = [by_force.select(bent[0], one), by_force.select(bent[1], one)];
+                let to_force = [by_force.select(one, bent[0]), by_force.select(one, bent[1])];
                 let (n, d) = (times(to_normal, w), times(to_force, w));
-                let across = [-w[1], w[0]];
-                let dn = times(to_normal, across).map(|x| flat.select(raised, one) * x);
-                let dd = times(to_force, across).map(|x| flat.select(one, raised) * x);
+                let (to_dn, to_dd) = (by_force.select(raised, one), by_force.select(one, raised));
+                let dn = times(to_normal, [-(to_dn * w[1]), to_dn * w[0]]);
+                let dd = times(to_force, [-(to_dd * w[1]), to_dd * w[0]]);
                 let at = product(&self.to_reservoir, d);
                 let (k, dk) = self.gauge_along(simd, at, product(&self.to_reservoir, dd));
                 let force = product(&resistance, d);
                 let load = cross(n, free);
                 let value = k * load - cross(n, force);
-                velocity = [0, 1].map(|i| free[i] - force[i] / k);
+                velocity = [free[0] - force[0] / k, free[1] - force[1] / k];
                 along = dot(n, velocity);
                 let least = rounding * rounding * (k * k * dot(n, n));
                 // The comparison also keeps NaN open.

@@ -55,7 +55,9 @@ impl<S: Simd> Number<S> {
     #[inline(always)]
     pub(super) fn map_bits(mut self, of: impl Fn(u64) -> u64) -> Self {
         let bits: &mut [u64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.value));
-        bits.iter_mut().for_each(|bits| *bits = of(*bits));
+        for bits in bits {
+            *bits = of(*bits);
+        }
         self
     }
 
@@ -180,6 +182,12 @@ impl<S: Simd> Not for Mask<S> {
 #[inline(always)]
 pub(super) fn dot<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Number<S> {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// The products of the components of two vectors.
+#[inline(always)]
+pub(super) fn times<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Pair<Number<S>> {
+    [a[0] * b[0], a[1] * b[1]]
 }
 
 #[inline(always)]
