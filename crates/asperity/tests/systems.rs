@@ -427,7 +427,7 @@ fn steppers_begin_again_as_new_ones() {
 /// Among contacts whose rows nearly depend on each other rounding leaves a residual of 5e-12. The search for the factors of
 /// a law that rises with the speed asks for less, and must not let the solver go through all it can with every correction.
 #[test]
-#[ignore = "takes ten seconds"]
+#[ignore = "ten seconds: part of `make long`"]
 fn what_rounding_leaves_over_is_not_searched_for_with_every_correction() {
     let boxed = |lower: [f64; 3], upper: [f64; 3]| {
         Convex::from(Cuboid::new(Vector::<3>::from(lower), Vector::<3>::from(upper)).unwrap())
