@@ -8,6 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import mechanisms
+from asperity.errors import NoCycleError
 from asperity.runs.event import EventKind
 from scipy.integrate import quad, solve_ivp
 from scipy.spatial import ConvexHull
@@ -1237,3 +1238,71 @@ def test_a_body_rests_where_no_shares_of_equal_compliance_are_found_one_foot_at_
     )
     system = asp.RigidBodies([body], pairs=feet, gravity=(0.0, 0.0, -gravity))
     assert np.abs(asp.integrate(system, t_end=1.0).u).max() < 1e-12
+
+
+BELT = asp.MassOnBelt(
+    1.3,
+    stiffness=1.7,
+    law=asp.FrictionLaw(asp.Ellipse(0.6, 0.3, angle=0.2), asp.Ellipse(0.3, 0.6)),
+    normal_force=2.0,
+    belt_velocity=[0.3, 0.1],
+)
+
+
+def assert_slips_at_once(belt, motion, rest):
+    # The force stays where it is and the mass swings along a line, q − q_eq = v sin(ωt)/ω.
+    omega = np.sqrt(belt.stiffness[0, 0] / belt.mass)
+    swing = np.outer(np.sin(omega * motion.t), belt.belt_velocity) / omega
+    np.testing.assert_allclose(motion.q - rest, swing, atol=1e-7 * np.abs(swing).max())
+    assert motion.events[0].kind == "slip"
+    assert motion.events[0].time < 1e-6
+
+
+@pytest.mark.parametrize("inside", [0.0, 1e-14, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8])
+def test_stick_under_just_the_load_that_friction_can_hold_ends_at_once(inside):
+    # Rounding puts the load a little inside of the reservoir, an estimate of the place farther.
+    rest = asp.equilibrium(BELT).q
+    t_end = 0.9 * 2.0 * np.pi * np.sqrt(1.3 / 1.7)
+    motion = asp.integrate(BELT, t_end=t_end, q0=(1.0 - inside) * rest, u0=BELT.belt_velocity)
+    assert_slips_at_once(BELT, motion, rest)
+
+
+def test_random_belts_slip_from_steady_sliding_at_once():
+    rng = np.random.default_rng(1)
+    checked = 0
+    for _ in range(60):
+        sizes, angles = rng.uniform(0.2, 1.0, 4), rng.uniform(0.0, np.pi, 2)
+        law = asp.FrictionLaw(
+            asp.Ellipse(*sizes[:2], angle=angles[0]), asp.Ellipse(*sizes[2:], angle=angles[1])
+        )
+        belt = asp.MassOnBelt(
+            rng.uniform(0.5, 2.0),
+            stiffness=rng.uniform(0.5, 2.0),
+            law=law,
+            normal_force=rng.uniform(0.5, 2.0),
+            belt_velocity=rng.uniform(-1.0, 1.0, 2),
+        )
+        state = asp.stability(belt)
+        if state.kind == "unstable":
+            # The spring draws the load into the reservoir, and the mass sticks for a while.
+            continue
+        checked += 1
+        rest = state.equilibrium.q
+        t_end = 1.8 * np.pi * np.sqrt(belt.mass / belt.stiffness[0, 0])
+        motion = asp.integrate(belt, t_end=t_end, q0=rest, u0=belt.belt_velocity)
+        assert_slips_at_once(belt, motion, rest)
+    assert checked > 40
+
+
+def test_stick_ends_at_its_limit_however_short_steps_are():
+    # Within one step the load leaves the reservoir by less than what tells slip from rest.
+    rest = asp.equilibrium(BELT).q
+    motion = asp.integrate(
+        BELT, t_end=1e-9, q0=rest, u0=BELT.belt_velocity, max_step=5e-12, sample_every=1e-9
+    )
+    assert motion.events[0].kind == "slip"
+
+
+def test_undamped_swings_from_steady_sliding_are_no_cycle():
+    with pytest.raises(NoCycleError, match="continuum"):
+        asp.limit_cycle(BELT)

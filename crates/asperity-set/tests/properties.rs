@@ -5,9 +5,11 @@
 mod common;
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
 use asperity_set::{
-    CappedRectangle, Convex, ConvexSet, Ellipsoid, Matrix, Star, StarSet, Superellipsoid,
+    CappedRectangle, Convex, ConvexSet, Ellipsoid, Matrix, PolarCurve, Star, StarSet,
+    Superellipsoid,
 };
 use common::*;
 use proptest::prelude::*;
@@ -36,6 +38,29 @@ proptest! {
         prop_assert!(close(set.gauge(&point_of(&set, &d, 1.0)), 1.0, 1e-12));
         prop_assert_eq!(set.gauge(&V::zeros()), 0.0);
         prop_assert!(close(set.radius(&(d * s)), set.radius(&d), 1e-13));
+    }
+
+    /// Of samples in pairs that are close together, the curve bends up to a thousand times as much as its gauge is large. This
+    /// must not cost digits.
+    #[test]
+    fn gauge_through_close_samples_keeps_its_digits(
+        pairs in prop::collection::vec((log_uniform(1e-3, 0.5), -0.1..0.1), 6..20),
+        d in direction(), s in multiples(),
+    ) {
+        let step = TAU / pairs.len() as f64;
+        let (mut angle, mut radius) = (Vec::new(), Vec::new());
+        for (k, (distance, slope)) in pairs.iter().enumerate() {
+            angle.extend([k as f64 * step, (k as f64 + distance) * step]);
+            radius.extend([1.0, 1.0 + slope * distance]);
+        }
+        let set = PolarCurve::new(&angle, &radius).unwrap();
+        let (gauge, gradient) = set.gauge_jet(&d);
+        let steepness = gradient.norm() / gauge;
+        prop_assert!(close(set.gauge(&(d * s)), s * gauge, 4e-15 * steepness), "{angle:?} {radius:?}");
+        for (angle, radius) in angle.iter().zip(&radius) {
+            let d = V::new(angle.cos(), angle.sin());
+            prop_assert!(close(set.gauge(&d) * radius, 1.0, 4e-15 * steepness.max(4.0)), "{angle} {radius}");
+        }
     }
 
     #[test]

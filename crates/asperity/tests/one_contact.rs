@@ -761,6 +761,34 @@ fn slip_at_a_cusp_across_a_thin_direction_set_is_found_from_any_slip() {
     }
 }
 
+/// Beside a tip of *C*, where its curvature has no bound, Newton's method converges hardly faster than a bisection. Slips
+/// along the axes nearly and far slower than the loads would have it show what it has left.
+#[test]
+fn slip_at_tips_of_the_reservoir_is_found_to_the_tolerance() {
+    let mut random = Random::new(11);
+    let g = DMatrix::from_row_slice(3, 3, &[0.8, -0.3, -0.2, -0.3, 1.0, 0.2, -0.2, 0.2, 0.8]);
+    let (mut workspace, stop) = (Workspace::default(), Stop::at(1e-11));
+    for k in 0..400 {
+        let sizes = || V::new(1.0, 1.0);
+        let reservoir = Superellipsoid::new(sizes(), random.within(1.05, 1.3)).unwrap();
+        let direction = Superellipsoid::new(V::new(1.0, 0.3), random.within(1.5, 2.5)).unwrap();
+        let law = FrictionLaw::new(reservoir.into(), direction.try_into().unwrap()).unwrap();
+        let aside = 10f64.powf(random.within(-12.0, -3.0));
+        let slip = V::new(aside, -1.0) * 1e-3;
+        let force = law.force(&slip, 1.0).unwrap();
+        let percussion = DVector::from_row_slice(&[1.0, force.x, force.y]);
+        let velocity = DVector::from_row_slice(&[0.0, slip.x, slip.y]);
+        let free = &velocity - &g * &percussion;
+        let contacts = vec![(law.into(), NormalForce::Unilateral)];
+        let problem = ContactProblem::new(g.clone(), free.as_slice().to_vec(), contacts).unwrap();
+        let mut memory = Memory::new(3, 1);
+        memory.states[0] = ContactState::new(Phase::Slip, [random.within(-0.1, 0.1), -1.0, 0.0]);
+        let report =
+            Solver::Exact { max_sweeps: 1 }.solve(&problem, stop, &mut memory, &mut workspace);
+        assert_eq!(report.status, Status::Converged, "{k}: {:e}", report.residual);
+    }
+}
+
 /// Other units of mass change no digit: no threshold of the solver has a unit.
 #[test]
 fn contacts_in_space_have_no_unit_of_mass() {

@@ -25,6 +25,9 @@ const UNAIDED: usize = 6;
 const SETTLING: usize = 12;
 const WHOLE_CORRECTIONS: usize = 30;
 const ROUND: usize = 2 * WHOLE_CORRECTIONS;
+/// Residual that is asked for after a solve of the same step that did not come farther, over what that one has left: a
+/// solver goes through all that it can before it gives up, which a step would pay for with every correction.
+const LEFT_OVER: f64 = 2.0;
 
 impl Stepper<'_> {
     /// One step, whether or not its contact problem is solved to the tolerance: the report says how it was.
@@ -122,11 +125,14 @@ impl Stepper<'_> {
         memory.copy_from(before);
         let (mut iterations, mut correction) = (0, 0);
         let (mut settled, mut following) = (false, false);
+        // What the solver has left over in this step though more was asked for.
+        let mut attained: f64 = 0.0;
         loop {
             // What a solve leaves over must not hide what the factors lack: among contacts of one body a stiff
             // factor magnifies it.
             let part = if correction < UNAIDED { 0.1 } else { 1e-3 };
-            let sharp = Stop { tolerance: part * stop.tolerance, ..stop };
+            let asked = (part * stop.tolerance).max(LEFT_OVER * attained).min(stop.tolerance);
+            let sharp = Stop { tolerance: asked, ..stop };
             // Where contacts were moved to solutions one by one, that may be the solution of all.
             let graded = settled.then(|| solver::grade(&closed.problem, sharp, memory, workspace));
             let mut report = match graded.filter(|report| report.status == Status::Converged) {
@@ -148,6 +154,9 @@ impl Stepper<'_> {
             let factors = assembly.factors();
             let (mut defect, mut contact) = (f64::INFINITY, report.worst_contact);
             if solved {
+                if report.status != Status::Converged {
+                    attained = attained.max(report.residual);
+                }
                 report.status = Status::Converged;
                 let Memory { percussion, states } = &*memory;
                 let velocity = &workspace.velocity;

@@ -3,6 +3,7 @@
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::root::{self, Value};
+use crate::integrator::event::event_function::rounded_excess;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::Integration;
@@ -59,10 +60,15 @@ impl Integration<'_> {
         Ok(Location::Found(number))
     }
 
-    /// Whether an event function is at its limit at the present state already, so that its event is there.
+    /// Whether an event function is at its limit at the present state already but for rounding, so that its event is there.
+    ///
+    /// A body that starts at rest on a belt where it would slide steadily loads its contact with just what friction can hold.
+    /// Rounding puts this load a little inside of the reservoir as often as a little outside, and in a step as short as the
+    /// time until it leaves, it would not leave by enough to tell slip from rest.
     fn is_at_limit(&self, number: usize) -> bool {
         let limit = match self.dynamics.contacts.get(number) {
             Some(contact) if contact.mode == Phase::Open => self.closed_gap(contact),
+            Some(contact) if contact.mode == Phase::Stick => rounded_excess(&self.dynamics),
             _ => 0.0,
         };
         self.event_values[number] >= -limit

@@ -63,12 +63,14 @@ impl Integration<'_> {
             if last {
                 // The contact can go on sticking: its force has been outside of the reservoir by rounding only.
                 (self.a0, self.memory) = (stuck, kept);
-                for (contact, kept) in self.dynamics.contacts.iter_mut().zip(&contacts) {
-                    contact.unloaded = kept.unloaded;
-                }
+                // With what was tolerated before: it adds up until the contact problem tells the load from one that is
+                // carried.
+                self.dynamics.contacts.clone_from(&contacts);
                 let contact = &mut self.dynamics.contacts[i];
                 let shorter = if excess <= rounding { self.step.h } else { 0.25 * self.step.h };
                 contact.tolerated_excess += (2.0 * excess).clamp(1e-3 * rounding, rounding);
+                // The event is over: the next one is later.
+                self.reset_event_functions(false);
                 return Ok(self.reject(shorter));
             }
             later *= 10.0;

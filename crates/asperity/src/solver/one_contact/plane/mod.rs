@@ -181,6 +181,9 @@ fn has_one_solution(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
     }
 }
 
+/// Step of Newton's method, in rad, times the factor by which `F` has fallen with the step before, that may be left.
+const LEFT: f64 = 1e-12;
+
 /// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.
 ///
 /// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`, where `n` may have any length: it is a
@@ -191,7 +194,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
     if let Some(mu) = law.isotropic_coefficient() {
         return isotropic::newton(slip, guess.try_normalize(0.0)?, mu);
     }
-    let mut n = *guess;
+    let (mut n, mut before) = (*guess, f64::NAN);
     for _ in 0..10 {
         let turn = V::new(-n.y, n.x);
         let (z, dz) = law.direction().support_derivative(&n, &turn);
@@ -206,9 +209,11 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         let dx = (dz - x * gradient.dot(&dz)) * reciprocal;
         let dv = slip.a * dx;
         let step = value / (n.dot(&v) + cross(&n, &dv));
-        // Newton's method converges quadratically: what is left after a step below 1e-8 is rounding, unless the
-        // boundary is nearly flat here.
-        if step.abs() < 1e-8 && dx.norm_squared() < slip.mild_bend {
+        // Where Newton's method converges quadratically, what is left after a step below 1e-8 is rounding, unless the
+        // boundary is nearly flat here. At the tips of superellipses of exponents below two, where the curvature of C has no
+        // bound, it does not: the steps tell by how much less they become.
+        let quadratic = step.abs() * value.abs() <= LEFT * before.max(value.abs());
+        if step.abs() < 1e-8 && quadratic && dx.norm_squared() < slip.mild_bend {
             return slip.admit_root(&n, &(x + dx * step), &(v - dv * step));
         }
         // The comparison also turns away NaN from flats, where the Hessian is infinite.
@@ -224,6 +229,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
             return None;
         }
         n += turn * step;
+        before = value.abs();
     }
     None
 }
