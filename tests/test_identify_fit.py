@@ -21,7 +21,7 @@ from asperity.identify import (
     process,
 )
 from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import by_sense
+from asperity.identify.fitting.data.samples import by_axes
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.uncertainty.covariance import _pulls
 from profiles import counts, every
@@ -253,7 +253,7 @@ def test_calibration_and_zero_move_the_fit_as_predicted():
         ).record()
         data = process(raw)
         fit = fit_law(data)
-        parts = [(grouped(s, 1).bins(), sense) for s, sense in by_sense(fit._samples, data)]
+        parts = [(grouped(s, 1).bins(), axes) for s, axes in by_axes(fit._samples, data)]
         pulls = sum(
             _pulls(fit._family, bins, sense, fit.coordinates, data.matrix) for bins, sense in parts
         )

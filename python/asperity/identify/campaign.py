@@ -20,8 +20,9 @@ from asperity.identify.estimation import fit_law
 from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
-from asperity.identify.forces.processing import ProcessedData, process
+from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import TurnAverage
+from asperity.identify.loading import load
 from asperity.identify.records.configuration import Configuration
 from asperity.identify.report import cells, write_report
 from asperity.law import Provenance
@@ -244,7 +245,7 @@ def identify_campaign(
         count = Count(len(STAGES), report)
         begin("reading")
         loaded = Configuration.load(config)
-        data = process(loaded.read(list(paths), progress=_share(report)))
+        data = load(list(paths), loaded, progress=_share(report))
         origin = Provenance.of_files(
             [*paths, config, *loaded.files],
             made_by=f"asperity identify --reservoir {reservoir} --direction {direction} "

@@ -10,29 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import ParameterError, RecordError
+from asperity.errors import ParameterError
 from asperity.identify.records.record import Recording
 
 _TURN = 2.0 * math.pi
-# The disk may shake by this angle against its sense of rotation.
-_BACKLASH = 0.1
 # Angles that miss a whole turn by this share of it complete it.
 _ROUNDING = 1e-9
 _FEWEST = 8
 
 
 def sense(recording: Recording) -> float:
-    """Return +1 or −1, the sense in which the disk turns; refuse a disk that turns both ways."""
-    angle = recording.angle
-    sign = math.copysign(1.0, angle[-1] - angle[0])
-    farthest = np.maximum.accumulate(angle) if sign > 0.0 else np.minimum.accumulate(angle)
-    np.subtract(farthest, angle, out=farthest)
-    row = int(farthest.argmax() if sign > 0.0 else farthest.argmin())
-    if abs(farthest[row]) > _BACKLASH:
-        raise RecordError(
-            recording.source, f"angle: the disk turns back before row {row + 1}; cut the record"
-        )
-    return sign
+    """Return +1 or −1, the sense in which the disk turns."""
+    return math.copysign(1.0, recording.angle[-1] - recording.angle[0])
 
 
 def turn_numbers(recording: Recording, sign: float) -> NDArray[np.int32]:
@@ -179,8 +168,17 @@ def cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
     return number.astype(np.int64) % bins, phi - (number + 0.5) * width
 
 
-def full_bins(phi: Array, turn: NDArray[np.int32], most: int, *, each_turn: bool = False) -> int:
+def full_bins(
+    phi: Array,
+    turn: NDArray[np.int32],
+    most: int,
+    *,
+    each_turn: bool = False,
+    least: int = _FEWEST,
+) -> int:
     """Return a number of bins, not more than `most` and not under 8, of which none is empty.
+
+    If there is none, it is the least one.
 
     >>> import numpy as np
     >>> from asperity.identify.forces.turns import full_bins
@@ -191,14 +189,16 @@ def full_bins(phi: Array, turn: NDArray[np.int32], most: int, *, each_turn: bool
     angle, number = phi[used], turn[used].astype(np.int64)
     rows = int(number.max(initial=0)) + 1 if each_turn else 1
     bins = most
-    while bins > _FEWEST:
+    while bins >= least:
         cell = bin_numbers(angle, bins)
         if each_turn:
             cell += number * bins
         if np.bincount(cell, minlength=rows * bins).all():
             return bins
-        bins = max(2 * bins // 3, _FEWEST)
-    return bins
+        if bins == least:
+            break
+        bins = max(2 * bins // 3, least)
+    return least
 
 
 def bin_centres(bins: int) -> Array:

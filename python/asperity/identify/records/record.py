@@ -22,6 +22,8 @@ CHANNELS = ("tangential", "radial", "normal")
 GAP = 1.5
 # Between a file and the lines of one of its pieces.
 PIECE = ", lines "
+# The disk may shake by this angle against its sense of rotation.
+BACKLASH = 0.1
 _LISTED = 5
 
 
@@ -51,9 +53,16 @@ class Recording(Value):
     angle: Array
     readings: Array
     source: str
+    velocity: Array | None
 
     def __init__(
-        self, time: ArrayLike, *, angle: ArrayLike, readings: ArrayLike, source: str = ""
+        self,
+        time: ArrayLike,
+        *,
+        angle: ArrayLike,
+        readings: ArrayLike,
+        source: str = "",
+        velocity: ArrayLike | None = None,
     ) -> None:
         t = _series(time, "time", source, (None,))
         if len(t) < 2:
@@ -66,15 +75,19 @@ class Recording(Value):
             angle=_series(angle, "angle", source, (len(t),)),
             readings=_series(readings, "readings", source, (len(t), 3)),
             source=str(source),
+            velocity=None
+            if velocity is None
+            else _series(velocity, "velocity", source, (len(t), 2)),
         )
 
     def __len__(self) -> int:
         return len(self.time)
 
     def __repr__(self) -> str:
+        motion = f"{abs(self.turns):.6g} turns" if self.velocity is None else "strokes"
         return (
             f"<Recording: {len(self)} samples, {self.duration:.6g} s, "
-            f"{abs(self.turns):.6g} turns{f', {self.source}' if self.source else ''}>"
+            f"{motion}{f', {self.source}' if self.source else ''}>"
         )
 
     @property
@@ -101,6 +114,11 @@ class Recording(Value):
     def turn_rate(self) -> float:
         """Turns per second, not negative."""
         return abs(self.turns) / self.duration
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether the disk turns both ways, by more than it may shake."""
+        return turn_back(self.angle) is not None
 
 
 class Processing(Record):
@@ -220,6 +238,15 @@ def _series(values: ArrayLike, name: str, source: str, shape: tuple[int | None, 
         raise RecordError(source, f"{name}: NaN or infinity in {rows_text(bad + 1)}")
     kept = given.dtype == np.float64 and given.flags.c_contiguous and not given.flags.writeable
     return given if kept else arrays.read_only(given.astype(np.float64, copy=False))
+
+
+def turn_back(angle: Array) -> int | None:
+    """Return the row up to which the disk has turned back most; None if it turns one way."""
+    forwards = angle[-1] >= angle[0]
+    farthest = np.maximum.accumulate(angle) if forwards else np.minimum.accumulate(angle)
+    np.subtract(farthest, angle, out=farthest)
+    row = int(farthest.argmax() if forwards else farthest.argmin())
+    return row if abs(farthest[row]) > BACKLASH else None
 
 
 def gap_rows(time: Array) -> NDArray[np.intp]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.identify.fitting.data.bins import Bins, grouped
-from asperity.identify.fitting.data.samples import Samples, by_sense, clusters_of
+from asperity.identify.fitting.data.samples import Samples, by_axes, clusters_of
 from asperity.identify.fitting.least_squares.descent import Descent
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
@@ -23,6 +23,7 @@ from asperity.identify.fitting.uncertainty.covariance import (
     stakes,
 )
 from asperity.identify.fitting.uncertainty.flat_sides import away_from_axes, means_away_from_axes
+from asperity.identify.forces.strokes import Axes
 
 _PERCENT = 0.01
 
@@ -81,13 +82,13 @@ class Causes:
         scatter, degrees = scatter_of(sums, clusters_of(self.samples, self.data))
         return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
 
-    def _means(self, *, away: bool) -> list[tuple[Bins, float]]:
-        """Return means of the runs in either sense of rotation with that sense."""
-        parts = by_sense(self.samples, self.data)
+    def _means(self, *, away: bool) -> list[tuple[Bins, Axes]]:
+        """Return means of samples with the same axes of the sensor, with these."""
+        parts = by_axes(self.samples, self.data)
         means = [self.bins] if len(parts) == 1 else [means_of(one, self.loss) for one, _ in parts]
         if away:
             means = [means_away_from_axes(mean, self.descent.p[-1]) for mean in means]
-        return [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+        return [(mean, axes) for mean, (_, axes) in zip(means, parts, strict=True)]
 
 
 def means_of(samples: Samples, loss: Loss) -> Bins:

@@ -20,6 +20,7 @@ from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.models.coordinates import Coordinate, Estimate, Roundness, Scale
+from asperity.identify.forces.strokes import Axes, on_axes
 from asperity.identify.forces.zero import _BATCHES
 
 # An angle is told from none at this level.
@@ -157,12 +158,12 @@ def shared_degrees(data: Any) -> tuple[float, float]:
 
 
 def shared(
-    family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
+    family: Family, parts: list[tuple[Bins, Axes]], p: Array, data: Any
 ) -> tuple[Array | None, Array | None]:
     """Return the covariances that errors of the calibration matrix and of the zeros cause.
 
-    `parts` are means of the runs in either sense of rotation, +1 or −1. A covariance is None where
-    the error is not known.
+    `parts` are means of samples with the same axes of the sensor. A covariance is None where the
+    error is not known.
     """
     calibration = getattr(data, "calibration_covariance", None)
     zero = getattr(data, "zero_covariance", None)
@@ -182,11 +183,11 @@ def shared(
     )
 
 
-def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any) -> Array:
+def sensitivities(family: Family, parts: list[tuple[Bins, Axes]], p: Array, data: Any) -> Array:
     """Return the derivatives of the estimates by the entries of T, row by row, and by the zeros.
 
-    Channels keep their axes when the disk turns backwards: `parts` are the means of the runs in
-    either sense of rotation.
+    Channels keep their axes when the disk turns backwards, and those of a stage always: `parts` are
+    means of samples with the same axes.
 
     Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
     is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
@@ -196,7 +197,7 @@ def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, dat
     # Row 3 of T has no effect where the normal force is given.
     read = reads_normal_force(data)
     pulls = np.sum(
-        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
+        [_pulls(family, bins, axes, p, transform, read=read) for bins, axes in parts], axis=0
     )
     matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
     return np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
@@ -223,15 +224,15 @@ def stakes(by: Array, transform: Array, normal: float, part: float) -> Stakes:
 
 
 def _pulls(
-    family: Family, bins: Bins, sense: float, p: Array, transform: Array, *, read: bool = True
+    family: Family, bins: Bins, axes: Axes, p: Array, transform: Array, *, read: bool = True
 ) -> Array:
     """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
-    along, across = arrays.along_and_across(on_force, bins.phi)
+    tangential = axes.tangential(bins.phi)
+    along, across = on_axes(on_force, tangential)
     # What one unit in the tangential, radial and normal channel adds to the gradient, per bin.
-    pull = np.stack([sense * along, sense * across, on_normal * read], axis=1)
-    parts = np.stack(arrays.along_and_across(bins.force, bins.phi))
-    channels = np.vstack([sense * parts, np.ones_like(bins.phi)])
+    pull = np.stack([along, across, on_normal * read], axis=1)
+    channels = np.vstack([*on_axes(bins.force, tangential), np.ones_like(bins.phi)])
     readings = np.linalg.solve(transform, channels)
     by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
     by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)
