@@ -6,6 +6,9 @@ import numpy as np
 LAW = asp.FrictionLaw(
     asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
 )
+# Without flat sides, a few directions tell the law.
+ROUND = asp.FrictionLaw(asp.Ellipse(0.54, 0.46), asp.Ellipse(1.5, 1.0))
+TURNED = asp.FrictionLaw(asp.Ellipse(0.54, 0.46, angle=0.2), asp.Ellipse(1.5, 1.0, angle=0.05))
 LOAD, RATE = 9.3, 1000.0
 
 
@@ -102,7 +105,10 @@ def rest_run_rest():
     """Return text that has records without load before and after the run, and a run of them all."""
     raw = machine(no_load_time=4.0, zero=0.02).record()
     parts = [raw.no_load[0], raw.recordings[0], raw.no_load[1]]
-    whole = np.vstack([table(part) for part in parts])
+    tables = [table(part) for part in parts]
+    # The disk stays where it has come to rest.
+    tables[2][:, 1] = tables[1][-1, 1]
+    whole = np.vstack(tables)
     whole[:, 0] -= whole[0, 0]
     body = [",".join(f"{x:.6f}" for x in row) for row in whole]
     return "\n".join(["time,angle,tangential,radial,normal", *body]) + "\n", raw
@@ -118,7 +124,7 @@ def with_defects(recording):
     return "\n".join(["time,angle,tangential,radial,normal", *lines, "End of measurement"]) + "\n"
 
 
-def strokes(angles, *, repeats=3, speed=0.01, half=0.02, noise=0.01, seed=2, load=LOAD):
+def strokes(angles, *, repeats=3, speed=0.01, half=0.02, noise=0.01, seed=2, load=LOAD, law=LAW):
     """Return time, position, stage angle and the channels along the stroke, by stage angle.
 
     A stage goes back and forth, at a speed that is a sine, under a pin that presses all the time.
@@ -133,14 +139,16 @@ def strokes(angles, *, repeats=3, speed=0.01, half=0.02, noise=0.01, seed=2, loa
         across = np.array([-along[1], along[0]])
         slip = np.sign(velocity)[:, None] * along
         slip[velocity == 0.0] = along
-        force = -LAW.force(slip, normal_force=load)
+        force = -law.force(slip, normal_force=load)
         force += noise * load * random.normal(size=force.shape)
         normal = load + 0.002 * load * random.normal(size=time.size)
         found.append((time, place, force @ along, force @ across, normal))
     return found
 
 
-def plane_path(*, turns=4, speed=0.01, radius=0.01, noise=0.01, seed=3, load=LOAD, zero=(0, 0, 0)):
+def plane_path(
+    *, turns=4, speed=0.01, radius=0.01, noise=0.01, seed=3, load=LOAD, zero=(0, 0, 0), law=LAW
+):
     """Return time, place, velocity and forces along x and y of a stage that goes round."""
     random = np.random.default_rng(seed)
     omega = speed / radius
@@ -148,7 +156,7 @@ def plane_path(*, turns=4, speed=0.01, radius=0.01, noise=0.01, seed=3, load=LOA
     angle = omega * time + 0.3
     slip = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     place = radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
-    force = -LAW.force(slip, normal_force=load)
+    force = -law.force(slip, normal_force=load)
     force += noise * load * random.normal(size=force.shape) + np.array(zero[:2])
     normal = load + 0.002 * load * random.normal(size=time.size) + zero[2]
     return time, place, speed * slip, force, normal

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,6 +22,7 @@ from asperity.identify.forces.turns import (
     TurnAverage,
     average_turns,
     bin_centres,
+    bin_numbers,
     cells,
     full_bins,
 )
@@ -163,9 +163,10 @@ class ProcessedData(Value):
         )
 
     def __repr__(self) -> str:
+        turns = f"{self.turns} {'turns' if self.goes_round else 'strokes'}"
         return (
-            f"<ProcessedData: {len(self.phi)} samples, {self.turns} "
-            f"{'turns' if self.goes_round else 'strokes'} of {len(self.raw.recordings)} runs, λ_N = {self.normal_force.mean():.4g} N>"
+            f"<ProcessedData: {len(self.phi)} samples, {turns} of "
+            f"{len(self.raw.recordings)} runs, λ_N = {self.normal_force.mean():.4g} N>"
         )
 
     @property
@@ -176,9 +177,11 @@ class ProcessedData(Value):
     @cached_property
     def goes_round(self) -> bool:
         """Whether each turn has all directions; else the pin goes along strokes."""
-        return all(isinstance(one, float) for one in self._turned) or (
-            full_bins(self.phi, self.turn, _ROUND, each_turn=True, least=_ROUND) == _ROUND
-        )
+        if all(isinstance(one, float) for one in self._turned):
+            return True
+        used = self.turn >= 0
+        cell = self.turn[used] * _ROUND + bin_numbers(self.phi[used], _ROUND)
+        return bool(np.bincount(cell, minlength=self.turns * _ROUND).all())
 
     def axes(self, first: int, past: int) -> Axes:
         """Return how the axes of the sensor lie in samples ``first`` to ``past`` of one stroke."""
@@ -187,9 +190,8 @@ class ProcessedData(Value):
         if run.velocity is None:
             one = turned if isinstance(turned, float) else float(turned[first - self.run[number]])
             return Axes(True, -one)
-        start = self.run[number]
-        angle = run.angle[first - start : past - start]
-        return Axes(False, float(angle.mean()) + self.grid_angle)
+        middle = (first + min(past, self.run[number + 1])) // 2 - self.run[number]
+        return Axes(False, float(run.angle[middle]) + self.grid_angle)
 
     @property
     def used(self) -> int:
@@ -333,16 +335,33 @@ class ProcessedData(Value):
         """
         if bins is None:
             bins = self.full_bins(360, each_turn=True)
-        along, across = arrays.along_and_across(self.force, self.phi)
-        channels = {
-            "tangential": along / self.normal_force,
-            "radial": across / self.normal_force,
-            "normal": self.normal_force,
-        }
         return {
             name: average_turns(self.phi, values=values, turn=self.turn, bins=bins)
-            for name, values in channels.items()
+            for name, values in self._channels().items()
         }
+
+    def stroke_means(self) -> dict[str, Array]:
+        """Return the mean of l_t, l_p (per unit normal force) and λ_N in N of each stroke or turn.
+
+        Each is of shape ``(m,)``, in the order of `turn`.
+        """
+        used = self.turn >= 0
+        number = self.turn[used]
+        count = np.bincount(number)
+        return {
+            name: np.bincount(number, values[used]) / count
+            for name, values in self._channels().items()
+        }
+
+    def _channels(self) -> dict[str, Array]:
+        along, across = arrays.along_and_across(self.force, self.phi)
+        # Between strokes the pin may be lifted.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return {
+                "tangential": along / self.normal_force,
+                "radial": across / self.normal_force,
+                "normal": self.normal_force,
+            }
 
 
 def process(
@@ -423,10 +442,15 @@ def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], out: _Series) ->
             normal = np.where(out.turn[start:stop] >= 0, normal, np.inf)
         lowest = int(normal.argmin())
         if normal[lowest] <= 0.0:
+            pulls = float(np.median(normal[np.isfinite(normal)])) < 0.0
+            remedy = (
+                "a minus before its unit turns the sign"
+                if pulls
+                else "where the file has more than the run, a window of time takes it out"
+            )
             raise RecordError(
                 run.source,
                 f"normal channel: no pressure at row {lowest + 1} "
-                f"({normal[lowest]:.4g} N); compression must be positive; where the file has more "
-                "than the run, a window of time takes it out",
-                ("run",),
+                f"({normal[lowest]:.4g} N); compression must be positive: {remedy}",
+                ("units",) if pulls else ("run",),
             )

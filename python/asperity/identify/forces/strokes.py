@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -84,7 +85,7 @@ def strokes_of(run: Recording) -> Strokes:
 
 
 def _of_velocity(run: Recording, velocity: Array) -> Strokes:
-    """Number the strokes of a stage, or the turns of one whose direction goes round."""
+    """Return the strokes of a stage, or the turns of one whose direction goes round."""
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     usual = float(np.quantile(speed, _USUAL))
     if usual == 0.0:
@@ -106,7 +107,7 @@ def _corners(turned: Array, slides: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _stretches(slides: NDArray[np.bool_], corner: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Number the stretches of samples that slide, without those that are too short."""
+    """Return numbers of the stretches of samples that slide; too short ones have none."""
     ends = np.flatnonzero(np.diff(slides.astype(np.int8)) != 0) + 1
     edges = np.union1d(ends, np.flatnonzero(corner) + 1)
     first = np.concatenate([[0], edges]).astype(np.intp)
@@ -140,7 +141,7 @@ def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] 
 
 
 def _of_oscillation(run: Recording) -> Strokes:
-    """Number the strokes of a disk that turns back and forth; whole turns within them, if any."""
+    """Return the strokes of a disk that turns back and forth; whole turns of them, if any."""
     way = _from_turn_to_turn(run.angle)
     number = np.full(len(run), -1, dtype=np.int32)
     turned = np.zeros(len(run))
@@ -151,7 +152,7 @@ def _of_oscillation(run: Recording) -> Strokes:
     window = max(1, shortest // 50)
     slides = np.convolve(np.diff(run.angle, append=run.angle[-1]), np.ones(window) / window, "same")
     count = 0
-    for start, stop in zip(way, way[1:], strict=False):
+    for start, stop in pairwise(way.tolist()):
         sign = math.copysign(1.0, run.angle[stop - 1] - run.angle[start])
         turned[start:stop] = 0.0 if sign > 0.0 else math.pi
         rows = start + np.flatnonzero(slides[start:stop] * sign > slow)
@@ -198,7 +199,7 @@ def _checked(run: Recording, number: NDArray[np.int32], turned: Array) -> Stroke
     if not count:
         raise RecordError(
             run.source,
-            f"holds no stroke of {_FEWEST} samples or more: is the motion noise, or its unit wrong?",
+            f"has no stroke of {_FEWEST} samples or more: is the motion noise, or its unit wrong?",
             ("columns", "units"),
         )
     turned.flags.writeable = number.flags.writeable = False
@@ -241,7 +242,7 @@ def _renumbered(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[S
     step = abs(float(last.angle[-1] - last.angle[0])) / (len(last) - 1)
     whole = math.floor((sign * (float(last.angle[-1]) - start) + step) / _TURN + 1e-9)
     lacks = np.zeros(max(whole, 1))
-    for before, after in zip(runs, runs[1:], strict=False):
+    for before, after in pairwise(runs):
         # Turns share what lies between the last sample before a defect and the first after it.
         low, high = (sign * (one - start) for one in (before.angle[-1], after.angle[0]))
         for turn in range(int(low // _TURN), int(high // _TURN) + 1):

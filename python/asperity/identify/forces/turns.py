@@ -168,17 +168,8 @@ def cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:
     return number.astype(np.int64) % bins, phi - (number + 0.5) * width
 
 
-def full_bins(
-    phi: Array,
-    turn: NDArray[np.int32],
-    most: int,
-    *,
-    each_turn: bool = False,
-    least: int = _FEWEST,
-) -> int:
+def full_bins(phi: Array, turn: NDArray[np.int32], most: int, *, each_turn: bool = False) -> int:
     """Return a number of bins, not more than `most` and not under 8, of which none is empty.
-
-    If there is none, it is the least one.
 
     >>> import numpy as np
     >>> from asperity.identify.forces.turns import full_bins
@@ -189,16 +180,14 @@ def full_bins(
     angle, number = phi[used], turn[used].astype(np.int64)
     rows = int(number.max(initial=0)) + 1 if each_turn else 1
     bins = most
-    while bins >= least:
+    while bins > _FEWEST:
         cell = bin_numbers(angle, bins)
         if each_turn:
             cell += number * bins
         if np.bincount(cell, minlength=rows * bins).all():
             return bins
-        if bins == least:
-            break
-        bins = max(2 * bins // 3, least)
-    return least
+        bins = max(2 * bins // 3, _FEWEST)
+    return bins
 
 
 def bin_centres(bins: int) -> Array:

@@ -58,15 +58,18 @@ def _day(date: str) -> float:
         return math.nan
 
 
-_EPOCH = datetime.date(1970, 1, 1).toordinal()
+_BEGIN = datetime.datetime(1970, 1, 1)
+_EPOCH = _BEGIN.toordinal()
 
 
 def of_cell(cell: Any) -> float:
     """Return the seconds that a cell of a spreadsheet or of a table in memory says."""
     if isinstance(cell, str):
         return seconds(cell)
-    if isinstance(cell, np.datetime64 | datetime.datetime):
-        return float(np.datetime64(cell, "ns").astype(np.int64)) * 1e-9
+    if isinstance(cell, datetime.datetime):
+        return (cell.replace(tzinfo=None) - _BEGIN).total_seconds()
+    if isinstance(cell, np.datetime64):
+        return float((cell - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
     if isinstance(cell, datetime.time):
         return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
     if isinstance(cell, datetime.timedelta):

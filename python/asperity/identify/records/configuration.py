@@ -253,7 +253,7 @@ class Configuration(Value):
         low, high = (one if isinstance(one, list) else [one] for one in ends)
         if len(low) != len(high):
             raise ParameterError(
-                f"{section}.to", f"must be as many as from, {len(low)}, got {len(high)}"
+                section, f"must have as many ends as begins: {len(low)} from, {len(high)} to"
             )
         return list(zip(low, high, strict=True))
 

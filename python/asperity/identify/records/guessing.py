@@ -155,22 +155,17 @@ def is_number(cell: Any, decimal: str, group: str | None) -> bool:
 
 
 def _score(rows: Sequence[Sequence[Any]], decimal: str, group: str | None) -> float:
-    """Return the share of lines that have as many numbers as most of the lines that have any."""
+    """Return how much of the lines is numbers, of lines that have as many as most of them."""
     numbers = [sum(is_number(cell, decimal, group) for cell in row if cell != "") for row in rows]
     filled = [sum(cell != "" for cell in row) for row in rows]
-    used = [n for n in filled if n]
-    if not used:
+    counted = Counter(n for n in numbers if n > 1)
+    if not counted:
         return 0.0
-    usual, _ = (
-        Counter(n for n in numbers if n > 1).most_common(1)[0]
-        if any(n > 1 for n in numbers)
-        else (0, 0)
-    )
-    if usual < 2:
-        return 0.0
-    whole = sum(n == usual and n >= _MOST * cells for n, cells in zip(numbers, filled, strict=True))
+    usual = counted.most_common(1)[0][0]
+    pairs = zip(numbers, filled, strict=True)
+    whole = sum(n / cells for n, cells in pairs if n == usual and n >= _MOST * cells)
     # More columns decide between delimiters that both fit.
-    return whole / len(used) * (1.0 - 0.1 / usual)
+    return whole / sum(cells > 0 for cells in filled) * (1.0 - 0.1 / usual)
 
 
 def _first(rows: Sequence[Sequence[Any]], decimal: str, group: str | None) -> int:

@@ -40,7 +40,8 @@ _UNITS = {
     "hh:mm:ss": CLOCK, "h:m:s": CLOCK, "hh:mm:ss.fff": CLOCK,
     "rad": "rad", "deg": "deg", "°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg",
     "turn": "turn", "turns": "turn", "rev": "turn", "u": "turn", "umdr": "turn",
-    "counts": COUNTS, "count": COUNTS, "cts": COUNTS, "inc": COUNTS, "inkr": COUNTS, "ticks": COUNTS,
+    "counts": COUNTS, "count": COUNTS, "cts": COUNTS, "inc": COUNTS, "inkr": COUNTS,
+    "ticks": COUNTS,
     "rpm": "rpm", "1/min": "rpm", "u/min": "rpm", "min-1": "rpm", "min^-1": "rpm", "rev/min": "rpm",
     "turn/s": "turn/s", "1/s": "turn/s", "hz": "turn/s", "deg/s": "deg/s", "°/s": "deg/s",
     "rad/s": "rad/s",
@@ -53,10 +54,13 @@ _UNITS = {
 _WORDS = {
     "time": r"t|time|zeit\w*|uhrzeit|timestamp|zeitstempel|clock|temps|tijd|datum|date.*",
     "turn_rate": r"rpm|drehzahl|speed rpm|rotation speed|turn rate|omega|n",
-    "angle": r"a|phi|angle|winkel|drehwinkel|rotation|drehung|encoder|counts?|theta|position angle|angular position",
-    "tangential": r"ft|f t|ftan|f tan|tangential\w*|reibkraft|reibung\w*|friction\w*|friction force|ff|f friction|tangential force",
+    "angle": r"a|phi|angle|winkel|drehwinkel|rotation|drehung|encoder|counts?|theta|"
+    r"position angle|angular position",
+    "tangential": r"ft|f t|ftan|f tan|tangential\w*|reibkraft|reibung\w*|friction\w*|"
+    r"friction force|ff|f friction|tangential force",
     "radial": r"fr|f r|frad|f rad|radial\w*|querkraft|lateral\w*|radial force|fq|f q",
-    "normal": r"fn|f n|fz|f z|normal\w*|normalkraft|anpresskraft|load|last|axial\w*|normal force|normal load",
+    "normal": r"fn|f n|fz|f z|normal\w*|anpresskraft|load|last|axial\w*|"
+    r"normal force|normal load",
     "velocity_x": r"vx|v x|velocity x|geschwindigkeit x|speed x",
     "velocity_y": r"vy|v y|velocity y|geschwindigkeit y|speed y",
     "position_x": r"x|sx|pos x|position x|weg x|x pos",
@@ -184,7 +188,7 @@ _HINTS = """
 
 
 def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
-    """Guess how a file of a tribometer is written and what its columns are.
+    r"""Guess how a file of a tribometer is written and what its columns are.
 
     Encoding, delimiter, decimal mark, groups of digits, header and line of names follow from the
     text, units from brackets behind names, from a line of units or from the numbers themselves, and
@@ -247,7 +251,7 @@ def _names(found: Guess) -> tuple[list[str], list[str], int | None]:
                 units = [cell.strip("[]()<> ") for cell in row]
                 continue
         line = number
-        names, within = zip(*map(_parted, row), strict=True)
+        within = [_parted(cell)[1] for cell in row]
         return row, [a or b for a, b in zip(within, units, strict=True)], line
     return [f"column {at}" for at in range(width)], units, line
 

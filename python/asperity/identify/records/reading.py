@@ -490,17 +490,18 @@ def _defects(
         bad = np.flatnonzero(~np.isfinite(series[name]))
         if bad.size:
             found.append((name, "no number in", bad))
-    if found:
+    if found and not np.isfinite(series["time"]).all():
         return found
     halts = standstill_rows(series["time"])
     if halts.size:
         # Time that is rounded too coarsely repeats itself everywhere.
-        return [("time", _ROUNDED, halts)]
+        return [*found, ("time", _ROUNDED, halts)]
     gaps = gap_rows(series["time"])
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
+    broken = {name for name, *_ in found}
     for name in where:
-        if name not in (*CHANNELS, *_units.FORCES):
+        if name not in (*CHANNELS, *_units.FORCES) or name in broken:
             continue
         clipped = _clipped(series[name])
         if clipped.size:

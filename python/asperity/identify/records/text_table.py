@@ -188,8 +188,9 @@ def cells_of(path: Path, sheet: str | int) -> list[list[Any]]:
     Raises:
         RecordError: if the file is missing or no spreadsheet, or has no such sheet.
     """
-    import pandas
     import zipfile
+
+    import pandas
 
     try:
         frame = pandas.read_excel(path, sheet_name=sheet, header=None, dtype=object)
@@ -198,6 +199,8 @@ def cells_of(path: Path, sheet: str | int) -> list[list[Any]]:
     except (zipfile.BadZipFile, KeyError, EOFError):
         raise RecordError(str(path), "is no spreadsheet") from None
     except (ValueError, IndexError) as error:
+        if "format cannot be determined" in str(error):
+            raise RecordError(str(path), "is no spreadsheet") from None
         raise RecordError(str(path), f"cannot be read: {error}", ("sheet",)) from None
     cells = frame.astype(object).where(frame.notna(), None)
     return [list(row) for row in cells.itertuples(index=False, name=None)]
@@ -404,7 +407,9 @@ def _loaded(
 ) -> Array:
     import warnings
 
-    special = {at: one for at, one in zip(wanted, readers, strict=True) if one is not None}
+    special: dict[int | str, Reader] = {
+        at: one for at, one in zip(wanted, readers, strict=True) if one is not None
+    }
     with warnings.catch_warnings():
         # That there are no numbers is said in our own words.
         warnings.simplefilter("ignore", UserWarning)
