@@ -251,6 +251,10 @@ ARGUMENTS = {
     },
     # identification
     "identify.read_csv": {"paths": TABLE},
+    "identify.load": {"paths": TABLE},
+    "identify.inspect_file": {"path": TABLE},
+    "identify.Column": {"name": "t", "low": 0.0, "high": 1.0},
+    "identify.Inspection": {"path": "run.csv", "columns": (), "sections": {}},
     "identify.average_turns": {"phi": DATA.phi, "values": DATA.phi, "turn": DATA.turn},
     "identify.fit_law": {"data": DATA},
     "identify.process": {"raw": RAW},
@@ -259,6 +263,7 @@ ARGUMENTS = {
     "identify.speed_dependence": {"data": RUNS},
     "perturbed": {},
     "averaged": {},
+    "identify.ProcessedData.axes": {"first": 0, "past": 10},
     "full_bins": {"most": 36},
     "turn_averages": {},
     "identify.Fit.bands": {"phi": PHI},

@@ -183,8 +183,12 @@ class ProcessedData(Value):
         cell = self.turn[used] * _ROUND + bin_numbers(self.phi[used], _ROUND)
         return bool(np.bincount(cell, minlength=self.turns * _ROUND).all())
 
-    def axes(self, first: int, past: int) -> Axes:
-        """Return how the axes of the sensor lie in samples ``first`` to ``past`` of one stroke."""
+    def axes(self, first: int, *, past: int) -> Axes:
+        """Return how the axes of the sensor lie from sample ``first`` to ``past`` of one stroke."""
+        first = arrays.count(first, "first", least=0)
+        past = arrays.count(past, "past")
+        if not first < past <= self.run[-1]:
+            raise ParameterError("past", f"must lie behind {first} and within, got {past}")
         number = int(np.searchsorted(self.run, first, side="right")) - 1
         run, turned = self.raw.recordings[number], self._turned[number]
         if run.velocity is None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.storage import toml
 from asperity._base.storage.files import atomic
@@ -87,19 +88,25 @@ class Column(Value):
         name: of the column, as the file has it.
         unit: as the file has it, or empty.
         role: what it seems to be, such as ``"time"``, or empty.
-        low, high: least and greatest number; NaN if it holds none.
+        low, high: least and greatest number; None if it holds none.
     """
 
     name: str
     unit: str
     role: str
-    low: float
-    high: float
+    low: float | None
+    high: float | None
 
     def __init__(
-        self, name: str, *, unit: str = "", role: str = "", low: float, high: float
+        self, name: str, *, unit: str = "", role: str = "", low: float | None, high: float | None
     ) -> None:
-        self._set(name=str(name), unit=str(unit), role=str(role), low=float(low), high=float(high))
+        self._set(
+            name=str(name),
+            unit=str(unit),
+            role=str(role),
+            low=None if low is None else arrays.number(low, "low"),
+            high=None if high is None else arrays.number(high, "high"),
+        )
 
 
 class Inspection(Value):
@@ -141,7 +148,7 @@ class Inspection(Value):
         written = ", ".join(f"{name} {value!r}" for name, value in form.items())
         rows = [("column", "name", "unit", "from", "to", "read as")]
         for at, one in enumerate(self.columns):
-            low, high = ("" if math.isnan(x) else f"{x:.6g}" for x in (one.low, one.high))
+            low, high = ("" if x is None else f"{x:.6g}" for x in (one.low, one.high))
             rows.append((str(at), one.name, one.unit, low, high, one.role))
         parts = [f"{self.path}: {written or 'as by default'}", aligned(rows, right=(0, 3, 4))]
         return "\n\n".join([*parts, *([_listed(self.notes)] if self.notes else [])])
@@ -211,7 +218,7 @@ def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
     >>> found.sections["file"], found.sections["units"]
     ({'delimiter': ';', 'decimal': ',', 'header': 1}, {'time': 'ms', 'angle': 'deg'})
     """
-    place = Path(path)
+    place, sheet = Path(path), Format(sheet=sheet).sheet
     if place.suffix.lower() in SPREADSHEETS:
         found = of_cells(cells_of(place, sheet), str(place), sheet)
     else:
@@ -225,7 +232,7 @@ def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
     columns = []
     for at, name in enumerate(names):
         column = values[:, at][np.isfinite(values[:, at])]
-        low, high = (column.min(), column.max()) if column.size else (math.nan, math.nan)
+        low, high = (column.min(), column.max()) if column.size else (None, None)
         columns.append(Column(name, unit=units[at], role=roles.get(at, ""), low=low, high=high))
     sections, notes = _sections(form, columns, values, found)
     return Inspection(place, columns=columns, sections=sections, notes=notes)

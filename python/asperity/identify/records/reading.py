@@ -40,7 +40,7 @@ from asperity.identify.records.text_table import (
 
 PathLike = str | os.PathLike[str]
 Window: TypeAlias = "tuple[float | str | None, float | str | None]"
-"""From when to when, None for the begin and the end of the file."""
+"""From when to when, None for the start and the end of the file."""
 
 _TURN = 2.0 * math.pi
 # A channel is clipped if its extreme value comes at least so often, and so many times more often
@@ -87,7 +87,7 @@ def read_csv(
             a ``pandas.DataFrame``.
         columns: where ``time``, ``angle``, ``tangential``, ``radial`` and ``normal`` are: names in
             the header, or numbers from 0; by default named like that. ``turn_rate`` in place of
-            ``angle`` is summed up from 0 at the begin of the file. Where a stage moves instead of
+            ``angle`` is summed up from 0 at the start of the file. Where a stage moves instead of
             a disk: ``velocity`` or ``position`` along the tangential channel, or ``velocity_x``
             and ``velocity_y`` or ``position_x`` and ``position_y``, with ``force_x`` and
             ``force_y`` for the channels; an ``angle`` then says how the surface lies.
@@ -109,7 +109,7 @@ def read_csv(
         counts_per_turn: of the encoder, for an angle in counts.
         normal_load: constant λ_N in N, instead of a column of the normal force; 0 is what records
             without load get.
-        run: windows of time, each a run: pairs of begin and end in the unit of the time column, or
+        run: windows of time, each a run: pairs of start and end in the unit of the time column, or
             texts for a clock; None for those of the file. By default a file is one run.
         angles: how the surface lies, one number or one for each file in the unit of the angle,
             where a stage moves; by default 0.
@@ -490,13 +490,16 @@ def _defects(
         bad = np.flatnonzero(~np.isfinite(series[name]))
         if bad.size:
             found.append((name, "no number in", bad))
-    if found and not np.isfinite(series["time"]).all():
-        return found
-    halts = standstill_rows(series["time"])
+    time, good = series["time"], np.isfinite(series["time"])
+    for *_, rows in found:
+        good[rows] = False
+    # Of rows that are cut out, the time does not matter.
+    known = np.where(good, time, np.nan)
+    halts = standstill_rows(known)
     if halts.size:
         # Time that is rounded too coarsely repeats itself everywhere.
         return [*found, ("time", _ROUNDED, halts)]
-    gaps = gap_rows(series["time"])
+    gaps = gap_rows(known)
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
     broken = {name for name, *_ in found}

@@ -250,9 +250,13 @@ def turn_back(angle: Array) -> int | None:
 
 
 def gap_rows(time: Array) -> NDArray[np.intp]:
-    """Return the indices of samples that the next one follows too late."""
+    """Return the indices of samples that the next one follows too late; NaN says nothing."""
     steps = np.diff(time)
-    return np.flatnonzero(steps > GAP * float(np.median(steps)))
+    usual = float(np.median(steps))
+    if math.isnan(usual):
+        known = steps[np.isfinite(steps)]
+        usual = float(np.median(known)) if known.size else 0.0
+    return np.flatnonzero(steps > GAP * usual)
 
 
 def standstill_rows(time: Array) -> NDArray[np.intp]:

@@ -95,7 +95,7 @@ def by_axes(samples: Samples, data: Any) -> list[tuple[Samples, Axes]]:
     """
     if not hasattr(data, "axes"):
         return [(samples, Axes())]
-    found = [data.axes(int(first), int(past)) for first, past, _ in samples.runs]
+    found = [data.axes(int(first), past=int(past)) for first, past, _ in samples.runs]
     parts = []
     for axes in sorted(set(found)):
         chosen = np.array([one == axes for one in found])
