@@ -218,7 +218,7 @@ def test_spreadsheets_and_tables_in_memory(tmp_path):
         pandas.DataFrame([["Rig 3"]]).to_excel(book, index=False, header=False)
         frame.to_excel(book, index=False, startrow=2, sheet_name="Sheet1")
     found = identify.inspect_file(path)
-    assert found.sections["file"]["header"] == 3
+    assert found.sections["file"] == {"header": 3}
     read = identify.load(path, found.sections)
     held = identify.load(frame, {name: found.sections[name] for name in ("columns", "units")})
     assert read.turns == held.turns == 3
@@ -390,6 +390,19 @@ def test_a_disk_that_goes_back_and_forth_gives_the_same_law(turning):
     agree(identify.fit_law(data), turning)
 
 
+def test_inspection_tells_how_a_stage_moves(tmp_path):
+    frame, _ = plane("velocity", turns=2)
+    names = ["t [s]", "vx [mm/s]", "vy [mm/s]", "Fx [N]", "Fy [N]", "Fz [N]"]
+    frame.set_axis(names, axis=1).to_csv(tmp_path / "plane.csv", index=False)
+    (frames, _), names = reciprocating(repeats=1), ["Time (s)", "Stroke (m)", "Ft (N)", "Fr", "Fn"]
+    frames[0].set_axis(names, axis=1).to_csv(tmp_path / "stroke.csv", index=False)
+    for name, turns in (("plane", 2), ("stroke", 2)):
+        found = identify.inspect_file(tmp_path / f"{name}.csv")
+        data = identify.load(tmp_path / f"{name}.csv", found.sections)
+        assert data.turns == turns
+        assert data.goes_round == (name == "plane")
+
+
 def test_motions_are_one_kind_each():
     names = {"velocity_x": 1, "tangential": 2, "radial": 3, "normal": 4}
     for columns, message in (
@@ -464,10 +477,23 @@ def test_the_command_takes_strokes(tmp_path, capsys):
 
 
 def test_files_that_are_hard_to_guess(write):
-    white = "\n".join(f"  {k * 0.01:.2f}   {k * 0.1:.3f}  {1 + k % 3}.5 0.2 9.3" for k in range(50))
+    white = "\n".join(
+        f"  {k * 0.01:.2f}   {k * 0.1:.3f}  {1 + k % 3}.5 0.{k % 7} 9.{k % 5}" for k in range(50)
+    )
     found = identify.inspect_file(write(white))
     assert found.sections["file"] == {"delimiter": " ", "header": 0}
     assert any("name it in [columns]" in note for note in found.notes)
+    marked = write("# rig 3\n# t[s] phi[rad] Ft[N] Fr[N] Fn[N]\n" + white, "marked.txt")
+    found = identify.inspect_file(marked)
+    assert [one.role for one in found.columns] == [
+        "time",
+        "angle",
+        "tangential",
+        "radial",
+        "normal",
+    ]
+    sections = found.sections | {"file": {**found.sections["file"], "check_units": False}}
+    assert len(identify.Configuration(sections).read(marked).recordings[0]) == 50
     for text in ("", "It was a dark\nand stormy night\n" * 9):
         with pytest.raises(RecordError, match=r"is empty|holds no table of numbers"):
             identify.inspect_file(write(text))

@@ -14,7 +14,7 @@ from typing import Any
 
 from asperity.errors import RecordError
 from asperity.identify.records import clock
-from asperity.identify.records.text_table import THOUSANDS, Format, split
+from asperity.identify.records.text_table import THOUSANDS, Format, names_of, split
 
 # Bytes and lines that are looked at.
 _BYTES, _LINES = 1 << 18, 2000
@@ -91,7 +91,8 @@ def guess(path: Path) -> Guess:
     cells = _cells(lines, delimiter)
     first = _first(cells, decimal, group)
     form = Format(delimiter, decimal, first, encoding, None, group)
-    return Guess(form, cells[:first], [row for row in cells[first:] if row])
+    header = [names_of(line, form) if line.strip() else [] for line in lines[:first]]
+    return Guess(form, header, [row for row in cells[first:] if row])
 
 
 def of_cells(cells: Sequence[Sequence[Any]], source: str, sheet: str | int) -> Guess:
@@ -110,7 +111,8 @@ def of_cells(cells: Sequence[Sequence[Any]], source: str, sheet: str | int) -> G
     if best is None:
         raise RecordError(source, "holds no table of numbers", ("sheet",))
     first = _first(rows, *best)
-    form = Format(None, best[0], first, "utf-8-sig", None, best[1], sheet)
+    delimiter = Format().delimiter if best[0] == "." else ";"
+    form = Format(delimiter, best[0], first, "utf-8-sig", None, best[1], sheet)
     return Guess(form, rows[:first], [row for row in rows[first:] if any(c != "" for c in row)])
 
 

@@ -219,10 +219,8 @@ def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
     ({'delimiter': ';', 'decimal': ',', 'header': 1}, {'time': 'ms', 'angle': 'deg'})
     """
     place, sheet = Path(path), Format(sheet=sheet).sheet
-    if place.suffix.lower() in SPREADSHEETS:
-        found = of_cells(cells_of(place, sheet), str(place), sheet)
-    else:
-        found = guess(place)
+    is_sheet = place.suffix.lower() in SPREADSHEETS
+    found = of_cells(cells_of(place, sheet), str(place), sheet) if is_sheet else guess(place)
     names, units, line = _names(found)
     form = found.form
     if line is not None and line != form.header:
@@ -234,7 +232,7 @@ def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
         column = values[:, at][np.isfinite(values[:, at])]
         low, high = (column.min(), column.max()) if column.size else (None, None)
         columns.append(Column(name, unit=units[at], role=roles.get(at, ""), low=low, high=high))
-    sections, notes = _sections(form, columns, values, found)
+    sections, notes = _sections(form, columns, values, found, is_sheet=is_sheet)
     return Inspection(place, columns=columns, sections=sections, notes=notes)
 
 
@@ -385,13 +383,14 @@ def _consistent(roles: dict[int, str]) -> dict[int, str]:
 
 
 def _sections(
-    form: Format, columns: Sequence[Column], values: Array, found: Guess
+    form: Format, columns: Sequence[Column], values: Array, found: Guess, *, is_sheet: bool
 ) -> tuple[dict[str, Any], list[str]]:
     """Return the sections of the configuration, and what is left to be said."""
     standard = Format()
     file: dict[str, Any] = {}
     for name, value in vars(form).items():
-        if value != getattr(standard, name):
+        # Cells of a spreadsheet are parted already.
+        if value != getattr(standard, name) and not (name == "delimiter" and is_sheet):
             file[name] = " " if name == "delimiter" and value is None else value
     if "header" not in file:
         file["header"] = form.header

@@ -306,7 +306,13 @@ def _names(file: TextIO, form: Format, path: Path) -> list[str]:
     for number in range(1, form.header + 1):
         read = file.readline()
         line = read if number == form.line_of_names else line
-    return split(line, form) if form.header else []
+    return names_of(line, form) if form.header else []
+
+
+def names_of(line: str, form: Format) -> list[str]:
+    """Return the cells of a line of names; a mark of comments before them is none."""
+    cells = split(line, form)
+    return cells[1:] if form.delimiter is None and cells[:1] in (["#"], ["%"]) else cells
 
 
 def _position(column: str | int, names: Sequence[str], source: str, form: Format) -> int:
