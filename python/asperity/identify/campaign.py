@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity._base.arrays import unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
@@ -84,8 +84,12 @@ class Identification:
         condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
         if calibration is not None and data.calibration_covariance is None:
             condition += "; not in the bands: its error takes a fourth load or reading_error"
+        if raw.gain_error is not None:
+            condition += f"; gain_error {_listed(100.0 * raw.gain_error)} %"
         idle = len(raw.no_load)
         records = f"{idle} record{'s' * (idle > 1)} without load" if idle else "none"
+        if raw.zero_error is not None:
+            records += f"; zero_error {_listed(raw.zero_error)} N"
         across, along = sets.radii_on_axes
         return [
             (
@@ -266,6 +270,12 @@ def identify_campaign(
             found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
         count.finish()
     return found
+
+
+def _listed(errors: Array) -> str:
+    """Return one number if all are equal, else all."""
+    texts = [f"{error:.3g}" for error in errors.tolist()]
+    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
 
 
 def _share(report: Report | None) -> Report | None:

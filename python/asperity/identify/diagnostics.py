@@ -128,6 +128,10 @@ _ERRORS = {
     "calibration": "the error of the gains is not known, 1 % in one channel",
     "zeros": "the error of the zeros is not known, 1 % of the normal force in one channel",
 }
+_STATED = {
+    "calibration": "gain_error, the standard error of the gains",
+    "zeros": "zero_error, the standard error of the zeros in N",
+}
 # Models of many coordinates are spoken of by those that move most.
 _MOST_NAMED = 6
 
@@ -136,7 +140,8 @@ def _records_missing(fit: Fit) -> list[str]:
     """Return what errors of which nothing is known would do to the parameters."""
     bands = "" if fit.covariance is None else "; the confidence intervals do not include this"
     return [
-        f"{what}: {_ERRORS[cause]} would change {_changes(fit, moved)}{bands}"
+        f"{what}: {_ERRORS[cause]} would change {_changes(fit, moved)}{bands}: "
+        f"record it, or state {_STATED[cause]}"
         for cause, (what, moved) in fit.missing.items()
     ]
 

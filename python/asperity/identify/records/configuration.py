@@ -48,7 +48,12 @@ SCHEMA: dict[str, dict[str, Kind]] = {
         "fit_zero": SWITCH,
     },
     "no_load": {"files": TEXT.or_several()},
-    "tribometer": {"normal_load": NUMBER, "radius": NUMBER},
+    "tribometer": {
+        "normal_load": NUMBER,
+        "radius": NUMBER,
+        "zero_error": NUMBERS,
+        "gain_error": NUMBERS,
+    },
     "processing": {"cut_off": _CUT_OFF, "order": COUNT, "grid_angle": NUMBER},
 }
 # Crosstalk below this is rounding.
@@ -63,8 +68,8 @@ class Configuration(Value):
         sections: ``file`` (delimiter, decimal, header, encoding, sample_rate, turn_rate,
             check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
             (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
-            ``tribometer`` (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all
-            optional. A column of the normal channel is read beside normal_load for its crosstalk.
+            ``tribometer`` (normal_load, radius; zero_error in N and gain_error, relative, as of
+            `RawData`), ``processing`` (cut_off, order, grid_angle); all optional. A column of the normal channel is read beside normal_load for its crosstalk.
         folder: what the names of files are relative to.
 
     The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the

@@ -109,4 +109,6 @@ class Estimate(Record):
     def __str__(self) -> str:
         if not self.identifiable:
             return "not identifiable"
+        if math.isnan(self.low):
+            return f"{self.value:.6g} (no interval)"
         return f"{self.value:.6g} ({self.low:.6g} … {self.high:.6g})"

@@ -19,7 +19,6 @@ from asperity.identify.fitting.uncertainty.covariance import (
     scatter_of,
     sensitivities,
     shared,
-    shared_degrees,
     stakes,
 )
 from asperity.identify.fitting.uncertainty.flat_sides import away_from_axes, means_away_from_axes
@@ -79,7 +78,7 @@ class Causes:
     def _covariance(self, sums: Sums, *, away: bool) -> Covariance:
         common = shared(self.family, self._means(away=away), self.descent.p, self.data)
         scatter, degrees = scatter_of(sums, clusters_of(self.samples, self.data))
-        return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
+        return Covariance(scatter, common.calibration, common.zero, (degrees, *common.degrees))
 
     def _means(self, *, away: bool) -> list[tuple[Bins, float]]:
         """Return means of the runs in either sense of rotation with that sense."""

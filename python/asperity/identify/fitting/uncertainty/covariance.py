@@ -20,11 +20,13 @@ from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.models.coordinates import Coordinate, Estimate, Roundness, Scale
+from asperity.identify.forces import stated_errors
 from asperity.identify.forces.zero import _BATCHES
 
 # An angle is told from none at this level.
 _LEVEL = 0.01
 _MOST_DEGREES = 1e9
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,9 +145,61 @@ def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
     return steps.T @ steps * (count / (count - 1.0)), count - 1
 
 
-def shared_degrees(data: Any) -> tuple[float, float]:
-    """Return the degrees of freedom behind the covariances of calibration and zeros."""
+class Shared(NamedTuple):
+    """Covariances that errors cause which all turns share, and their degrees of freedom.
+
+    A covariance is None where the error is not known.
+    """
+
+    calibration: Array | None
+    zero: Array | None
+    degrees: tuple[float, float]
+
+
+def shared(family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any) -> Shared:
+    """Return the covariances that errors of the calibration matrix and of the zeros cause.
+
+    `parts` are means of the runs in either sense of rotation, +1 or −1.
+    """
+    calibration = getattr(data, "calibration_covariance", None)
+    zero = getattr(data, "zero_covariance", None)
+    if calibration is None and zero is None:
+        return Shared(None, None, (math.inf, math.inf))
+    by = sensitivities(family, parts, p, data)
     raw = getattr(data, "raw", None)
+    stated: tuple[Array | None, Array | None] = (None, None)
+    load = np.zeros(len(p))
+    if raw is not None:
+        stated = stated_errors.of_gains(raw, data.matrix), stated_errors.of_zeros(raw, data.matrix)
+        if raw.gain_error is not None and not reads_normal_force(data):
+            # The scale of a given normal force, as if it were read.
+            read = sensitivities(family, parts, p, data, read=True)
+            load = read[:, 6:9] @ data.matrix[2] * raw.gain_error[2]
+
+    def caused(covariance: Array | None, by: Array, name: str) -> Array | None:
+        if covariance is None:
+            return None
+        known = arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
+        return by @ known @ by.T
+
+    by_entries, by_zeros = by[:, :9], by[:, 9:]
+    gains = caused(calibration, by_entries, "calibration_covariance")
+    if gains is not None:
+        gains += np.outer(load, load)
+    zeros = caused(zero, by_zeros, "zero_covariance")
+    estimated = _estimated_degrees(raw)
+    exact = caused(stated[0], by_entries, "gain_error"), caused(stated[1], by_zeros, "zero_error")
+    if exact[0] is not None:
+        exact[0][...] += np.outer(load, load)
+    degrees = (
+        _joint_degrees(estimated[0], gains, exact[0]),
+        _joint_degrees(estimated[1], zeros, exact[1]),
+    )
+    return Shared(gains, zeros, degrees)
+
+
+def _estimated_degrees(raw: Any) -> tuple[float, float]:
+    """Return the degrees of freedom behind the covariances of calibration and zeros."""
     if raw is None:
         return math.inf, math.inf
     known, weighed = math.inf, raw.calibration
@@ -156,33 +210,28 @@ def shared_degrees(data: Any) -> tuple[float, float]:
     return known, max(batches - 1.0, 1.0)
 
 
-def shared(
-    family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
-) -> tuple[Array | None, Array | None]:
-    """Return the covariances that errors of the calibration matrix and of the zeros cause.
+def _joint_degrees(estimated: float, total: Array | None, exact: Array | None) -> float:
+    """Return the degrees of freedom of a variance of which a part is known exactly.
 
-    `parts` are means of the runs in either sense of rotation, +1 or −1. A covariance is None where
-    the error is not known.
+    They are Welch's and Satterthwaite's, of that coordinate for which they are fewest.
     """
-    calibration = getattr(data, "calibration_covariance", None)
-    zero = getattr(data, "zero_covariance", None)
-    if calibration is None and zero is None:
-        return None, None
-    by = sensitivities(family, parts, p, data)
-
-    def caused(covariance: Array | None, by: Array, name: str) -> Array | None:
-        if covariance is None:
-            return None
-        known = arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
-        return by @ known @ by.T
-
-    return (
-        caused(calibration, by[:, :9], "calibration_covariance"),
-        caused(zero, by[:, 9:], "zero_covariance"),
-    )
+    if total is None or exact is None:
+        return estimated
+    whole = np.diag(total)
+    rest = np.maximum(whole - np.diag(exact), 0.0)
+    # What is left of equal numbers is rounding.
+    share = float((rest / np.where(whole > 0.0, whole, 1.0)).max(initial=0.0))
+    return math.inf if share < _ROUNDING else estimated / share**2
 
 
-def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any) -> Array:
+def sensitivities(
+    family: Family,
+    parts: list[tuple[Bins, float]],
+    p: Array,
+    data: Any,
+    *,
+    read: bool | None = None,
+) -> Array:
     """Return the derivatives of the estimates by the entries of T, row by row, and by the zeros.
 
     Channels keep their axes when the disk turns backwards: `parts` are the means of the runs in
@@ -191,10 +240,12 @@ def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, dat
     Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
     is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
     curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
+
+    `read` says whether the normal force comes from its channel, as the data do by default.
     """
     transform = arrays.array(data.matrix, "data.matrix", (3, 3))
     # Row 3 of T has no effect where the normal force is given.
-    read = reads_normal_force(data)
+    read = reads_normal_force(data) if read is None else read
     pulls = np.sum(
         [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
     )
