@@ -97,6 +97,7 @@ class Identification:
                 f"{data.used} of {len(data.phi)} samples in {data.turns} turns, "
                 f"{len(raw.recordings)} runs",
             ),
+            ("directions", str(self.fit.coverage)),
             ("normal force", f"{data.normal_force.mean():.4g} N"),
             ("calibration", condition),
             ("zero", records),

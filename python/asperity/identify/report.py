@@ -54,7 +54,7 @@ def _summary(fit: Fit) -> str:
         f"Reservoir C: {fit.reservoir_model}, direction set D: {fit.direction_model}, "
         f"{'jointly' if fit.joint else 'apart'}, {fit.loss.kind} loss. "
         f"{fit.samples} samples in {fit.turns} turns; residuals "
-        f"{fit.rms:.4g} N (root mean square of a component); {bands}."
+        f"{fit.rms:.4g} N (root mean square of a component); {bands}. Forces in {fit.coverage}."
     )
 
 

@@ -69,7 +69,8 @@ class Configuration(Value):
             check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
             (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
             ``tribometer`` (normal_load, radius; zero_error in N and gain_error, relative, as of
-            `RawData`), ``processing`` (cut_off, order, grid_angle); all optional. A column of the normal channel is read beside normal_load for its crosstalk.
+            `RawData`), ``processing`` (cut_off, order, grid_angle); all optional. A column of the
+            normal channel is read beside normal_load for its crosstalk.
         folder: what the names of files are relative to.
 
     The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the

@@ -58,6 +58,11 @@ class CurveModel(Value):
 
     coordinates: tuple[Coordinate, ...]
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether all curves are symmetric to the origin."""
+        return True
+
     def roundness(self) -> Roundness | None:
         """Return what vanishes where the angle, the last coordinate, has no meaning."""
         return None

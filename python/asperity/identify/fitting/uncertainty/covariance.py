@@ -20,6 +20,7 @@ from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.models.coordinates import Coordinate, Estimate, Roundness, Scale
+from asperity.identify.fitting.uncertainty.leverage import Leverage, leverage_of
 from asperity.identify.forces import stated_errors
 from asperity.identify.forces.zero import _BATCHES
 
@@ -34,13 +35,15 @@ class Covariance:
     """Covariance of coordinates: from the scatter of turns, calibration, records without load.
 
     A part is None where the error that causes it is not known. `degrees` are the degrees of freedom
-    of the parts; infinite where errors are known.
+    of the parts, the fewest of all coordinates; infinite where errors are known. Those of the
+    scatter follow from the `leverage` of the turns for every combination of coordinates.
     """
 
     scatter: Array
     calibration: Array | None
     zero: Array | None
     degrees: tuple[float, float, float]
+    leverage: Leverage | None = None
 
     @property
     def parts(self) -> tuple[Array, Array | None, Array | None]:
@@ -65,10 +68,21 @@ class Covariance:
 
     def of(self, part: slice) -> Covariance:
         """Return the covariance of some of the coordinates."""
-        return self._each(lambda one, _: one[part, part], self)
+        parts = [None if one is None else one[part, part] for one in self.parts]
+        scatter, degrees = self.scatter[part, part], self.degrees
+        if self.leverage is not None:
+            some = np.eye(len(self.scatter))[part]
+            degrees = float(self.leverage.degrees(some).min()), *degrees[1:]
+        return Covariance(scatter, parts[1], parts[2], degrees)
 
     def at_least(self, other: Covariance, at: int) -> Covariance:
-        """Return the covariance whose variance of one coordinate is not below that in another."""
+        """Return the covariance whose variance of one coordinate is not below that in another.
+
+        The other one says nothing if its data leave combinations of coordinates open.
+        """
+        mine, others = self.leverage, other.leverage
+        if mine is not None and others is not None and others.rank < mine.rank:
+            return self
 
         def raised(part: Array, least: Array) -> Array:
             result = part.copy()
@@ -85,7 +99,8 @@ class Covariance:
             change(self.scatter, other.scatter),
             changed(self.calibration, other.calibration),
             changed(self.zero, other.zero),
-            self.degrees,
+            other.degrees,
+            other.leverage,
         )
 
     def half_widths(self, directions: Array, confidence: float) -> Array:
@@ -98,9 +113,10 @@ class Covariance:
         from scipy.stats import t
 
         squares = np.zeros(len(directions))
-        for part, degrees in zip(self.parts, self.degrees, strict=True):
+        scatter = self.degrees[0] if self.leverage is None else self.leverage.degrees(directions)
+        for part, degrees in zip(self.parts, (scatter, *self.degrees[1:]), strict=True):
             if part is not None:
-                quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
+                quantile = t.ppf(0.5 + 0.5 * confidence, np.minimum(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
 
@@ -123,26 +139,29 @@ class Bands(Record):
     resistance_half_width: Array
 
 
-def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
+def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, Leverage]:
     """Return the covariance of an estimate whose gradients differ between clusters (sandwich).
 
-    A residual of one sample tells nothing about the next one: noise is coloured. Turns, or runs of
-    several turns, are nearly independent; the degrees of freedom are one less than their number.
+    A residual of one sample tells nothing about the next one: noise is coloured. Turns, strokes, or
+    runs of several of these, are nearly independent.
+
+    Raises:
+        FitError: with one cluster, or where without one of them the others tell less.
     """
-    turns = len(sums.cost)
-    if turns < 2:
+    if len(sums.cost) < 2:
         raise FitError(
             "data: one complete turn has no scatter between turns: record at least 2 turns (10 are "
             "better), or fit with confidence=None"
         )
     matrix = sums.matrix.sum(axis=0)
     count = int(clusters.max()) + 1
-    gradients = np.zeros((count, len(matrix)))
+    gradients, matrices = np.zeros((count, len(matrix))), np.zeros((count, *matrix.shape))
     np.add.at(gradients, clusters, sums.gradient)
+    np.add.at(matrices, clusters, sums.matrix)
     # Their sum is zero but for a coordinate at its bound, or an angle held by samples on an axis.
     gradients -= gradients.mean(axis=0)
-    steps = np.stack([damped_step(matrix, gradient) for gradient in gradients])
-    return steps.T @ steps * (count / (count - 1.0)), count - 1
+    leverage = leverage_of(matrix, matrices)
+    return leverage.covariance(gradients), leverage
 
 
 class Shared(NamedTuple):
@@ -295,7 +314,7 @@ def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
 
     off = roundness.matrix @ p - roundness.offset
     spread = roundness.matrix @ covariance.total @ roundness.matrix.T
-    count, degrees = off.size, int(covariance.degrees[0])
+    count, degrees = off.size, round(covariance.degrees[0])
     if degrees < count:
         # Too few turns for all at once: the first combination, the ratio of the axes, alone.
         off, spread, count = off[:1], spread[:1, :1], 1
