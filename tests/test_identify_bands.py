@@ -133,8 +133,8 @@ def test_bands_hold_the_scatter_between_runs():
     )
     # Fewer than 20 of 25 have a probability of 1.2e-3 at 95 %; by turns 17 hold.
     assert held >= 20
-    assert fit_law(campaign(0)).covariance.degrees[0] == pytest.approx(3, rel=1e-5)
-    assert fit_law(campaign(0, runs=2)).covariance.degrees[0] == pytest.approx(5, rel=1e-5)
+    assert fit_law(campaign(0)).covariance.degrees[0] == pytest.approx(3, rel=1e-3)
+    assert fit_law(campaign(0, runs=2)).covariance.degrees[0] == pytest.approx(5, rel=1e-3)
 
 
 @counts(20, 40)

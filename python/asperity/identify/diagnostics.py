@@ -103,10 +103,16 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             "them, which only odd Fourier models hold"
         )
     if "lack of fit" in defects and defects["lack of fit"].matters:
+        other = fit.mistake
+        explained = (
+            ""
+            if other is None
+            else f"; with {other.words}, the model would miss them by {other.misfit:.1%}: check it"
+        )
         sentences.append(
             f"the model does not fit: it misses the mean forces by "
             f"{defects['lack of fit'].size:.1%}, more than turns scatter; the "
-            "confidence intervals do not include this"
+            f"confidence intervals do not include this{explained}"
         )
     return (*sentences, *_unlike_noise(fit))
 

@@ -14,6 +14,7 @@ from asperity.identify.fitting.data.bins import grouped
 from asperity.identify.fitting.data.samples import Measured, Samples, frozen, inside, samples_of
 from asperity.identify.fitting.least_squares.descent import Descent, refine
 from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.mistakes import sense_explained
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import check_sense, without_outliers
 from asperity.identify.fitting.least_squares.starts import check_directions, fit_bins, start
@@ -117,7 +118,7 @@ def fit_law(
     sums = grouped(samples if measure.is_linear else without_outliers(samples), 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
     check_directions(family, bins)
-    check_sense(coarse, samples, _COARSE_WIDTH)
+    check_sense(coarse, samples, _COARSE_WIDTH, lambda: sense_explained(family, coarse, data))
     first = fit_bins(family, bins, start(family, coarse)).p
     clear = None
     if is_singular(family, first):

@@ -17,15 +17,23 @@ from asperity._base.result import Axis, Series, Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
+from asperity.identify.associativity import Associativity, associativity_of
 from asperity.identify.diagnostics import UNITS_AND_SCALE, at_bounds, gaps, warnings_of
 from asperity.identify.fitting.data import defects
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.coverage import Coverage, coverage
 from asperity.identify.fitting.data.defects import Defect
 from asperity.identify.fitting.data.drift import Drift, drift
-from asperity.identify.fitting.data.samples import Samples, frozen, runs_of, samples_of
+from asperity.identify.fitting.data.samples import (
+    Samples,
+    channels_turn,
+    frozen,
+    runs_of,
+    samples_of,
+)
 from asperity.identify.fitting.least_squares.descent import Descent
 from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.mistakes import Mistake, mistake
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
 from asperity.identify.fitting.models.coordinates import Estimate, Scale
@@ -339,6 +347,34 @@ class Fit(SavedResult, Value):
         samples = weighty(self._samples, self.loss)
         left = self._family.left(samples, self.coordinates)
         return defects.all_of(samples, left, self.data)
+
+    @cached_property
+    def mistake(self) -> Mistake | None:
+        """A wrong sign or swapped channels that explain a lack of fit; None if none does."""
+        found = self.defects.get("lack of fit")
+        if found is None or not found.matters:
+            return None
+        means = grouped(weighty(self._samples, self.loss), 1).bins(width=_WIDTH)
+        turning = channels_turn(self.data)
+        return mistake(self._family, means, found.size, turning=turning)
+
+    @cached_property
+    def associativity(self) -> Associativity:
+        """Whether the force across is the derivative of the force along, that is, D = C.
+
+        A number with its confidence interval, beside the verdict ``law.is_maximal_monotone`` on the
+        fitted law, which knows nothing of uncertainty.
+
+        Reference: [WL19] Def. 12, Prop. 2–4.
+        """
+        family = self._family
+
+        def force(directions: Array, p: Array) -> Array:
+            return family.forces(np.arctan2(directions[:, 1], directions[:, 0]), p)[0]
+
+        return associativity_of(
+            force, self.coordinates, self.covariance, confidence=self.confidence
+        )
 
     @cached_property
     def outliers(self) -> Outliers:

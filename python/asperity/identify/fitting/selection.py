@@ -19,6 +19,7 @@ from asperity.identify.fitting.data.samples import Measured, samples_of
 from asperity.identify.fitting.distortion import Distortion
 from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.mistakes import sense_explained
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.least_squares.outliers import check_sense, without_outliers
 from asperity.identify.fitting.least_squares.starts import (
@@ -239,7 +240,7 @@ def _compared(
     for family in families if named else families[:1]:
         check_directions(family, bins)
     families = [family for family in families if has_directions(family, bins)]
-    check_sense(bins, samples, _WIDTH)
+    check_sense(bins, samples, _WIDTH, lambda: sense_explained(families[-1], bins, data))
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
     count = Count(2 * len(families), report)
     fits = []

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
+from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.coverage import coverage
 from asperity.identify.fitting.data.samples import Samples, by_sense, clusters_of
@@ -113,6 +114,14 @@ class Causes:
     def _covariance(self, sums: Sums, *, away: bool) -> Covariance:
         common = shared(self.family, self._means(away=away), self.descent.p, self.data)
         scatter, leverage = scatter_of(sums, clusters_of(self.samples, self.data))
+        for name, known in zip(self.family.coordinates, leverage.single, strict=True):
+            # Derivatives by angles are as large as they are cut off where samples are on axes.
+            if known and name.scale is not Scale.ANGLE:
+                raise FitError(
+                    f"data: {name.name} is known from a single stroke or turn, so that nothing is "
+                    "known of its scatter: repeat strokes, choose models with fewer parameters, or "
+                    "fit with confidence=None"
+                )
         fewest = float(leverage.degrees(np.eye(self.family.size)).min())
         degrees = fewest, *common.degrees
         return Covariance(scatter, common.calibration, common.zero, degrees, leverage)

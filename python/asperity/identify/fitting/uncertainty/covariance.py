@@ -146,7 +146,7 @@ def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, Leverage]
     runs of several of these, are nearly independent.
 
     Raises:
-        FitError: with one cluster, or where without one of them the others tell less.
+        FitError: with one turn.
     """
     if len(sums.cost) < 2:
         raise FitError(

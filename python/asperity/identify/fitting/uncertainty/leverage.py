@@ -17,13 +17,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.errors import FitError
 
 _NONE = 1e-13
 # Beyond this part of a combination of coordinates, one cluster tells it alone.
 _ALONE = 1.0 - 1e-6
+# A coordinate is known from a cluster if this part of its variance is.
+_MUCH = 0.1
 # Samples on an axis of D have derivatives that are no more than cut off.
 _MOST = 0.99
 
@@ -36,11 +38,14 @@ class Leverage:
         root: M^(−1/2) in columns, without what the data do not see, ``(k, r)``.
         values: eigenvalues of P_c, ``(G, r)``.
         vectors: its eigenvectors, ``(G, r, r)``.
+        single: whether a coordinate is known from one cluster alone, so that nothing is known of
+            its scatter; ``(k,)``.
     """
 
     root: Array
     values: Array
     vectors: Array
+    single: NDArray[np.bool_]
 
     @property
     def rank(self) -> int:
@@ -73,20 +78,14 @@ class Leverage:
 
 
 def leverage_of(matrix: Array, matrices: Array) -> Leverage:
-    """Return what clusters with matrices ``(G, k, k)`` decide, whose sum is the matrix.
-
-    Raises:
-        FitError: if without one of them the others tell less.
-    """
+    """Return what clusters with matrices ``(G, k, k)`` decide, whose sum is the matrix."""
     scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     scale[scale == 0.0] = 1.0
     sizes, axes = np.linalg.eigh(matrix / np.outer(scale, scale))
     seen = sizes > _NONE
     root = axes[:, seen] / np.sqrt(sizes[seen]) / scale[:, None]
     values, vectors = np.linalg.eigh(root.T @ matrices @ root)
-    if values.max(initial=0.0) > _ALONE:
-        raise FitError(
-            "data: one turn or stroke tells a parameter that all others do not, so that nothing is "
-            "known of its scatter: repeat turns or strokes, or fit with confidence=None"
-        )
-    return Leverage(root, np.clip(values, 0.0, _MOST), vectors)
+    alone = np.einsum("kr,gri->gki", root, vectors * (values > _ALONE)[:, None])
+    whole = np.maximum((root**2).sum(axis=1), np.finfo(float).tiny)
+    single = (alone**2).sum(axis=-1).max(axis=0, initial=0.0) > _MUCH * whole
+    return Leverage(root, np.clip(values, 0.0, _MOST), vectors, single)
