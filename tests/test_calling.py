@@ -56,9 +56,9 @@ RESULTS = {
     "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle",
     "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
     "SweepStatus", "Trajectory",
-    "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
-    "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
-    "track.TrackConfig",
+    "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
+    "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw",
+    "track.Track", "track.TrackConfig",
 }  # fmt: skip
 """What the library makes itself."""
 

@@ -10,6 +10,7 @@ True
 Reference: [WL19] §5.2.
 """
 
+from asperity.identify.associativity import Associativity
 from asperity.identify.estimation import fit_law
 from asperity.identify.fit import Fit
 from asperity.identify.fitting.models.coordinates import Estimate
@@ -42,6 +43,7 @@ from asperity.identify.records.writing import write_raw
 from asperity.identify.tribometer import VirtualTribometer
 
 __all__ = [
+    "Associativity",
     "Averaged",
     "Bands",
     "Calibration",

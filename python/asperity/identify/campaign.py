@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity._base.arrays import unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
@@ -94,8 +94,12 @@ class Identification:
         condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
         if calibration is not None and data.calibration_covariance is None:
             condition += "; not in the bands: its error takes a fourth load or reading_error"
+        if raw.gain_error is not None:
+            condition += f"; gain_error {_listed(100.0 * raw.gain_error)} %"
         idle = len(raw.no_load)
         records = f"{idle} record{'s' * (idle > 1)} without load" if idle else "none"
+        if raw.zero_error is not None:
+            records += f"; zero_error {_listed(raw.zero_error)} N"
         facts = [
             (
                 "data",
@@ -103,6 +107,7 @@ class Identification:
                 f"{'turns' if data.goes_round else 'strokes'}, "
                 f"{len(raw.recordings)} runs",
             ),
+            ("directions", str(self.fit.coverage)),
             ("normal force", f"{data.normal_force.mean():.4g} N"),
             ("calibration", condition),
             ("zero", records),
@@ -115,6 +120,7 @@ class Identification:
                 ("closure of D", f"{sets.closure:.6g}"),
                 ("asymmetry", f"{sets.asymmetry:.3g} of the largest force"),
                 ("convexity defect", f"{sets.convexity_defect:.3g} rad"),
+                ("force across / slope of force along", str(self.fit.associativity)),
             ]
         return [*facts, ("residuals", f"{self.fit.rms:.4g} N rms")]
 
@@ -289,6 +295,12 @@ def identify_campaign(
             found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
         count.finish()
     return found
+
+
+def _listed(errors: Array) -> str:
+    """Return one number if all are equal, else all."""
+    texts = [f"{error:.3g}" for error in errors.tolist()]
+    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
 
 
 def _share(report: Report | None) -> Report | None:

@@ -14,7 +14,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.forces import filters
+from asperity.identify.forces import filters, stated_errors
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.strokes import Axes, Strokes, joined, strokes_of
@@ -47,9 +47,9 @@ class ProcessedData(Value):
         run: first sample of each run and the number of samples, shape ``(m + 1,)``.
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load in the middle of the runs, shape ``(3,)``.
-        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None without
-            calibration, or where its error is not known. A given λ_N needs no third row.
-        zero_covariance: shape ``(3, 3)``, or None without records.
+        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None where the
+            error is neither known by a calibration nor stated. A given λ_N needs no third row.
+        zero_covariance: shape ``(3, 3)``, or None where there are no records and nothing is stated.
         cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
 
     Reference: [WL19] (119), (120).
@@ -92,13 +92,21 @@ class ProcessedData(Value):
         for run in raw.recordings:
             _refuse_rest(run)
         strokes = joined(raw.recordings, [strokes_of(run) for run in raw.recordings])
-        self._keep(
-            matrix=np.eye(3) if calibration is None else calibration.matrix,
-            zero=np.average([z.mean for z in zeros], axis=0, weights=lengths),
-            calibration_covariance=None
+        matrix = np.eye(3) if calibration is None else calibration.matrix
+        weighed = (
+            None
             if calibration is None
-            else calibration.known_covariance(is_load_given=self.is_load_given),
-            zero_covariance=shared_covariance(zeros, lengths),
+            else calibration.known_covariance(is_load_given=self.is_load_given)
+        )
+        self._keep(
+            matrix=matrix,
+            zero=np.average([z.mean for z in zeros], axis=0, weights=lengths),
+            calibration_covariance=stated_errors.added(
+                weighed, stated_errors.of_gains(raw, matrix)
+            ),
+            zero_covariance=stated_errors.added(
+                shared_covariance(zeros, lengths), stated_errors.of_zeros(raw, matrix)
+            ),
             run=tuple(int(start) for start in starts),
             cut_off_frequency=tuple(
                 None if self.cut_off is None else self.cut_off * one.rate for one in strokes

@@ -68,7 +68,12 @@ SCHEMA: dict[str, dict[str, Kind]] = {
         "from": _TIME.or_several(),
         "to": _TIME.or_several(),
     },
-    "tribometer": {"normal_load": NUMBER, "radius": NUMBER},
+    "tribometer": {
+        "normal_load": NUMBER,
+        "radius": NUMBER,
+        "zero_error": NUMBERS,
+        "gain_error": NUMBERS,
+    },
     "processing": {"cut_off": _CUT_OFF, "order": COUNT, "grid_angle": NUMBER},
 }
 # Crosstalk below this is rounding.
@@ -84,7 +89,8 @@ class Configuration(Value):
             sample_rate, turn_rate, counts_per_turn, check_units, on_defect), ``columns`` and
             ``units`` as for `read_csv`, ``run`` (from, to, angles), ``calibration`` (file, or loads
             and readings; reading_error, fit_zero), ``no_load`` (files; from, to), ``tribometer``
-            (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all optional. A
+            (normal_load, radius; zero_error in N and gain_error, relative, as of `RawData`),
+            ``processing`` (cut_off, order, grid_angle); all optional. A
             column of the normal channel is read beside normal_load for its crosstalk. Windows
             ``from`` … ``to``, numbers in the unit of the times or texts for a clock, or lists of
             them, are those of each file of the runs; those of ``no_load`` are of its own files if

@@ -15,7 +15,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Count, Number, Positive, Record, Value
 from asperity.errors import DimensionError, ParameterError, RecordError
-from asperity.identify.records.calibration import Calibration
+from asperity.identify.records.calibration import Calibration, by_channel
 
 CHANNELS = ("tangential", "radial", "normal")
 # A step longer than this many usual ones is a gap.
@@ -156,6 +156,11 @@ class RawData(Value):
         normal_load: constant λ_N in N that replaces what the normal channel says of λ_N; its
             crosstalk to the others is removed all the same.
         radius: distance of the pin from the axis in m, for the sliding speed.
+        zero_error: standard error of the zeros of the three forces in N, a number or one for each
+            channel: what is known of it beyond the records without load, or in their place. Of an
+            error that is only known to be below l, the standard error is l/√3.
+        gain_error: standard error of the three gains, relative to them, likewise: beyond the
+            calibration, or in its place. With a `normal_load`, the third is the error of that.
         processing: what `process` does with it; of `read_raw` the section of the configuration.
 
     >>> from asperity import FrictionLaw
@@ -170,6 +175,8 @@ class RawData(Value):
     no_load: tuple[Recording, ...]
     normal_load: float | None
     radius: float | None
+    zero_error: Array | None
+    gain_error: Array | None
     processing: Processing
 
     def __init__(
@@ -180,6 +187,8 @@ class RawData(Value):
         no_load: Iterable[Recording] = (),
         normal_load: float | None = None,
         radius: float | None = None,
+        zero_error: ArrayLike | None = None,
+        gain_error: ArrayLike | None = None,
         processing: Processing = _USUAL,
     ) -> None:
         runs = _recordings(recordings, "recordings")
@@ -195,6 +204,8 @@ class RawData(Value):
             no_load=_recordings(no_load, "no_load"),
             normal_load=_optional(normal_load, "normal_load"),
             radius=_optional(radius, "radius"),
+            zero_error=None if zero_error is None else by_channel(zero_error, "zero_error"),
+            gain_error=None if gain_error is None else by_channel(gain_error, "gain_error"),
             processing=processing,
         )
 

@@ -46,7 +46,12 @@ def write_raw(raw: RawData, folder: PathLike) -> list[str]:
         sections["no_load"] = {"files": list(idle)}
     if raw.calibration is not None:
         sections["calibration"] = _write_calibration(place / "calibration.csv", raw.calibration)
-    sections["tribometer"] = {"normal_load": raw.normal_load, "radius": raw.radius}
+    stated = {"zero_error": raw.zero_error, "gain_error": raw.gain_error}
+    sections["tribometer"] = {
+        "normal_load": raw.normal_load,
+        "radius": raw.radius,
+        **{name: None if error is None else error.tolist() for name, error in stated.items()},
+    }
     if raw.processing != Processing():
         given = raw.processing._parameters
         sections["processing"] = {k: False if v is None else v for k, v in given.items()}

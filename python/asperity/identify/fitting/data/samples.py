@@ -129,6 +129,14 @@ def reads_normal_force(data: Any) -> bool:
     return raw is None or raw.normal_load is None
 
 
+def channels_turn(data: Any) -> bool:
+    """Return whether forces come from channels that turn with the direction of sliding."""
+    raw = getattr(data, "raw", None)
+    if raw is None:
+        return False
+    return all(getattr(run, "velocity", None) is None for run in raw.recordings)
+
+
 def runs_of(samples: Samples, data: Any) -> NDArray[np.intp]:
     """Return the number of the run of each turn; arrays are one run, and so are pieces of one."""
     result = np.zeros(samples.turns, dtype=np.intp)
