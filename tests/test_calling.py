@@ -35,6 +35,7 @@ PAIRS = {
     "track.Circle": "the size of a figure, as of a set",
     "track.Scene.from_points": "points and where they are: two columns of one table",
     "track.Scene.mismatch": "points and where they are: two columns of one table",
+    "identify.load": "what is read, by what configuration",
     "identify.read_raw": "what is read, by what configuration",
     "identify.write_raw": "what is written, and where",
     "track.write_video": "what is written, and where",
@@ -55,9 +56,9 @@ RESULTS = {
     "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle",
     "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
     "SweepStatus", "Trajectory",
-    "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
-    "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
-    "track.TrackConfig",
+    "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
+    "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw",
+    "track.Track", "track.TrackConfig",
 }  # fmt: skip
 """What the library makes itself."""
 

@@ -21,7 +21,7 @@ from asperity.identify import (
     process,
 )
 from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import by_sense
+from asperity.identify.fitting.data.samples import by_axes
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.uncertainty.covariance import _pulls
 from profiles import counts, every
@@ -253,7 +253,7 @@ def test_calibration_and_zero_move_the_fit_as_predicted():
         ).record()
         data = process(raw)
         fit = fit_law(data)
-        parts = [(grouped(s, 1).bins(), sense) for s, sense in by_sense(fit._samples, data)]
+        parts = [(grouped(s, 1).bins(), axes) for s, axes in by_axes(fit._samples, data)]
         pulls = sum(
             _pulls(fit._family, bins, sense, fit.coordinates, data.matrix) for bins, sense in parts
         )
@@ -327,8 +327,9 @@ def test_fits_keep_their_data_from_changes():
 
 def test_what_cannot_be_fitted_is_refused():
     phi, force = sampled(TABLE_1, 720, 2)
-    with pytest.raises(FitError, match="no samples between φ = 1"):
-        fit_law((phi[phi < 3.0], force[phi < 3.0]))
+    few = np.arange(0, 360, 120)
+    with pytest.raises(FitError, match=r"forces in 6 sliding directions, opposite ones included"):
+        fit_law((np.repeat(phi[few], 10), np.repeat(force[few], 10, axis=0)))
     with pytest.raises(FitError, match="one complete turn has no scatter"):
         fit_law((phi[:360], force[:360]))
     assert fit_law((phi[:360], force[:360]), confidence=None).turns == 1

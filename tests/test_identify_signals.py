@@ -68,11 +68,21 @@ def test_turns_are_counted_from_the_first_sample():
         assert (np.diff(number[:2000]) >= 0).all()
 
 
-def test_a_disk_that_turns_back_is_refused():
+def test_a_disk_that_turns_back_and_forth_makes_strokes():
     t = np.arange(1000) / 100.0
-    run = Recording(t, angle=8.0 * np.sin(t), readings=np.ones((1000, 3)), source="swing")
-    with pytest.raises(RecordError, match=r"swing: angle: the disk turns back before row \d+"):
-        process(RawData([run]))
+    run = Recording(t, angle=2.0 * np.sin(t), readings=np.ones((1000, 3)), source="swing")
+    data = process(RawData([run]), cut_off=None)
+    assert data.turns == 4
+    assert (np.diff(data.turn[data.turn >= 0]) >= 0).all()
+    slides = data.turn >= 0
+    backwards = np.cos(t[slides]) < 0.0
+    np.testing.assert_allclose((data.phi - run.angle)[slides], np.pi * backwards, atol=1e-12)
+    # Where it turns back, it is about to stick.
+    assert 0.15 < abs(np.cos(t[slides])).min() < 0.25
+    # Of strokes longer than a turn, whole turns count.
+    longer = process(RawData([run.replace(angle=8.0 * np.sin(t))]), cut_off=None)
+    assert longer.turns == 6
+    assert np.ptp(longer.phi[longer.turn == 2]) < 2.0 * np.pi
 
 
 def test_turn_averages_have_means_offsets_drift_and_bands_that_cover():

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from asperity._base.progress import bar_if_there
 from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
+from asperity.errors import ParameterError
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -25,27 +26,38 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "axes, a superellipse rounder or sharper corners between them, fourier is any curve; best "
         "compares them and takes the one that fits best for its number of parameters (by BIC, the "
         "Bayesian information criterion). The configuration, a TOML file, says how the data are "
-        "read: sections file, columns, units, calibration, no_load, tribometer and processing, all "
-        "optional. Written are law.toml, the law with the uncertainty of its parameters, which "
+        "read: sections file, columns, units, run, calibration, no_load, tribometer and "
+        "processing, all optional; --inspect guesses one. Written are law.toml, the law with the "
+        "uncertainty of its parameters, which "
         "`asperity law`, `asperity simulate` and `asperity stability` take; sets.png, "
         "forces.png and residuals.png; parameters.csv, directions.csv, turns.csv and models.csv; "
         "report.html with all of it. "
         "Exit code 1 if they are to be read with the warnings that are printed: records without "
         "load or a calibration are missing, the model does not fit, or the data have another "
         "defect. Exit code 2 if something is wrong with the files; then nothing is written.",
-        epilog="example: asperity identify run_1.csv --config tribometer.toml --out out/identify",
+        epilog="examples: asperity identify --inspect run_1.csv --config tribometer.toml; "
+        "asperity identify run_1.csv --config tribometer.toml --out out/identify",
     )
     parser.add_argument(
         "paths",
         metavar="DATA",
         type=Path,
-        nargs="+",
-        help="CSV files of the runs: rotation of the disk, tangential, radial and normal force",
+        nargs="*",
+        help="files of the runs, text tables or .xlsx: rotation of the disk, or motion of a stage; "
+        "tangential, radial and normal force",
     )
     parser.add_argument(
-        "--config", metavar="FILE", type=Path, required=True, help="how they are read, a TOML file"
+        "--config", metavar="FILE", type=Path, help="how they are read, a TOML file"
     )
-    add_out(parser)
+    add_out(parser, required=False)
+    parser.add_argument(
+        "--inspect",
+        metavar="FILE",
+        type=Path,
+        help="only show the columns of a file with their ranges, and write the configuration that "
+        "seems to read it, to be looked over: to the file of --config, by default beside FILE "
+        "with the ending .toml; a file that is there stays as it is",
+    )
     for name, meaning in (
         ("reservoir", "force reservoir C"),
         ("direction", "direction set D"),
@@ -75,6 +87,15 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
+    if options.inspect is not None:
+        return _inspect(options)
+    for name, what in (
+        ("paths", "names no file"),
+        ("config", "must be given: --inspect FILE writes one"),
+        ("out", "must be given"),
+    ):
+        if not getattr(options, name):
+            raise ParameterError("DATA" if name == "paths" else name, what)
     from asperity.identify.campaign import identify_campaign
 
     with bar_if_there("stage") as bar:
@@ -92,3 +113,17 @@ def run(options: argparse.Namespace) -> int:
     print(found.summary())
     print(f"\nfigures, tables and report.html in {options.out}")
     return DOUBTFUL if found.fit.warnings else SUCCESS
+
+
+def _inspect(options: argparse.Namespace) -> int:
+    """Show a file and write the configuration that seems to read it."""
+    from asperity.identify import inspect_file
+
+    if options.paths or options.out is not None:
+        raise ParameterError("inspect", "takes one file, and no DATA and no --out beside it")
+    found = inspect_file(options.inspect)
+    print(found.summary())
+    target = options.config or options.inspect.with_suffix(".toml")
+    found.write(target)
+    print(f"\nconfiguration to look over in {target}")
+    return DOUBTFUL if found.notes else SUCCESS

@@ -68,6 +68,7 @@ def _parser() -> argparse.ArgumentParser:
 def _explained(error: Exception, options: argparse.Namespace) -> str:
     if isinstance(error, ModuleNotFoundError):
         extras = {"h5py": "data", "av": "video", "PIL": "video", "xarray": "sweep", "zarr": "sweep"}
+        extras |= {"pandas": "tables", "openpyxl": "tables"}
         if error.name == "distributed":
             return "distributed is missing: pip install distributed"
         extra = extras.get(error.name or "", "plot")

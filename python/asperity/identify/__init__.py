@@ -10,6 +10,7 @@ True
 Reference: [WL19] §5.2.
 """
 
+from asperity.identify.associativity import Associativity
 from asperity.identify.estimation import fit_law
 from asperity.identify.fit import Fit
 from asperity.identify.fitting.models.coordinates import Estimate
@@ -32,20 +33,24 @@ from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
 from asperity.identify.identified_law import IdentifiedLaw
+from asperity.identify.loading import load
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
+from asperity.identify.records.inspection import Column, Inspection, inspect_file
 from asperity.identify.records.reading import read_csv
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.writing import write_raw
 from asperity.identify.tribometer import VirtualTribometer
 
 __all__ = [
+    "Associativity",
     "Averaged",
     "Bands",
     "Calibration",
     "Candidate",
     "CircleDirection",
     "CircleReservoir",
+    "Column",
     "Comparison",
     "Configuration",
     "ConvexDirection",
@@ -55,6 +60,7 @@ __all__ = [
     "FourierDirection",
     "FourierReservoir",
     "IdentifiedLaw",
+    "Inspection",
     "MeasuredSets",
     "ProcessedData",
     "Processing",
@@ -67,6 +73,8 @@ __all__ = [
     "average_turns",
     "compare_models",
     "fit_law",
+    "inspect_file",
+    "load",
     "load_dependence",
     "low_pass",
     "process",

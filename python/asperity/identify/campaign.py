@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity._base.arrays import unit_vectors
+from asperity._base.arrays import Array, unit_vectors
 from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
@@ -20,8 +20,9 @@ from asperity.identify.estimation import fit_law
 from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
-from asperity.identify.forces.processing import ProcessedData, process
+from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import TurnAverage
+from asperity.identify.loading import load
 from asperity.identify.records.configuration import Configuration
 from asperity.identify.report import cells, write_report
 from asperity.law import Provenance
@@ -48,12 +49,21 @@ class Identification:
 
     @cached_property
     def averaged(self) -> Averaged:
-        """Means over directions of sliding, so many that each holds samples of every turn."""
+        """Means over directions of sliding, so many that each holds samples of every turn.
+
+        Of strokes they are those of the directions that there are.
+        """
+        if not self.data.goes_round:
+            return self.data.averaged(_DIRECTIONS)
         return self.data.averaged(self.data.full_bins(_DIRECTIONS, each_turn=True))
 
     @cached_property
     def sets(self) -> MeasuredSets:
-        """C and D from these means."""
+        """C and D from these means.
+
+        Raises:
+            ParameterError: for strokes in fewer than eight directions.
+        """
         means = self.averaged
         return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
 
@@ -79,29 +89,40 @@ class Identification:
         return "\n\n".join(parts)
 
     def _facts(self) -> list[tuple[str, str]]:
-        data, sets, raw = self.data, self.sets, self.data.raw
+        data, raw = self.data, self.data.raw
         calibration = raw.calibration
         condition = "none" if calibration is None else f"condition {calibration.condition:.4g}"
         if calibration is not None and data.calibration_covariance is None:
             condition += "; not in the bands: its error takes a fourth load or reading_error"
+        if raw.gain_error is not None:
+            condition += f"; gain_error {_listed(100.0 * raw.gain_error)} %"
         idle = len(raw.no_load)
         records = f"{idle} record{'s' * (idle > 1)} without load" if idle else "none"
-        across, along = sets.radii_on_axes
-        return [
+        if raw.zero_error is not None:
+            records += f"; zero_error {_listed(raw.zero_error)} N"
+        facts = [
             (
                 "data",
-                f"{data.used} of {len(data.phi)} samples in {data.turns} turns, "
+                f"{data.used} of {len(data.phi)} samples in {data.turns} "
+                f"{'turns' if data.goes_round else 'strokes'}, "
                 f"{len(raw.recordings)} runs",
             ),
+            ("directions", str(self.fit.coverage)),
             ("normal force", f"{data.normal_force.mean():.4g} N"),
             ("calibration", condition),
             ("zero", records),
-            ("C on e1, e2", f"{across:.4g}, {along:.4g} per unit normal force"),
-            ("closure of D", f"{sets.closure:.6g}"),
-            ("asymmetry", f"{sets.asymmetry:.3g} of the largest force"),
-            ("convexity defect", f"{sets.convexity_defect:.3g} rad"),
-            ("residuals", f"{self.fit.rms:.4g} N rms"),
         ]
+        if data.goes_round:
+            sets = self.sets
+            across, along = sets.radii_on_axes
+            facts += [
+                ("C on e1, e2", f"{across:.4g}, {along:.4g} per unit normal force"),
+                ("closure of D", f"{sets.closure:.6g}"),
+                ("asymmetry", f"{sets.asymmetry:.3g} of the largest force"),
+                ("convexity defect", f"{sets.convexity_defect:.3g} rad"),
+                ("force across / slope of force along", str(self.fit.associativity)),
+            ]
+        return [*facts, ("residuals", f"{self.fit.rms:.4g} N rms")]
 
     def _parameters(self) -> list[tuple[str, ...]]:
         bands = self.fit.confidence is not None
@@ -140,6 +161,9 @@ class Identification:
         force = bins.force / bins.normal_force[:, None]
         e = unit_vectors(bins.phi)
         bands = self.fit.bands(bins.phi)
+        points = np.full((len(bins.phi), 2), np.nan)
+        if self.data.goes_round:
+            points = self.sets.direction_by_support
         return {
             "phi [rad]": bins.phi,
             "measured -lambda_1/lambda_N": force[:, 0],
@@ -150,8 +174,8 @@ class Identification:
             "model l_p": bands.resistance[:, 1],
             "half width l_t": bands.resistance_half_width[:, 0],
             "half width l_p": bands.resistance_half_width[:, 1],
-            "D_1": self.sets.direction_by_support[:, 0],
-            "D_2": self.sets.direction_by_support[:, 1],
+            "D_1": points[:, 0],
+            "D_2": points[:, 1],
         }
 
     def _models(self) -> list[tuple[object, ...]]:
@@ -176,9 +200,14 @@ class Identification:
     def _turns(self) -> list[tuple[object, ...]]:
         """Return the mean of each channel over each turn, its offset from all turns, and the drift.
 
-        Low and high are the band of the mean of all turns.
+        Low and high are the band of the mean of all turns. Strokes have directions of their own,
+        and no mean of all.
         """
         rows: list[tuple[object, ...]] = []
+        if not self.data.goes_round:
+            for channel, level in self.data.stroke_means().items():
+                rows += [(channel, at, mean, "", "", "", "") for at, mean in enumerate(level)]
+            return rows
         for channel, average in self.data.turn_averages(len(self.averaged.phi)).items():
             level = average.turns.mean(axis=1)
             all_turns = TurnAverage([0.0], level[:, None], confidence=average.confidence)
@@ -244,7 +273,7 @@ def identify_campaign(
         count = Count(len(STAGES), report)
         begin("reading")
         loaded = Configuration.load(config)
-        data = process(loaded.read(list(paths), progress=_share(report)))
+        data = load(list(paths), loaded, progress=_share(report))
         origin = Provenance.of_files(
             [*paths, config, *loaded.files],
             made_by=f"asperity identify --reservoir {reservoir} --direction {direction} "
@@ -266,6 +295,12 @@ def identify_campaign(
             found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
         count.finish()
     return found
+
+
+def _listed(errors: Array) -> str:
+    """Return one number if all are equal, else all."""
+    texts = [f"{error:.3g}" for error in errors.tolist()]
+    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
 
 
 def _share(report: Report | None) -> Report | None:

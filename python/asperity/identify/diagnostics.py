@@ -34,6 +34,8 @@ _AT_BOUND = 1e-6
 _MUCH = 0.03
 # Between forces farther apart than this, the shape of C is a guess of its model.
 _WIDEST_GAP = np.deg2rad(30.0)
+# Farther apart, forces turn by as much as that without a leap.
+_NEIGHBOURS = np.deg2rad(15.0)
 
 
 def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> NDArray[np.bool_]:
@@ -42,16 +44,26 @@ def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> NDArray[np.bool_]:
     return (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
 
 
-def gaps(force: Array) -> list[tuple[float, float]]:
-    """Return the arcs of the force's direction, in rad, that hold none of the mean forces but one.
+def gaps(phi: Array, force: Array) -> list[tuple[float, float]]:
+    """Return the arcs of the force's direction, in rad, over which it turns between neighbours.
 
-    A mean over a jump of the force lies anywhere.
+    Forces of neighbouring sliding directions leave such an arc out where they turn much farther
+    than the sliding does. A mean over a jump of the force lies anywhere. What strokes in few
+    directions leave out between them is no leap, and makes intervals wide.
+
+    Args:
+        phi: rising sliding directions over one turn in rad.
+        force: mean forces there.
     """
-    theta = np.sort(np.arctan2(force[:, 1], force[:, 0]))
-    ends = np.append(theta, theta[:2] + 2.0 * np.pi)[2:]
+    turn = 2.0 * np.pi
+    theta = np.arctan2(force[:, 1], force[:, 0])
+    theta = phi + (theta - phi + np.pi) % turn - np.pi
+    # Over two steps, one of which is to a mean over the jump.
+    later = (np.append(values, values[:2] + turn)[2:] for values in (theta, phi))
+    ends, steps = next(later), next(later) - phi
     arcs: list[tuple[float, float]] = []
-    for a, b in zip(theta.tolist(), ends.tolist(), strict=True):
-        if b - a > _WIDEST_GAP:
+    for a, b, step in zip(theta.tolist(), ends.tolist(), steps.tolist(), strict=True):
+        if step < _NEIGHBOURS and b - a - step > _WIDEST_GAP:
             first = arcs.pop()[0] if arcs and a < arcs[-1][1] else a
             arcs.append((first, b))
     return arcs
@@ -70,6 +82,12 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             sentences.append(
                 f"{name} is not identifiable: it ended at its bound {estimate.value:.4g}"
             )
+    if fit.undetermined.any():
+        open_ones = [n for n, one in zip(fit.parameters, fit.undetermined, strict=False) if one]
+        sentences.append(
+            f"{' and '.join(open_ones)} are not identifiable: forces in {fit.coverage} do not tell "
+            "them apart: choose models with fewer parameters, or record directions between"
+        )
     if fit.gaps:
         arcs = ", ".join(f"{a:.0f}°…{b:.0f}°" for a, b in np.rad2deg(fit.gaps))
         sentences.append(f"C is not identifiable: hardly any force has a direction θ within {arcs}")
@@ -85,10 +103,16 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             "them, which only odd Fourier models hold"
         )
     if "lack of fit" in defects and defects["lack of fit"].matters:
+        other = fit.mistake
+        explained = (
+            ""
+            if other is None
+            else f"; with {other.words}, the model would miss them by {other.misfit:.1%}: check it"
+        )
         sentences.append(
             f"the model does not fit: it misses the mean forces by "
             f"{defects['lack of fit'].size:.1%}, more than turns scatter; the "
-            "confidence intervals do not include this"
+            f"confidence intervals do not include this{explained}"
         )
     return (*sentences, *_unlike_noise(fit))
 
@@ -128,6 +152,10 @@ _ERRORS = {
     "calibration": "the error of the gains is not known, 1 % in one channel",
     "zeros": "the error of the zeros is not known, 1 % of the normal force in one channel",
 }
+_STATED = {
+    "calibration": "gain_error, the standard error of the gains",
+    "zeros": "zero_error, the standard error of the zeros in N",
+}
 # Models of many coordinates are spoken of by those that move most.
 _MOST_NAMED = 6
 
@@ -136,7 +164,8 @@ def _records_missing(fit: Fit) -> list[str]:
     """Return what errors of which nothing is known would do to the parameters."""
     bands = "" if fit.covariance is None else "; the confidence intervals do not include this"
     return [
-        f"{what}: {_ERRORS[cause]} would change {_changes(fit, moved)}{bands}"
+        f"{what}: {_ERRORS[cause]} would change {_changes(fit, moved)}{bands}: "
+        f"record it, or state {_STATED[cause]}"
         for cause, (what, moved) in fit.missing.items()
     ]
 

@@ -10,13 +10,14 @@ from asperity._base.log import log
 from asperity._base.progress import Progress
 from asperity.errors import FitError, ParameterError
 from asperity.identify.fit import Fit
-from asperity.identify.fitting.data.bins import check_coverage, grouped
+from asperity.identify.fitting.data.bins import grouped
 from asperity.identify.fitting.data.samples import Measured, Samples, frozen, inside, samples_of
 from asperity.identify.fitting.least_squares.descent import Descent, refine
 from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.mistakes import sense_explained
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import check_sense, without_outliers
-from asperity.identify.fitting.least_squares.starts import fit_bins, start
+from asperity.identify.fitting.least_squares.starts import check_directions, fit_bins, start
 from asperity.identify.fitting.models.names import (
     DirectionName,
     ReservoirName,
@@ -116,10 +117,8 @@ def fit_law(
     # Means do not survive outliers that a robust loss is chosen for.
     sums = grouped(samples if measure.is_linear else without_outliers(samples), 1)
     bins, coarse = sums.bins(), sums.bins(width=_COARSE_WIDTH)
-    check_coverage(bins)
-    check_sense(coarse, samples, _COARSE_WIDTH)
-    if 2 * bins.phi.size <= family.size:
-        raise FitError(f"data: {bins.phi.size} directions cannot tell {family.size} parameters")
+    check_directions(family, bins)
+    check_sense(coarse, samples, _COARSE_WIDTH, lambda: sense_explained(family, coarse, data))
     first = fit_bins(family, bins, start(family, coarse)).p
     clear = None
     if is_singular(family, first):

@@ -17,14 +17,23 @@ from asperity._base.result import Axis, Series, Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
+from asperity.identify.associativity import Associativity, associativity_of
 from asperity.identify.diagnostics import UNITS_AND_SCALE, at_bounds, gaps, warnings_of
 from asperity.identify.fitting.data import defects
 from asperity.identify.fitting.data.bins import Bins, grouped
+from asperity.identify.fitting.data.coverage import Coverage, coverage
 from asperity.identify.fitting.data.defects import Defect
 from asperity.identify.fitting.data.drift import Drift, drift
-from asperity.identify.fitting.data.samples import Samples, frozen, runs_of, samples_of
+from asperity.identify.fitting.data.samples import (
+    Samples,
+    channels_turn,
+    frozen,
+    runs_of,
+    samples_of,
+)
 from asperity.identify.fitting.least_squares.descent import Descent
 from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.mistakes import Mistake, mistake
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
 from asperity.identify.fitting.models.coordinates import Estimate, Scale
@@ -130,7 +139,8 @@ class Fit(SavedResult, Value):
         lines = [
             f"The models {self.reservoir_model} for C and {self.direction_model} for D are fitted "
             f"to {counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
-            f"from the model by {self.rms:.4g} N (root mean square).",
+            f"from the model by {self.rms:.4g} N (root mean square). There are forces in "
+            f"{self.coverage}.",
             f"The parameters{level} are",
             *(
                 f"{name}{' in rad' if name.endswith('.angle') else ''}: {one}."
@@ -263,12 +273,12 @@ class Fit(SavedResult, Value):
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
         the set differs from one that has none (at the level 0.01); the scale of D never is. Nor is
-        what ended at a bound of its model, nor the shape of C where forces leave out 30° and more
-        of their directions; `warnings` says so.
+        what ended at a bound of its model or strokes in few directions leave open, nor the shape of
+        C where forces leap over 30° and more of their directions; `warnings` says so.
         """
         family = self._family
         result: dict[str, Estimate] = {}
-        stuck, blind = self.at_bounds, bool(self.gaps)
+        stuck, blind = self.at_bounds | self.undetermined, bool(self.gaps)
         for start, model, part in (
             (0, family.reservoir, "reservoir"),
             (family.split, family.direction, "direction"),
@@ -312,8 +322,24 @@ class Fit(SavedResult, Value):
 
     @cached_property
     def gaps(self) -> list[tuple[float, float]]:
-        """Arcs of directions θ in rad without forces, where C has a shape to be told."""
-        return gaps(self.means[1]) if len(self._family.reservoir.coordinates) > 1 else []
+        """Arcs of directions θ in rad that the force leaps over, where C has a shape to be told."""
+        return gaps(*self.means) if len(self._family.reservoir.coordinates) > 1 else []
+
+    @cached_property
+    def coverage(self) -> Coverage:
+        """The sliding directions that hold forces, and the gaps between them."""
+        return coverage(self.means[0], is_symmetric=self._family.is_symmetric)
+
+    @cached_property
+    def undetermined(self) -> NDArray[np.bool_]:
+        """Which coordinates strokes in few directions leave open, in the order of the parameters.
+
+        Without intervals, none are known to be.
+        """
+        if self.covariance is None or self.confidence is None or not self.coverage.gaps:
+            return np.zeros(self._family.size, dtype=np.bool_)
+        widths = self.covariance.half_widths(np.eye(self._family.size), self.confidence)
+        return self._causes.undetermined(widths)
 
     @cached_property
     def defects(self) -> dict[str, Defect]:
@@ -321,6 +347,34 @@ class Fit(SavedResult, Value):
         samples = weighty(self._samples, self.loss)
         left = self._family.left(samples, self.coordinates)
         return defects.all_of(samples, left, self.data)
+
+    @cached_property
+    def mistake(self) -> Mistake | None:
+        """A wrong sign or swapped channels that explain a lack of fit; None if none does."""
+        found = self.defects.get("lack of fit")
+        if found is None or not found.matters:
+            return None
+        means = grouped(weighty(self._samples, self.loss), 1).bins(width=_WIDTH)
+        turning = channels_turn(self.data)
+        return mistake(self._family, means, found.size, turning=turning)
+
+    @cached_property
+    def associativity(self) -> Associativity:
+        """Whether the force across is the derivative of the force along, that is, D = C.
+
+        A number with its confidence interval, beside the verdict ``law.is_maximal_monotone`` on the
+        fitted law, which knows nothing of uncertainty.
+
+        Reference: [WL19] Def. 12, Prop. 2–4.
+        """
+        family = self._family
+
+        def force(directions: Array, p: Array) -> Array:
+            return family.forces(np.arctan2(directions[:, 1], directions[:, 0]), p)[0]
+
+        return associativity_of(
+            force, self.coordinates, self.covariance, confidence=self.confidence
+        )
 
     @cached_property
     def outliers(self) -> Outliers:

@@ -38,6 +38,7 @@ def write_report(
         Section("", Text(_summary(fit)), *(Text(one, "warning") for one in fit.warnings)),
         Section("Parameters", *_parameters(fit), _law(fit)),
         *(Section(name, Picture(name, png(figure))) for name, figure in drawn.items()),
+        Section("Is D = C?", _associativity(fit)),
         Section("Defects of the measured forces", _defects(fit)),
         *_comparison(fit),
     ]
@@ -54,7 +55,7 @@ def _summary(fit: Fit) -> str:
         f"Reservoir C: {fit.reservoir_model}, direction set D: {fit.direction_model}, "
         f"{'jointly' if fit.joint else 'apart'}, {fit.loss.kind} loss. "
         f"{fit.samples} samples in {fit.turns} turns; residuals "
-        f"{fit.rms:.4g} N (root mean square of a component); {bands}."
+        f"{fit.rms:.4g} N (root mean square of a component); {bands}. Forces in {fit.coverage}."
     )
 
 
@@ -86,6 +87,33 @@ def cells(name: str, parameter: Estimate) -> list[str]:
     factor, unit = (180.0 / math.pi, "°") if name.endswith(".angle") else (1.0, "")
     numbers = (parameter.value, parameter.low, parameter.high, parameter.standard_error)
     return [f"{factor * n:.5g}{unit}" if math.isfinite(n) else "–" for n in numbers]
+
+
+def _associativity(fit: Fit) -> Block:
+    """Return what the fit tells of the relation between C and D."""
+    found = fit.associativity
+    defect = f"{found.defect:.2%}"
+    if math.isfinite(found.defect_error):
+        defect += f" (standard error {found.defect_error:.2%})"
+    more = found.shortfall
+    shortfall = f"{more.value:.2%}"
+    if math.isfinite(more.low):
+        shortfall += f" ({more.low:.2%} … {more.high:.2%})"
+    return Facts(
+        [
+            (
+                "force across the sliding over the derivative of the force along it; "
+                "1 if D = C (associated), 0 if friction is opposite to sliding (collinear)",
+                str(found.slope),
+            ),
+            ("difference of the two, root mean square relative to the force", defect),
+            (
+                "what another admissible force would dissipate more, in some direction; 0 for a "
+                "law that is maximal monotone",
+                shortfall,
+            ),
+        ]
+    )
 
 
 def _defects(fit: Fit) -> Block:

@@ -9,11 +9,12 @@ import numpy as np
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.identify.fitting.data.bins import Bins, grouped
-from asperity.identify.fitting.data.samples import Samples, by_sense, reads_normal_force
+from asperity.identify.fitting.data.samples import Samples, by_axes, reads_normal_force
 from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.least_squares.outliers import without_outliers
+from asperity.identify.forces.strokes import Axes, on_axes
 
 _WIDTH = 5
 
@@ -30,13 +31,13 @@ class Distortion:
             known = getattr(data, name, None)
             if known is not None:
                 covariance[part, part] = known
-        self._parts: list[tuple[Bins, float]] = []
+        self._parts: list[tuple[Bins, Axes]] = []
         if covariance.any():
             self._read = reads_normal_force(data)
             self._transform = arrays.array(data.matrix, "data.matrix", (3, 3))
-            for run, sense in by_sense(samples, data):
+            for run, axes in by_axes(samples, data):
                 near = run if Loss(loss).is_linear else without_outliers(run)
-                self._parts.append((grouped(near, 1).bins(width=_WIDTH), sense))
+                self._parts.append((grouped(near, 1).bins(width=_WIDTH), axes))
         values, vectors = np.linalg.eigh(covariance)
         self._root = vectors * np.sqrt(np.maximum(values, 0.0))
 
@@ -55,10 +56,10 @@ class Distortion:
             np.zeros((12, 12)),
             np.zeros(12),
         )
-        for bins, sense in self._parts:
+        for bins, axes in self._parts:
             force, derivative = family.forces(bins.phi, p)
             root = np.sqrt(bins.squares)
-            errors = self._root.T @ self._columns(bins, sense, force)
+            errors = self._root.T @ self._columns(bins, axes, force)
             slopes = (derivative * root[:, None]).reshape(size, -1)
             left = ((bins.force - force) * root[:, None]).ravel()
             normal += slopes @ slopes.T
@@ -69,13 +70,11 @@ class Distortion:
         held = inner - cross @ followed.T + max(variance, np.finfo(float).tiny) * np.eye(12)
         return float(pull @ np.linalg.solve(held, pull))
 
-    def _columns(self, bins: Bins, sense: float, model: Array) -> Array:
+    def _columns(self, bins: Bins, axes: Axes, model: Array) -> Array:
         """Return what unit errors add to the residuals of the bins, ``(12, 2n)``."""
-        cos, sin = np.cos(bins.phi), np.sin(bins.phi)
-        parts = np.stack(arrays.along_and_across(bins.force, bins.phi))
-        channels = np.vstack([sense * parts, np.ones_like(bins.phi)])
-        along = sense * np.stack([cos, sin], axis=-1)
-        across = sense * np.stack([-sin, cos], axis=-1)
+        along = axes.tangential(bins.phi)
+        across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
+        channels = np.vstack([*on_axes(bins.force, along), np.ones_like(bins.phi)])
         unit = np.stack([along, across, -model * self._read])
         root = np.sqrt(bins.squares)
         readings = np.linalg.solve(self._transform, channels) * root

@@ -13,15 +13,21 @@ from asperity._base.log import log
 from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.value import Value
 from asperity.errors import FitError
-from asperity.identify.fitting.data.bins import GroupedBins, check_coverage, grouped
+from asperity.identify.fitting.data.bins import GroupedBins, grouped
 from asperity.identify.fitting.data.defects import MOST_GROUPS, asymmetry, means_of
 from asperity.identify.fitting.data.samples import Measured, samples_of
 from asperity.identify.fitting.distortion import Distortion
 from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
+from asperity.identify.fitting.least_squares.mistakes import sense_explained
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.least_squares.outliers import check_sense, without_outliers
-from asperity.identify.fitting.least_squares.starts import fit_bins, start
+from asperity.identify.fitting.least_squares.starts import (
+    check_directions,
+    fit_bins,
+    has_directions,
+    start,
+)
 from asperity.identify.fitting.models.directions import DirectionModel
 from asperity.identify.fitting.models.names import (
     DIRECTIONS,
@@ -221,6 +227,7 @@ def _compared(
             "data: one turn cannot be left out: models are compared over 2 turns or more"
         )
     sums = grouped(samples, min(samples.turns, MOST_GROUPS))
+    named = pairs is not None
     if pairs is None:
         means = means_of(sums)
         odd = means is not None and asymmetry(*means).matters
@@ -230,8 +237,10 @@ def _compared(
         raise FitError("pairs: no models to compare")
     # What varies within a bin is the same for all models.
     bins = sums.bins(width=_WIDTH)
-    check_coverage(bins)
-    check_sense(bins, samples, _WIDTH)
+    for family in families if named else families[:1]:
+        check_directions(family, bins)
+    families = [family for family in families if has_directions(family, bins)]
+    check_sense(bins, samples, _WIDTH, lambda: sense_explained(families[-1], bins, data))
     within = max(sums.energy - float((bins.squares[:, None] * bins.force**2).sum()), 0.0)
     count = Count(2 * len(families), report)
     fits = []

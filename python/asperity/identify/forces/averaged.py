@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
+from asperity.errors import ParameterError
 
 
 class Averaged(Value):
@@ -24,6 +25,8 @@ class Averaged(Value):
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load, shape ``(3,)``.
         is_load_given: whether λ_N is known apart from the readings.
+        is_fixed: whether the sensor does not turn with the sliding, as that of a stage: `readings`
+            are then those of a sensor that does, and their zero has no one value.
 
     Attributes:
         resistance: λ_t and λ_r in N, against the sliding and across it; shape ``(k, 2)``.
@@ -41,6 +44,7 @@ class Averaged(Value):
     matrix: Array
     zero: Array
     is_load_given: bool
+    is_fixed: bool
     resistance: Array
     force: Array
 
@@ -56,6 +60,7 @@ class Averaged(Value):
         matrix: ArrayLike,
         zero: ArrayLike,
         is_load_given: bool = False,
+        is_fixed: bool = False,
     ) -> None:
         angle = arrays.array(phi, "phi", (None,))
         k = angle.size
@@ -69,6 +74,7 @@ class Averaged(Value):
             matrix=arrays.array(matrix, "matrix", (3, 3)),
             zero=arrays.array(zero, "zero", (3,)),
             is_load_given=bool(is_load_given),
+            is_fixed=bool(is_fixed),
         )
         resistance = self.readings @ self.matrix[:2].T
         self._keep(
@@ -90,7 +96,15 @@ class Averaged(Value):
 
         Returns:
             Forces ``(k, 2)`` and normal forces ``(k,)``.
+
+        Raises:
+            ParameterError: if the sensor does not turn with the sliding; `ProcessedData.perturbed`
+                knows all samples.
         """
+        if self.is_fixed:
+            raise ParameterError(
+                "self", "are means of a sensor that does not turn: use ProcessedData.perturbed"
+            )
         t = self.matrix if matrix is None else arrays.array(matrix, "matrix", (3, 3))
         given = self.zero if zero is None else arrays.array(zero, "zero", (3,))
         shift = given - self.zero

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,23 +14,25 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.forces import filters
+from asperity.identify.forces import filters, stated_errors
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.forces.strokes import Axes, Strokes, joined, strokes_of
 from asperity.identify.forces.turns import (
     TurnAverage,
     average_turns,
     bin_centres,
+    bin_numbers,
     cells,
     full_bins,
-    sense,
-    turn_numbers,
 )
 from asperity.identify.forces.zero import Zero, shared_covariance, zeros_of
 from asperity.identify.records.record import RawData, Recording
 
 # Samples that are worked on at a time.
 _CHUNK = 1 << 15
+# Turns of all directions have samples in all of so many bins.
+_ROUND = 24
 
 
 class ProcessedData(Value):
@@ -42,12 +43,13 @@ class ProcessedData(Value):
         force: −λ = R(φ)(λ_t, λ_r) in N, not filtered; shape ``(n, 2)``.
         normal_force: λ_N in N after the low-pass filter, shape ``(n,)``.
         turn: number of the turn of each sample, from 0 over all runs; −1 outside complete turns.
+            Where the pin goes back and forth or along lines, of the stroke; −1 between strokes.
         run: first sample of each run and the number of samples, shape ``(m + 1,)``.
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load in the middle of the runs, shape ``(3,)``.
-        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None without
-            calibration, or where its error is not known. A given λ_N needs no third row.
-        zero_covariance: shape ``(3, 3)``, or None without records.
+        calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None where the
+            error is neither known by a calibration nor stated. A given λ_N needs no third row.
+        zero_covariance: shape ``(3, 3)``, or None where there are no records and nothing is stated.
         cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
 
     Reference: [WL19] (119), (120).
@@ -68,6 +70,7 @@ class ProcessedData(Value):
     zero_covariance: Array | None
     cut_off_frequency: tuple[float | None, ...]
     _zeros: tuple[Zero, ...]
+    _turned: tuple[Array | float, ...]
 
     def __init__(
         self,
@@ -86,42 +89,54 @@ class ProcessedData(Value):
         zeros = zeros_of(raw)
         lengths = [len(r) for r in raw.recordings]
         starts = np.concatenate([[0], np.cumsum(lengths)])
-        self._keep(
-            matrix=np.eye(3) if calibration is None else calibration.matrix,
-            zero=np.average([z.mean for z in zeros], axis=0, weights=lengths),
-            calibration_covariance=None
+        for run in raw.recordings:
+            _refuse_rest(run)
+        strokes = joined(raw.recordings, [strokes_of(run) for run in raw.recordings])
+        matrix = np.eye(3) if calibration is None else calibration.matrix
+        weighed = (
+            None
             if calibration is None
-            else calibration.known_covariance(is_load_given=self.is_load_given),
-            zero_covariance=shared_covariance(zeros, lengths),
+            else calibration.known_covariance(is_load_given=self.is_load_given)
+        )
+        self._keep(
+            matrix=matrix,
+            zero=np.average([z.mean for z in zeros], axis=0, weights=lengths),
+            calibration_covariance=stated_errors.added(
+                weighed, stated_errors.of_gains(raw, matrix)
+            ),
+            zero_covariance=stated_errors.added(
+                shared_covariance(zeros, lengths), stated_errors.of_zeros(raw, matrix)
+            ),
             run=tuple(int(start) for start in starts),
             cut_off_frequency=tuple(
-                None if self.cut_off is None else self.cut_off * rate
-                for rate in map(_turn_rate, raw.recordings)
+                None if self.cut_off is None else self.cut_off * one.rate for one in strokes
             ),
             _zeros=zeros,
+            _turned=tuple(one.turned for one in strokes),
         )
-        self._fill(self._sized())
+        self._fill(self._sized(), strokes)
 
     def _sized(self) -> _Series:
         n = self.run[-1]
         return _Series(np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n, dtype=np.int32))
 
-    def _fill(self, out: _Series) -> None:
-        found: list[int] = []
-        for number, run in enumerate(self.raw.recordings):
+    def _fill(self, out: _Series, strokes: Sequence[Strokes]) -> None:
+        before = 0
+        for number, (run, one) in enumerate(zip(self.raw.recordings, strokes, strict=True)):
             rows = slice(self.run[number], self.run[number + 1])
-            sign = sense(run)
-            out.turn[rows] = turn_numbers(run, sign)
-            complete = int(out.turn[rows].max()) + 1
-            out.turn[rows][out.turn[rows] >= 0] += sum(found)
-            found.append(complete)
-            backwards = math.pi if sign < 0.0 else 0.0
-            np.add(run.angle, self.grid_angle + backwards, out=out.phi[rows])
+            out.turn[rows] = one.number
+            out.turn[rows][one.number >= 0] += before
+            before += one.count
+            if isinstance(one.turned, float):
+                np.add(run.angle, self.grid_angle + one.turned, out=out.phi[rows])
+            else:
+                np.add(run.angle, self.grid_angle, out=out.phi[rows])
+                out.phi[rows] += one.turned
             self._forces(
                 number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
             )
-        _refuse_incomplete(self.raw, found)
-        _refuse_lost_contact(self.raw, self.run, out.normal)
+        _refuse_incomplete(self.raw, [one.count for one in strokes])
+        _refuse_lost_contact(self.raw, self.run, out)
         for series in (out.phi, out.force, out.normal, out.turn):
             series.flags.writeable = False
         self._keep(phi=out.phi, force=out.force, normal_force=out.normal, turn=out.turn)
@@ -156,15 +171,39 @@ class ProcessedData(Value):
         )
 
     def __repr__(self) -> str:
+        turns = f"{self.turns} {'turns' if self.goes_round else 'strokes'}"
         return (
-            f"<ProcessedData: {len(self.phi)} samples, {self.turns} turns of "
+            f"<ProcessedData: {len(self.phi)} samples, {turns} of "
             f"{len(self.raw.recordings)} runs, λ_N = {self.normal_force.mean():.4g} N>"
         )
 
     @property
     def turns(self) -> int:
-        """Number of complete turns."""
+        """Number of complete turns, or of strokes."""
         return int(self.turn.max()) + 1
+
+    @cached_property
+    def goes_round(self) -> bool:
+        """Whether each turn has all directions; else the pin goes along strokes."""
+        if all(isinstance(one, float) for one in self._turned):
+            return True
+        used = self.turn >= 0
+        cell = self.turn[used] * _ROUND + bin_numbers(self.phi[used], _ROUND)
+        return bool(np.bincount(cell, minlength=self.turns * _ROUND).all())
+
+    def axes(self, first: int, *, past: int) -> Axes:
+        """Return how the axes of the sensor lie from sample ``first`` to ``past`` of one stroke."""
+        first = arrays.count(first, "first", least=0)
+        past = arrays.count(past, "past")
+        if not first < past <= self.run[-1]:
+            raise ParameterError("past", f"must lie behind {first} and within, got {past}")
+        number = int(np.searchsorted(self.run, first, side="right")) - 1
+        run, turned = self.raw.recordings[number], self._turned[number]
+        if run.velocity is None:
+            one = turned if isinstance(turned, float) else float(turned[first - self.run[number]])
+            return Axes(True, -one)
+        middle = (first + min(past, self.run[number + 1])) // 2 - self.run[number]
+        return Axes(False, float(run.angle[middle]) + self.grid_angle)
 
     @property
     def used(self) -> int:
@@ -183,15 +222,20 @@ class ProcessedData(Value):
 
     @cached_property
     def speed(self) -> Array:
-        """Sliding speed ‖γ‖ in m/s, low-passed like the normal force, shape ``(n,)``."""
-        radius = self.raw.radius
+        """Sliding speed ‖γ‖ in m/s, low-passed like the normal force, shape ``(n,)``.
+
+        Speeds that were recorded stay as they are.
+        """
+        return np.concatenate([self._speed(number) for number in range(len(self.raw.recordings))])
+
+    def _speed(self, number: int) -> Array:
+        run, radius = self.raw.recordings[number], self.raw.radius
+        if run.velocity is not None:
+            return np.hypot(run.velocity[:, 0], run.velocity[:, 1])
         if radius is None:
             raise ParameterError("radius", "must be given in RawData for the sliding speed")
-        runs = self.raw.recordings
-        rates = [np.abs(np.gradient(run.angle, 1.0 / run.sample_rate)) for run in runs]
-        return radius * np.concatenate(
-            [self._smooth(rate, number) for number, rate in enumerate(rates)]
-        )
+        rate = np.abs(np.gradient(run.angle, 1.0 / run.sample_rate))
+        return radius * self._smooth(rate, number)
 
     def perturbed(
         self, *, matrix: ArrayLike | None = None, zero: ArrayLike | None = None
@@ -218,20 +262,29 @@ class ProcessedData(Value):
     def averaged(self, bins: int | None = None) -> Averaged:
         """Return the means of all complete turns in equal bins of the sliding direction.
 
-        By default there are 720, or as many as hold samples.
+        By default there are 720, or as many as hold samples. Of strokes, bins without samples are
+        left out.
         """
-        k = self.full_bins(720) if bins is None else arrays.count(bins, "bins", least=8)
-        forwards, backwards = np.zeros((6, k)), np.zeros((6, k))
-        for number, run in enumerate(self.raw.recordings):
-            sums = forwards if sense(run) > 0.0 else backwards
-            self._add(number, sums)
-        count = forwards[0] + backwards[0]
-        if not count.all():
+        given = 720 if bins is None else arrays.count(bins, "bins", least=8)
+        k = self.full_bins(720) if bins is None and self.goes_round else given
+        forwards, backwards, turned = np.zeros((6, k)), np.zeros((6, k)), np.zeros((9, k))
+        for number in range(len(self.raw.recordings)):
+            angle = self._turned[number]
+            if not isinstance(angle, float):
+                self._add_turned(number, angle, turned)
+            else:
+                self._add(number, forwards if angle == 0.0 else backwards)
+        count = forwards[0] + backwards[0] + turned[0]
+        held = count > 0
+        if not held.all() and self.goes_round:
             raise ParameterError("bins", f"must be fewer: of {k}, some hold no sample")
-        total, signed = (forwards + backwards) / count, (forwards - backwards) / count
+        count = count[held]
+        total = (forwards + backwards + turned[:6])[:, held] / count
+        signed = (forwards - backwards)[:, held] / count
+        readings = signed[2:5] - signed[0] * self.zero[:, None] + turned[6:, held] / count
         return Averaged(
-            bin_centres(k) + total[1],
-            (signed[2:5] - signed[0] * self.zero[:, None]).T,
+            bin_centres(k)[held] + total[1],
+            readings.T,
             total[5],
             count,
             unsigned_readings=(total[2:5] - self.zero[:, None]).T,
@@ -239,7 +292,24 @@ class ProcessedData(Value):
             matrix=self.matrix,
             zero=self.zero,
             is_load_given=self.is_load_given,
+            is_fixed=bool(turned.any()),
         )
+
+    def _add_turned(self, number: int, angle: Array, sums: Array) -> None:
+        """Add a run whose sliding turns against the sensor, by an angle at each sample.
+
+        Behind the sums of `_add` are those of readings above the zero of a sensor that turns with
+        the sliding.
+        """
+        self._add(number, sums[:6])
+        k, inverse = sums.shape[1], np.linalg.inv(self.matrix)
+        rows = slice(self.run[number], self.run[number + 1])
+        used = self.turn[rows] >= 0
+        cell, _ = cells(self.phi[rows][used], k)
+        along, across = arrays.along_and_across(self.force[rows][used], self.phi[rows][used])
+        forces = np.stack([along, across, self.normal_force[rows][used]])
+        for row, reading in enumerate(inverse @ forces):
+            sums[6 + row] += np.bincount(cell, reading, k)
 
     def _add(self, number: int, sums: Array) -> None:
         """Add a run to the sums of 1, φ from the centre, readings, λ_N in bins.
@@ -277,16 +347,33 @@ class ProcessedData(Value):
         """
         if bins is None:
             bins = self.full_bins(360, each_turn=True)
-        along, across = arrays.along_and_across(self.force, self.phi)
-        channels = {
-            "tangential": along / self.normal_force,
-            "radial": across / self.normal_force,
-            "normal": self.normal_force,
-        }
         return {
             name: average_turns(self.phi, values=values, turn=self.turn, bins=bins)
-            for name, values in channels.items()
+            for name, values in self._channels().items()
         }
+
+    def stroke_means(self) -> dict[str, Array]:
+        """Return the mean of l_t, l_p (per unit normal force) and λ_N in N of each stroke or turn.
+
+        Each is of shape ``(m,)``, in the order of `turn`.
+        """
+        used = self.turn >= 0
+        number = self.turn[used]
+        count = np.bincount(number)
+        return {
+            name: np.bincount(number, values[used]) / count
+            for name, values in self._channels().items()
+        }
+
+    def _channels(self) -> dict[str, Array]:
+        along, across = arrays.along_and_across(self.force, self.phi)
+        # Between strokes the pin may be lifted.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return {
+                "tangential": along / self.normal_force,
+                "radial": across / self.normal_force,
+                "normal": self.normal_force,
+            }
 
 
 def process(
@@ -337,10 +424,9 @@ class _Series:
     turn: NDArray[np.int32]
 
 
-def _turn_rate(run: Recording) -> float:
-    if abs(run.turns) < 1e-3:
+def _refuse_rest(run: Recording) -> None:
+    if run.velocity is None and abs(run.turns) < 1e-3 and not run.turns_back:
         raise RecordError(run.source, "angle: the disk does not turn")
-    return run.turn_rate
 
 
 def _refuse_incomplete(raw: RawData, found: Sequence[int]) -> None:
@@ -360,13 +446,23 @@ def _refuse_incomplete(raw: RawData, found: Sequence[int]) -> None:
             )
 
 
-def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], normal: Array) -> None:
-    """Refuse runs with a normal force that is not positive."""
+def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], out: _Series) -> None:
+    """Refuse runs with a normal force that is not positive; between strokes the pin may lift."""
     for run, start, stop in zip(raw.recordings, starts, starts[1:], strict=False):
-        lowest = int(normal[start:stop].argmin())
-        if normal[start + lowest] <= 0.0:
+        normal = out.normal[start:stop]
+        if run.velocity is not None:
+            normal = np.where(out.turn[start:stop] >= 0, normal, np.inf)
+        lowest = int(normal.argmin())
+        if normal[lowest] <= 0.0:
+            pulls = float(np.median(normal[np.isfinite(normal)])) < 0.0
+            remedy = (
+                "a minus before its unit turns the sign"
+                if pulls
+                else "where the file has more than the run, a window of time takes it out"
+            )
             raise RecordError(
                 run.source,
                 f"normal channel: no pressure at row {lowest + 1} "
-                f"({normal[start + lowest]:.4g} N); compression must be positive",
+                f"({normal[lowest]:.4g} N); compression must be positive: {remedy}",
+                ("units",) if pulls else ("run",),
             )

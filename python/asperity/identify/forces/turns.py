@@ -10,29 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import ParameterError, RecordError
+from asperity.errors import ParameterError
 from asperity.identify.records.record import Recording
 
 _TURN = 2.0 * math.pi
-# The disk may shake by this angle against its sense of rotation.
-_BACKLASH = 0.1
 # Angles that miss a whole turn by this share of it complete it.
 _ROUNDING = 1e-9
 _FEWEST = 8
 
 
 def sense(recording: Recording) -> float:
-    """Return +1 or −1, the sense in which the disk turns; refuse a disk that turns both ways."""
-    angle = recording.angle
-    sign = math.copysign(1.0, angle[-1] - angle[0])
-    farthest = np.maximum.accumulate(angle) if sign > 0.0 else np.minimum.accumulate(angle)
-    np.subtract(farthest, angle, out=farthest)
-    row = int(farthest.argmax() if sign > 0.0 else farthest.argmin())
-    if abs(farthest[row]) > _BACKLASH:
-        raise RecordError(
-            recording.source, f"angle: the disk turns back before row {row + 1}; cut the record"
-        )
-    return sign
+    """Return +1 or −1, the sense in which the disk turns."""
+    return math.copysign(1.0, recording.angle[-1] - recording.angle[0])
 
 
 def turn_numbers(recording: Recording, sign: float) -> NDArray[np.int32]:

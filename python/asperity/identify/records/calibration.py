@@ -67,7 +67,7 @@ class Calibration(Value):
     ) -> None:
         given = arrays.array(loads, "loads", (None, 3))
         read = arrays.array(readings, "readings", (len(given), 3))
-        error = None if reading_error is None else _channels(reading_error)
+        error = None if reading_error is None else by_channel(reading_error, "reading_error")
         self._set(
             loads=given,
             readings=read,
@@ -113,15 +113,16 @@ class Calibration(Value):
         return arrays.read_only(np.outer(used, used) * self.covariance)
 
 
-def _channels(error: ArrayLike) -> Array:
-    values = arrays.array(error, "reading_error")
+def by_channel(error: ArrayLike, name: str) -> Array:
+    """Return the errors of the three channels from one number for all, or from three."""
+    values = arrays.array(error, name)
     if values.ndim == 0:
         values = np.full(3, values)
     if values.shape != (3,):
-        raise DimensionError("reading_error", f"must be one number or three, got {values.shape}")
+        raise DimensionError(name, f"must be one number or three, got {values.shape}")
     if values.min() < 0.0:
-        raise ParameterError("reading_error", f"must not be negative, got {values.tolist()}")
-    return values
+        raise ParameterError(name, f"must not be negative, got {values.tolist()}")
+    return arrays.read_only(values)
 
 
 def _variance(residuals: Array, parameters: int) -> Array:

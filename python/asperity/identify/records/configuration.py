@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,22 @@ from asperity._base.storage.toml import COUNT, NUMBER, NUMBERS, SWITCH, TEXT, Ki
 from asperity._base.value import Value
 from asperity.errors import AsperityError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration
-from asperity.identify.records.reading import PathLike, read_csv
+from asperity.identify.records.motion import force_columns, motion_columns
+from asperity.identify.records.reading import (
+    PathLike,
+    Window,
+    read_csv,
+    read_records,
+    sources,
+)
 from asperity.identify.records.record import CHANNELS, Processing, RawData, Recording
-from asperity.identify.records.text_table import Format, has_column, read_table
-from asperity.identify.records.units import factors
+from asperity.identify.records.text_table import Format, Source, name_of, names_in, read_table
+from asperity.identify.records.units import UNITS, factors
 
-_FORMAT = ("delimiter", "decimal", "header", "encoding")
+_FORMAT = ("delimiter", "decimal", "header", "encoding", "names", "thousands", "sheet")
+_TIME = Kind(
+    "a number, or a time of day in quotes", lambda value: NUMBER.holds(value) or TEXT.holds(value)
+)
 _COLUMN = Kind("a name or a number from 0", lambda value: COUNT.holds(value) or TEXT.holds(value))
 _CUT_OFF = Kind(
     "a number, or false for none",
@@ -33,13 +44,18 @@ SCHEMA: dict[str, dict[str, Kind]] = {
         "decimal": TEXT,
         "header": COUNT,
         "encoding": TEXT,
+        "names": COUNT,
+        "thousands": TEXT,
+        "sheet": _COLUMN,
         "sample_rate": NUMBER,
         "turn_rate": NUMBER,
+        "counts_per_turn": NUMBER,
         "check_units": SWITCH,
         "on_defect": TEXT,
     },
-    "columns": dict.fromkeys(("time", "angle", *CHANNELS), _COLUMN),
-    "units": dict.fromkeys(("time", "angle", *CHANNELS), TEXT),
+    "columns": dict.fromkeys(UNITS, _COLUMN),
+    "units": dict.fromkeys(UNITS, TEXT),
+    "run": {"from": _TIME.or_several(), "to": _TIME.or_several(), "angles": NUMBERS},
     "calibration": {
         "file": TEXT,
         "loads": NUMBERS,
@@ -47,8 +63,17 @@ SCHEMA: dict[str, dict[str, Kind]] = {
         "reading_error": NUMBERS,
         "fit_zero": SWITCH,
     },
-    "no_load": {"files": TEXT.or_several()},
-    "tribometer": {"normal_load": NUMBER, "radius": NUMBER},
+    "no_load": {
+        "files": TEXT.or_several(),
+        "from": _TIME.or_several(),
+        "to": _TIME.or_several(),
+    },
+    "tribometer": {
+        "normal_load": NUMBER,
+        "radius": NUMBER,
+        "zero_error": NUMBERS,
+        "gain_error": NUMBERS,
+    },
     "processing": {"cut_off": _CUT_OFF, "order": COUNT, "grid_angle": NUMBER},
 }
 # Crosstalk below this is rounding.
@@ -60,11 +85,16 @@ class Configuration(Value):
     """How the files of a tribometer are read and processed, as in a TOML file.
 
     Args:
-        sections: ``file`` (delimiter, decimal, header, encoding, sample_rate, turn_rate,
-            check_units, on_defect), ``columns`` and ``units`` as for `read_csv`, ``calibration``
-            (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files),
-            ``tribometer`` (normal_load, radius), ``processing`` (cut_off, order, grid_angle); all
-            optional. A column of the normal channel is read beside normal_load for its crosstalk.
+        sections: ``file`` (delimiter, decimal, header, encoding, names, thousands, sheet,
+            sample_rate, turn_rate, counts_per_turn, check_units, on_defect), ``columns`` and
+            ``units`` as for `read_csv`, ``run`` (from, to, angles), ``calibration`` (file, or loads
+            and readings; reading_error, fit_zero), ``no_load`` (files; from, to), ``tribometer``
+            (normal_load, radius; zero_error in N and gain_error, relative, as of `RawData`),
+            ``processing`` (cut_off, order, grid_angle); all optional. A
+            column of the normal channel is read beside normal_load for its crosstalk. Windows
+            ``from`` … ``to``, numbers in the unit of the times or texts for a clock, or lists of
+            them, are those of each file of the runs; those of ``no_load`` are of its own files if
+            it names some.
         folder: what the names of files are relative to.
 
     The file of a calibration has columns load_tangential, load_radial, load_normal in N beside the
@@ -114,13 +144,14 @@ class Configuration(Value):
         names = self._section("no_load").get("files", [])
         return [Path(self.folder, name) for name in ([names] if isinstance(names, str) else names)]
 
-    def read(self, paths: PathLike | Iterable[PathLike], *, progress: Progress = None) -> RawData:
+    def read(self, paths: Source | Iterable[Source], *, progress: Progress = None) -> RawData:
         """Return the runs in some files, with the calibration, records without load and options.
 
-        `process` finds the options of the section ``processing`` in what is returned.
+        `process` finds the options of the section ``processing`` in what is returned; `load` does
+        both.
 
         Args:
-            paths: of the files.
+            paths: of the files, or tables in memory.
             progress: ``True`` for a bar of tqdm, or a function of (files read, all files), those of
                 records without load too.
 
@@ -129,30 +160,32 @@ class Configuration(Value):
             ConfigurationError: for an option that does not fit, if a file gave it; else
                 ParameterError.
         """
-        with reporter(progress, "file") as report:
-            if self._file is None:
-                return self._read(paths, report)
-            with self._file.blamed():
-                return self._read(paths, report)
+        with reporter(progress, "file") as report, self.blamed():
+            return self._read(paths, report)
 
-    def _read(self, paths: PathLike | Iterable[PathLike], report: Report | None) -> RawData:
+    def blamed(self) -> AbstractContextManager[None]:
+        """Say of errors where in the file an option stands, if there is a file."""
+        return nullcontext() if self._file is None else self._file.blamed()
+
+    def _read(self, paths: Source | Iterable[Source], report: Report | None) -> RawData:
         calibration = self._calibration()
-        files = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+        files = sources(paths)
         constant = self._constant_normal(files)
         if constant is not None and calibration is not None and _mixes_normal(calibration):
             raise RecordError(
-                str(files[0]),
+                name_of(files[0]),
                 "normal: the calibration says that the normal load moves the other channels, "
                 "which normal_load cannot replace: give the column of the normal channel as well",
             )
         idle = self._no_load
         whole = len(files) + len(idle)
-        runs = self._runs(files, constant, part_of(report, 0, whole), loaded=True)
+        runs, within = self._runs(files, constant, part_of(report, 0, whole))
         later = part_of(report, len(files), whole)
+        without = self._records_without_load(idle, constant, later) if idle else within
         return RawData(
             runs,
             calibration=calibration,
-            no_load=self._runs(idle, constant, later, loaded=False) if idle else (),
+            no_load=without,
             processing=Processing(**self._processing()),
             **self._section("tribometer"),
         )
@@ -170,7 +203,7 @@ class Configuration(Value):
     def _format(self) -> Format:
         return Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
 
-    def _constant_normal(self, files: Sequence[PathLike]) -> float | None:
+    def _constant_normal(self, files: Sequence[Source]) -> float | None:
         """Return the load that stands for a normal channel; None if the files have one.
 
         Crosstalk of the normal load is in the other channels whether λ_N is constant or not: it
@@ -178,27 +211,57 @@ class Configuration(Value):
         """
         load = self._section("tribometer").get("normal_load")
         named = "normal" in self._section("columns")
-        if load is None or named or (files and has_column(files[0], "normal", self._format)):
+        if load is None or named or "normal" in names_in(files[0], self._format):
             return None
         return float(load)
 
+    def _reading(self, normal_load: float | None) -> dict[str, Any]:
+        """Return the options of `read_csv` that are the same for all files."""
+        return {
+            "columns": self._section("columns"),
+            "units": self._section("units"),
+            "normal_load": normal_load,
+            **self._section("file"),
+        }
+
     def _runs(
-        self,
-        paths: Iterable[PathLike],
-        normal_load: float | None,
-        report: Report | None,
-        *,
-        loaded: bool,
+        self, files: Sequence[Source], normal_load: float | None, report: Report | None
+    ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+        """Return the runs, and what the windows without load of the same files hold."""
+        windows = self._windows("run")
+        idle = None if self._no_load else self._windows("no_load")
+        angles = self._section("run").get("angles")
+        return read_records(
+            files,
+            {True: windows or [(None, None)], **({} if idle is None else {False: idle})},
+            angles=angles,
+            progress=report,
+            **self._reading(normal_load),
+        )
+
+    def _records_without_load(
+        self, files: Sequence[Path], normal_load: float | None, report: Report | None
     ) -> tuple[Recording, ...]:
         return read_csv(
-            paths,
-            columns=self._section("columns"),
-            units=self._section("units"),
-            normal_load=normal_load,
-            loaded=loaded,
+            files,
+            run=self._windows("no_load"),
+            loaded=False,
             progress=report,
-            **self._section("file"),
+            **self._reading(normal_load),
         )
+
+    def _windows(self, section: str) -> list[Window] | None:
+        """Return the windows of time of a section; None if it has none."""
+        given = self._section(section)
+        ends = [given.get(name) for name in ("from", "to")]
+        if ends == [None, None]:
+            return None
+        low, high = (one if isinstance(one, list) else [one] for one in ends)
+        if len(low) != len(high):
+            raise ParameterError(
+                section, f"must have as many ends as begins: {len(low)} from, {len(high)} to"
+            )
+        return list(zip(low, high, strict=True))
 
     def _calibration(self) -> Calibration | None:
         given = self._section("calibration")
@@ -218,24 +281,25 @@ class Configuration(Value):
 
     def _weighings(self, path: Path) -> tuple[Array, Array]:
         columns = self._section("columns")
-        wanted = {name: name for name in LOADS} | {n: columns.get(n, n) for n in CHANNELS}
+        channels = (*force_columns(columns, motion_columns(columns)), "normal")
+        wanted = {name: name for name in LOADS} | {n: columns.get(n, n) for n in channels}
         table = read_table(path, wanted, self._format)
         if not np.isfinite(table.values).all():
             bad = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
             raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")
-        scale = factors(self._section("units"))
-        return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in CHANNELS]
+        scale = factors(self._section("units"), self._section("file").get("counts_per_turn"))
+        return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in channels]
 
 
 def read_raw(
-    paths: PathLike | Iterable[PathLike], config: PathLike, *, progress: Progress = None
+    paths: Source | Iterable[Source], config: PathLike, *, progress: Progress = None
 ) -> RawData:
     """Return the runs in some files as a configuration file says: `Configuration.read`.
 
-    `process` finds the options of the section ``processing`` in what is returned.
+    `process` finds the options of the section ``processing`` in what is returned; `load` does both.
 
     Args:
-        paths: files of the runs.
+        paths: files of the runs, or tables in memory.
         config: a TOML file, see `Configuration`.
         progress: as of `Configuration.read`.
 

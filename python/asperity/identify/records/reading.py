@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +18,9 @@ from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Progress, each, reporter
 from asperity.errors import ParameterError, RecordError
+from asperity.identify.records import clock
 from asperity.identify.records import units as _units
+from asperity.identify.records.motion import force_columns, motion_columns, velocity_of
 from asperity.identify.records.record import (
     CHANNELS,
     PIECE,
@@ -24,9 +29,19 @@ from asperity.identify.records.record import (
     rows_text,
     standstill_rows,
 )
-from asperity.identify.records.text_table import Format, Table, read_table
+from asperity.identify.records.text_table import (
+    Format,
+    Source,
+    Table,
+    is_frame,
+    name_of,
+    read_table,
+)
 
 PathLike = str | os.PathLike[str]
+Window: TypeAlias = "tuple[float | str | None, float | str | None]"
+"""From when to when, None for the start and the end of the file."""
+
 _TURN = 2.0 * math.pi
 # A channel is clipped if its extreme value comes at least so often, and so many times more often
 # than the value next to it.
@@ -34,12 +49,13 @@ _REPEATED, _CROWDED = 8, 10.0
 # A quiet channel with fewer levels than this may stay at one of them.
 _LEVELS = 16.0
 _ROUNDED = "rounded or out of order after"
+_FORM = tuple(Format.__dataclass_fields__)
 # What stands for a column that is not there.
 _CONSTANTS = {"time": "sample_rate", "angle": "turn_rate", "normal": "normal_load"}
 
 
 def read_csv(
-    paths: PathLike | Iterable[PathLike],
+    paths: Source | Iterable[Source],
     *,
     columns: Mapping[str, str | int] | None = None,
     units: Mapping[str, str] | None = None,
@@ -47,31 +63,56 @@ def read_csv(
     decimal: str = ".",
     header: int = 1,
     encoding: str = "utf-8-sig",
+    names: int | None = None,
+    thousands: str | None = None,
+    sheet: str | int = 0,
     sample_rate: float | None = None,
     turn_rate: float | None = None,
+    counts_per_turn: float | None = None,
     normal_load: float | None = None,
+    run: Sequence[Window] | None = None,
+    angles: float | Sequence[float] | None = None,
     loaded: bool = True,
     check_units: bool = True,
     on_defect: str = "raise",
     progress: Progress = None,
 ) -> tuple[Recording, ...]:
-    r"""Read runs of a tribometer from text files, one or several of a campaign.
+    r"""Read runs of a tribometer from tables, one or several of a campaign.
+
+    It reads, and no more: calibration, records without load and options of the processing are
+    those of `load`.
 
     Args:
-        paths: the files.
+        paths: text files, spreadsheets (.xlsx, with pandas and openpyxl), or tables in memory, each
+            a ``pandas.DataFrame``.
         columns: where ``time``, ``angle``, ``tangential``, ``radial`` and ``normal`` are: names in
-            the last header line, or numbers from 0; by default named like that.
-        units: of these columns: time s, ms, us, min; angle rad, deg, turn; forces N, mN, cN, kN, or
-            readings V, mV, raw for the calibration to turn into N. A leading minus turns the sign.
-            Default: s, rad, N. The angle may be wrapped.
+            the header, or numbers from 0; by default named like that. ``turn_rate`` in place of
+            ``angle`` is summed up from 0 at the start of the file. Where a stage moves instead of
+            a disk: ``velocity`` or ``position`` along the tangential channel, or ``velocity_x``
+            and ``velocity_y`` or ``position_x`` and ``position_y``, with ``force_x`` and
+            ``force_y`` for the channels; an ``angle`` then says how the surface lies.
+        units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
+            angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, mN, cN, kN,
+            or readings V, mV, raw for the calibration to turn into N; velocities m/s, cm/s, mm/s,
+            um/s; positions m, cm, mm, um. A leading minus turns the sign. Default: s, rad, turn/s,
+            N, m/s, m. The angle may be wrapped.
         delimiter: between columns; None or a blank for any white space.
         decimal: ``"."`` or ``","``.
         header: number of lines before the numbers.
         encoding: of the text.
+        names: the line of the header that names the columns, from 1; by default the last.
+        thousands: what stands between groups of three digits; by default nothing does.
+        sheet: of a spreadsheet, by name or number from 0.
         sample_rate: in Hz, instead of a time column.
-        turn_rate: in turns/s, instead of an angle column; the angle is 0 at time 0.
+        turn_rate: in turns/s or the unit given for it, instead of an angle column; the angle is 0
+            at time 0.
+        counts_per_turn: of the encoder, for an angle in counts.
         normal_load: constant λ_N in N, instead of a column of the normal force; 0 is what records
             without load get.
+        run: windows of time, each a run: pairs of start and end in the unit of the time column, or
+            texts for a clock; None for those of the file. By default a file is one run.
+        angles: how the surface lies, one number or one for each file in the unit of the angle,
+            where a stage moves; by default 0.
         loaded: False for records without load, where the disk may rest and no unit is checked.
         check_units: whether implausible magnitudes are refused.
         on_defect: ``"raise"``, or ``"split"``: the record is cut at its defects, and pieces
@@ -104,90 +145,340 @@ def read_csv(
     ...     )[0].readings[0].tolist()
     [1.25, 0.0, 9.5]
     """
-    form = Format(delimiter, decimal, header, encoding)
-    given = {"time": sample_rate, "angle": turn_rate, "normal": normal_load}
-    constants = {
-        name: arrays.number(value, _CONSTANTS[name])
-        for name, value in given.items()
-        if value is not None
+    options = {
+        "columns": columns,
+        "units": units,
+        "delimiter": delimiter,
+        "decimal": decimal,
+        "header": header,
+        "encoding": encoding,
+        "names": names,
+        "thousands": thousands,
+        "sheet": sheet,
+        "sample_rate": sample_rate,
+        "turn_rate": turn_rate,
+        "counts_per_turn": counts_per_turn,
+        "normal_load": normal_load,
+        "check_units": check_units,
+        "on_defect": on_defect,
     }
-    where = _columns(columns, constants)
-    if not loaded and "normal" in constants:
-        constants["normal"] = 0.0
-    arrays.choice(on_defect, "on_defect", ("raise", "split"))
-    scale = _units.factors(units)
-    named = {**_units.DEFAULTS, **(units or {})}
-    files = [paths] if isinstance(paths, str | os.PathLike) else arrays.several(paths, "paths")
+    windows = {bool(loaded): [(None, None)] if run is None else list(run)}
+    runs, idle = read_records(paths, windows, angles=angles, progress=progress, **options)
+    return runs if loaded else idle
+
+
+def read_records(
+    paths: Source | Iterable[Source],
+    windows: Mapping[bool, Sequence[Window]],
+    *,
+    angles: float | Sequence[float] | None = None,
+    progress: Progress = None,
+    **options: Any,
+) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    """Return the recordings with and without load in some files, each of which is read once.
+
+    Args:
+        paths: as of `read_csv`, like the other options.
+        windows: of the recordings with load, True, and of those without, False.
+        angles: how the surface lies.
+        progress: as of `read_csv`.
+        **options: the others of `read_csv`.
+    """
+    form = Format(**{name: options.pop(name) for name in _FORM if name in options})
+    columns, units = (dict(options.pop(name, None) or {}) for name in ("columns", "units"))
+    reader = Reader(form, columns, units, **options)
+    files = sources(paths)
+    lie = _one_for_each(angles, files, reader)
+    found: dict[bool, list[Recording]] = {True: [], False: []}
+    with reporter(progress, "file") as report:
+        for at, path in enumerate(each(files, report)):
+            read = reader.read(path, windows, angle=None if lie is None else lie[at])
+            for loaded, records in read.items():
+                found[loaded] += records
+    for loaded in windows:
+        if not found[loaded]:
+            raise RecordError(name_of(files[0]), "nothing is left between its defects")
+    return tuple(found[True]), tuple(found[False])
+
+
+def sources(paths: Source | Iterable[Source]) -> list[Source]:
+    """Return the sources of one or several runs as a list, which is not empty."""
+    if isinstance(paths, str | os.PathLike) or is_frame(paths):
+        return [paths]  # type: ignore[list-item]
+    files = list(arrays.several(paths, "paths"))
     if not files:
         raise ParameterError("paths", "must name at least one file")
-    found: list[Recording] = []
-    for path, table in _tables(files, where, form, progress):
+    for path in files:
+        if not isinstance(path, str | os.PathLike) and not is_frame(path):
+            raise ParameterError("paths", f"must be files or tables of pandas, got {path!r:.60}")
+    return files
+
+
+def _one_for_each(
+    angles: float | Sequence[float] | None, files: Sequence[Source], reader: Reader
+) -> list[float] | None:
+    """Return how the surface lies for each file, in the unit of the angle."""
+    if angles is None:
+        return None
+    if not reader.is_stage:
+        raise ParameterError("angles", "are for a stage: its velocity or position is no column")
+    if "angle" in reader.columns:
+        raise ParameterError("angles", "excludes a column of angle")
+    values = arrays.array(angles, "angles")
+    if values.ndim == 0:
+        values = np.full(len(files), values)
+    if values.shape != (len(files),):
+        raise ParameterError(
+            "angles", f"must be one number, or one for each of {len(files)} files, got {angles!r}"
+        )
+    return values.tolist()
+
+
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """How tables of one laboratory become recordings; its arguments are those of `read_csv`."""
+
+    form: Format
+    columns: dict[str, str | int]
+    units: dict[str, str]
+    sample_rate: float | None = None
+    turn_rate: float | None = None
+    counts_per_turn: float | None = None
+    normal_load: float | None = None
+    check_units: bool = True
+    on_defect: str = "raise"
+
+    def __post_init__(self) -> None:
+        arrays.choice(self.on_defect, "on_defect", ("raise", "split"))
+        for name in self.columns:
+            if name not in _units.UNITS:
+                raise ParameterError(
+                    "columns", f"has no channel {name!r}, only {', '.join(_units.UNITS)}"
+                )
+        both = [name for name in _CONSTANTS if name in self.columns and name in self.constants]
+        if both:
+            raise ParameterError(_CONSTANTS[both[0]], f"excludes a column of {both[0]}")
+        if "angle" in self.constants and (self.is_stage or self.motion == ("turn_rate",)):
+            raise ParameterError("turn_rate", f"excludes a column of {self.motion[0]}")
+        _ = self.forces, self.scale
+
+    @cached_property
+    def constants(self) -> dict[str, float]:
+        """What stands for columns that are not there."""
+        given = {"time": self.sample_rate, "angle": self.turn_rate, "normal": self.normal_load}
+        return {
+            name: arrays.number(value, _CONSTANTS[name])
+            for name, value in given.items()
+            if value is not None
+        }
+
+    @cached_property
+    def motion(self) -> tuple[str, ...]:
+        """The columns from which the sliding follows."""
+        return motion_columns(self.columns)
+
+    @property
+    def is_stage(self) -> bool:
+        """Whether a stage moves, and no disk turns."""
+        return self.motion[0] not in ("angle", "turn_rate")
+
+    @cached_property
+    def forces(self) -> tuple[str, str]:
+        """The columns of the two horizontal channels."""
+        return force_columns(self.columns, self.motion)
+
+    @cached_property
+    def scale(self) -> dict[str, float]:
+        """The factors to SI of all columns."""
+        return _units.factors(self.units, self.counts_per_turn)
+
+    @cached_property
+    def named(self) -> dict[str, str]:
+        """The units of all columns."""
+        return {**_units.DEFAULTS, **self.units}
+
+    def where(self, *, loaded: bool) -> dict[str, str | int]:
+        """Return where each wanted column is; constants stand for columns."""
+        moving = [*self.motion, *(["angle"] if self.is_stage and "angle" in self.columns else [])]
+        if not loaded and self.motion != ("angle",):
+            # Nothing moves, or it does not matter.
+            moving = []
+        wanted = ("time", *moving, *self.forces, "normal")
+        return {name: self.columns.get(name, name) for name in wanted if name not in self.constants}
+
+    def read(
+        self,
+        path: Source,
+        windows: Mapping[bool, Sequence[Window]],
+        *,
+        angle: float | None = None,
+    ) -> dict[bool, list[Recording]]:
+        """Return the recordings in windows of one table, those with and those without load."""
+        where = self.where(loaded=any(windows))
+        clocked = self.named["time"].removeprefix("-") == _units.CLOCK
+        table = read_table(path, where, self.form, clocked="time" if clocked else None)
         if len(table.values) < 2:
-            raise RecordError(str(path), "holds one sample only, a run needs two or more")
-        series = _series(table, where, scale, constants)
+            raise RecordError(table.source, "holds one sample only, a run needs two or more")
+        series = self._series(table, where)
+        if angle is not None:
+            series["angle"] = np.full(len(table.values), angle * self.scale["angle"])
+        found: dict[bool, list[Recording]] = {}
+        for loaded, given in windows.items():
+            found[loaded] = []
+            for window in given:
+                part = _Part(self, table, where, series, loaded)
+                rows = part.rows(window)
+                found[loaded] += part.recordings(rows, whole=window == (None, None))
+        return found
+
+    def _series(self, table: Table, where: Mapping[str, str | int]) -> dict[str, Array]:
+        scale, constants = self.scale, self.constants
+        series = {
+            name: table.values[:, at] * scale[name] if scale[name] != 1.0 else table.values[:, at]
+            for at, name in enumerate(where)
+        }
+        count = np.arange(len(table.values))
+        if "time" in constants:
+            series["time"] = count / arrays.positive(constants["time"], "sample_rate")
+        elif self.named["time"].removeprefix("-") == _units.CLOCK:
+            series["time"] = clock.through_midnight(series["time"])
+        if "angle" in constants:
+            series["angle"] = _TURN * scale["turn_rate"] * constants["angle"] * series["time"]
+        elif "turn_rate" in where:
+            series["angle"] = _summed(series["turn_rate"], series["time"])
+        elif "angle" not in where:
+            series["angle"] = np.zeros(len(count))
+        if "normal" in constants:
+            series["normal"] = np.full(len(count), constants["normal"])
+        for name, channel in zip(self.forces, CHANNELS[:2], strict=True):
+            series[channel] = series[name]
+        return series
+
+
+def _summed(rate: Array, time: Array) -> Array:
+    """Return the rotation in rad since the first sample; over gaps the rate goes on straight."""
+    known = np.isfinite(rate) & np.isfinite(time)
+    if not known.any():
+        return np.full(len(rate), np.nan)
+    row = np.arange(len(rate))
+    rate, time = (np.interp(row, row[known], values[known]) for values in (rate, time))
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)
+    return _TURN * np.concatenate([[0.0], np.cumsum(steps)])
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What windows of a table have in common."""
+
+    reader: Reader
+    table: Table
+    where: Mapping[str, str | int]
+    series: Mapping[str, Array]
+    loaded: bool
+
+    def rows(self, window: Window) -> slice:
+        """Return the rows of a window."""
+        time = self.series["time"]
+        if window == (None, None):
+            return slice(0, len(time))
+        low, high = self._time(window[0], -math.inf), self._time(window[1], math.inf)
+        inside = np.flatnonzero((time >= low) & (time <= high))
+        if inside.size < 2:
+            scale = self.reader.scale["time"]
+            first, last = np.nanmin(time) / scale, np.nanmax(time) / scale
+            raise RecordError(
+                self.table.source,
+                f"has no samples from {window[0]} to {window[1]}: its times go from {first:.6g} to "
+                f"{last:.6g}",
+                ("run" if self.loaded else "no_load",),
+            )
+        return slice(int(inside[0]), int(inside[-1]) + 1)
+
+    def _time(self, value: float | str | None, missing: float) -> float:
+        """Return a time in s; of one without date the day is that of the first sample."""
+        argument = "run" if self.loaded else "no_load"
+        if value is None:
+            return missing
+        is_clock = self.reader.named["time"] == _units.CLOCK
+        if isinstance(value, str) != is_clock:
+            words = "a time of day in quotes" if is_clock else "a number in the unit of the times"
+            raise ParameterError(argument, f"must have {words} for from and to, got {value!r}")
+        if not isinstance(value, str):
+            return arrays.number(value, argument) * self.reader.scale["time"]
+        found, first = clock.seconds(value), float(self.series["time"][0])
+        if math.isnan(found):
+            raise ParameterError(argument, f"must have times such as '12:00:05', got {value!r}")
+        return found + (first // clock.DAY * clock.DAY if found < clock.DAY <= first else 0.0)
+
+    def recordings(self, rows: slice, *, whole: bool) -> list[Recording]:
+        """Return the recordings between the defects of some rows."""
+        table, where = self.table, self.where
+        series = {name: values[rows] for name, values in self.series.items()}
+        if not self.loaded and "normal" in self.reader.constants:
+            series["normal"] = np.zeros(rows.stop - rows.start)
+        source = table.source
+        if not whole:
+            source = f"{source} from {series['time'][0]:.6g} to {series['time'][-1]:.6g} s"
         defects = _defects(series, where)
-        if defects and on_defect == "raise":
-            rate = ("sample_rate",) if any(what == _ROUNDED for _, what, _ in defects) else ()
-            raise RecordError(str(path), _report(defects, table, where), (*rate, "on_defect"))
-        for name, what, rows_of in defects:
-            log.warning("%s: cut at %d defects: column %s %s", path, len(rows_of), name, what)
-        for rows in _pieces(defects, len(table.values)):
-            run = _recording(
-                series, rows, table, named["angle"] if loaded else None, whole=not defects
+        if defects and self.reader.on_defect == "raise":
+            raise RecordError(
+                source, _report(defects, table, where, rows.start), _remedies(defects, where)
             )
-            if loaded:
-                _refuse_constant(run, where)
-                if check_units:
-                    _units.check_magnitudes(run, named)
-            found.append(run)
-    if not found:
-        raise RecordError(str(files[0]), "nothing is left between its defects")
-    return tuple(found)
+        for name, what, bad in defects:
+            log.warning("%s: cut at %d defects: column %s %s", source, len(bad), name, what)
+        found: list[Recording] = []
+        for piece in _pieces(defects, rows.stop - rows.start):
+            name = source
+            if defects:
+                ends = np.array([rows.start + piece.start, rows.start + piece.stop - 1])
+                first, last = table.lines(ends)
+                name = f"{source}{PIECE}{first}-{last}"
+            found.append(self._recording(series, piece, name, found[-1] if found else None))
+        return found
+
+    def _recording(
+        self, series: Mapping[str, Array], rows: slice, source: str, before: Recording | None
+    ) -> Recording:
+        reader = self.reader
+        angle, time = series["angle"][rows], np.array(series["time"][rows])
+        # A disk at rest has an angle that only shakes.
+        if self.loaded and not reader.is_stage:
+            factor = reader.scale["angle"]
+            _units.check_wrapping(angle / factor, reader.named["angle"], factor, source)
+            angle = np.unwrap(angle)
+            if before is not None:
+                angle = angle + _turns_between(before, angle, time, series["angle"])
+        readings = np.stack([series[name][rows] for name in CHANNELS], axis=-1)
+        turned = np.array(angle)
+        for values in (time, turned, readings):
+            values.flags.writeable = False
+        moves = self.loaded and reader.is_stage
+        run = Recording(
+            time,
+            angle=turned,
+            readings=readings,
+            source=source,
+            velocity=velocity_of(series, rows, reader.motion) if moves else None,
+        )
+        if self.loaded:
+            _refuse_constant(run, self.where)
+            if reader.check_units:
+                _units.check_magnitudes(run, {**reader.named, **self._units_of_channels()})
+        return run
+
+    def _units_of_channels(self) -> dict[str, str]:
+        reader = self.reader
+        pairs = zip(CHANNELS[:2], reader.forces, strict=True)
+        return {channel: reader.named[name] for channel, name in pairs}
 
 
-def _tables(
-    files: Sequence[PathLike], where: Mapping[str, str | int], form: Format, progress: Progress
-) -> Iterator[tuple[PathLike, Table]]:
-    with reporter(progress, "file") as report:
-        for path in each(files, report):
-            yield path, read_table(path, where, form)
-
-
-def _columns(
-    columns: Mapping[str, str | int] | None, constants: Mapping[str, float]
-) -> dict[str, str | int]:
-    """Return where each wanted column is; constants stand for columns."""
-    given = {} if columns is None else dict(columns)
-    for name in given:
-        if name not in _units.UNITS:
-            raise ParameterError(
-                "columns", f"has no channel {name!r}, only {', '.join(_units.UNITS)}"
-            )
-    names = ("time", "angle", *CHANNELS)
-    both = [name for name in names if name in given and name in constants]
-    if both:
-        raise ParameterError(_CONSTANTS[both[0]], f"excludes a column of {both[0]}")
-    return {name: given.get(name, name) for name in names if name not in constants}
-
-
-def _series(
-    table: Table,
-    where: Mapping[str, str | int],
-    scale: Mapping[str, float],
-    constants: Mapping[str, float],
-) -> dict[str, Array]:
-    series = {
-        name: table.values[:, at] * scale[name] if scale[name] != 1.0 else table.values[:, at]
-        for at, name in enumerate(where)
-    }
-    count = np.arange(len(table.values))
-    if "time" in constants:
-        series["time"] = count / arrays.positive(constants["time"], "sample_rate")
-    if "angle" in constants:
-        series["angle"] = _TURN * constants["angle"] * series["time"]
-    if "normal" in constants:
-        series["normal"] = np.full(len(count), constants["normal"])
-    return series
+def _turns_between(before: Recording, angle: Array, time: Array, read: Array) -> float:
+    """Return the whole turns that a wrapped angle has lost in a gap, in rad."""
+    if np.nanmax(read) - np.nanmin(read) > 1.02 * _TURN:
+        return 0.0
+    rate = (before.angle[-1] - before.angle[0]) / before.duration
+    expected = float(before.angle[-1] + rate * (time[0] - before.time[-1]))
+    return _TURN * round((expected - float(angle[0])) / _TURN)
 
 
 def _defects(
@@ -199,16 +490,22 @@ def _defects(
         bad = np.flatnonzero(~np.isfinite(series[name]))
         if bad.size:
             found.append((name, "no number in", bad))
-    if found:
-        return found
-    halts = standstill_rows(series["time"])
+    time, good = series["time"], np.isfinite(series["time"])
+    for *_, rows in found:
+        good[rows] = False
+    # Of rows that are cut out, the time does not matter.
+    known = np.where(good, time, np.nan)
+    halts = standstill_rows(known)
     if halts.size:
         # Time that is rounded too coarsely repeats itself everywhere.
-        return [("time", _ROUNDED, halts)]
-    gaps = gap_rows(series["time"])
+        return [*found, ("time", _ROUNDED, halts)]
+    gaps = gap_rows(known)
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
-    for name in CHANNELS:
+    broken = {name for name, *_ in found}
+    for name in where:
+        if name not in (*CHANNELS, *_units.FORCES) or name in broken:
+            continue
         clipped = _clipped(series[name])
         if clipped.size:
             found.append((name, "clipped in", clipped))
@@ -242,12 +539,34 @@ def _report(
     defects: list[tuple[str, str, NDArray[np.intp]]],
     table: Table,
     where: Mapping[str, str | int],
+    first: int,
 ) -> str:
     texts = []
     for name, what, rows in defects:
-        lines = rows_text(table.lines(rows)).replace("row", "line")
+        lines = rows_text(table.lines(rows + first)).replace("row", "line")
         texts.append(f"column {where.get(name, name)!r} ({name}): {what} {lines}")
+    if _is_text_line(defects, where) and not first:
+        lines = rows_text(table.lines(np.array([0]))).replace("row", "line")
+        return f"{'; '.join(texts)}; if {lines} is one of units, it belongs to the header"
     return f"{'; '.join(texts)}; repair the record, or split it there"
+
+
+def _is_text_line(
+    defects: list[tuple[str, str, NDArray[np.intp]]], where: Mapping[str, str | int]
+) -> bool:
+    """Return whether no column has a number in the first line alone."""
+    return {name for name, _, _ in defects} == set(where) and all(
+        rows.tolist() == [0] for _, _, rows in defects
+    )
+
+
+def _remedies(
+    defects: list[tuple[str, str, NDArray[np.intp]]], where: Mapping[str, str | int]
+) -> tuple[str, ...]:
+    if _is_text_line(defects, where):
+        return "header", "names"
+    rate = ("sample_rate",) if any(what == _ROUNDED for _, what, _ in defects) else ()
+    return *rate, "on_defect"
 
 
 def _pieces(defects: list[tuple[str, str, NDArray[np.intp]]], n: int) -> list[slice]:
@@ -268,29 +587,16 @@ def _pieces(defects: list[tuple[str, str, NDArray[np.intp]]], n: int) -> list[sl
     ]
 
 
-def _recording(
-    series: Mapping[str, Array], rows: slice, table: Table, unit: str | None, *, whole: bool
-) -> Recording:
-    source = str(table.path)
-    if not whole:
-        first, last = table.lines(np.array([rows.start, rows.stop - 1]))
-        source = f"{source}{PIECE}{first}-{last}"
-    angle = series["angle"][rows]
-    # A disk at rest has an angle that only shakes.
-    if unit is not None:
-        _units.check_wrapping(angle / _units.factors({"angle": unit})["angle"], unit, source)
-        angle = np.unwrap(angle)
-    readings = np.stack([series[name][rows] for name in CHANNELS], axis=-1)
-    time, turned = np.array(series["time"][rows]), np.array(angle)
-    for values in (time, turned, readings):
-        values.flags.writeable = False
-    return Recording(time, angle=turned, readings=readings, source=source)
-
-
 def _refuse_constant(run: Recording, where: Mapping[str, str | int]) -> None:
-    for name, values in (("angle", run.angle), *zip(CHANNELS, run.readings.T, strict=True)):
+    channels = dict(zip(CHANNELS, run.readings.T, strict=True))
+    named = {**channels, **dict(zip(_units.FORCES, run.readings.T, strict=False))}
+    if run.velocity is None:
+        named["angle"] = named["turn_rate"] = run.angle
+    for name, values in named.items():
         if name in where and np.ptp(values) == 0.0:
             raise RecordError(
                 run.source,
                 f"column {where[name]!r} ({name}): does not change: is it connected?",
             )
+    if run.velocity is not None and not run.velocity.any():
+        raise RecordError(run.source, "the stage does not move")

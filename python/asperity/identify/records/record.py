@@ -15,13 +15,15 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Count, Number, Positive, Record, Value
 from asperity.errors import DimensionError, ParameterError, RecordError
-from asperity.identify.records.calibration import Calibration
+from asperity.identify.records.calibration import Calibration, by_channel
 
 CHANNELS = ("tangential", "radial", "normal")
 # A step longer than this many usual ones is a gap.
 GAP = 1.5
 # Between a file and the lines of one of its pieces.
 PIECE = ", lines "
+# The disk may shake by this angle against its sense of rotation.
+BACKLASH = 0.1
 _LISTED = 5
 
 
@@ -51,9 +53,16 @@ class Recording(Value):
     angle: Array
     readings: Array
     source: str
+    velocity: Array | None
 
     def __init__(
-        self, time: ArrayLike, *, angle: ArrayLike, readings: ArrayLike, source: str = ""
+        self,
+        time: ArrayLike,
+        *,
+        angle: ArrayLike,
+        readings: ArrayLike,
+        source: str = "",
+        velocity: ArrayLike | None = None,
     ) -> None:
         t = _series(time, "time", source, (None,))
         if len(t) < 2:
@@ -66,15 +75,19 @@ class Recording(Value):
             angle=_series(angle, "angle", source, (len(t),)),
             readings=_series(readings, "readings", source, (len(t), 3)),
             source=str(source),
+            velocity=None
+            if velocity is None
+            else _series(velocity, "velocity", source, (len(t), 2)),
         )
 
     def __len__(self) -> int:
         return len(self.time)
 
     def __repr__(self) -> str:
+        motion = f"{abs(self.turns):.6g} turns" if self.velocity is None else "strokes"
         return (
             f"<Recording: {len(self)} samples, {self.duration:.6g} s, "
-            f"{abs(self.turns):.6g} turns{f', {self.source}' if self.source else ''}>"
+            f"{motion}{f', {self.source}' if self.source else ''}>"
         )
 
     @property
@@ -101,6 +114,11 @@ class Recording(Value):
     def turn_rate(self) -> float:
         """Turns per second, not negative."""
         return abs(self.turns) / self.duration
+
+    @property
+    def turns_back(self) -> bool:
+        """Whether the disk turns both ways, by more than it may shake."""
+        return turn_back(self.angle) is not None
 
 
 class Processing(Record):
@@ -138,6 +156,11 @@ class RawData(Value):
         normal_load: constant λ_N in N that replaces what the normal channel says of λ_N; its
             crosstalk to the others is removed all the same.
         radius: distance of the pin from the axis in m, for the sliding speed.
+        zero_error: standard error of the zeros of the three forces in N, a number or one for each
+            channel: what is known of it beyond the records without load, or in their place. Of an
+            error that is only known to be below l, the standard error is l/√3.
+        gain_error: standard error of the three gains, relative to them, likewise: beyond the
+            calibration, or in its place. With a `normal_load`, the third is the error of that.
         processing: what `process` does with it; of `read_raw` the section of the configuration.
 
     >>> from asperity import FrictionLaw
@@ -152,6 +175,8 @@ class RawData(Value):
     no_load: tuple[Recording, ...]
     normal_load: float | None
     radius: float | None
+    zero_error: Array | None
+    gain_error: Array | None
     processing: Processing
 
     def __init__(
@@ -162,6 +187,8 @@ class RawData(Value):
         no_load: Iterable[Recording] = (),
         normal_load: float | None = None,
         radius: float | None = None,
+        zero_error: ArrayLike | None = None,
+        gain_error: ArrayLike | None = None,
         processing: Processing = _USUAL,
     ) -> None:
         runs = _recordings(recordings, "recordings")
@@ -177,6 +204,8 @@ class RawData(Value):
             no_load=_recordings(no_load, "no_load"),
             normal_load=_optional(normal_load, "normal_load"),
             radius=_optional(radius, "radius"),
+            zero_error=None if zero_error is None else by_channel(zero_error, "zero_error"),
+            gain_error=None if gain_error is None else by_channel(gain_error, "gain_error"),
             processing=processing,
         )
 
@@ -222,10 +251,23 @@ def _series(values: ArrayLike, name: str, source: str, shape: tuple[int | None, 
     return given if kept else arrays.read_only(given.astype(np.float64, copy=False))
 
 
+def turn_back(angle: Array) -> int | None:
+    """Return the row up to which the disk has turned back most; None if it turns one way."""
+    forwards = angle[-1] >= angle[0]
+    farthest = np.maximum.accumulate(angle) if forwards else np.minimum.accumulate(angle)
+    np.subtract(farthest, angle, out=farthest)
+    row = int(farthest.argmax() if forwards else farthest.argmin())
+    return row if abs(farthest[row]) > BACKLASH else None
+
+
 def gap_rows(time: Array) -> NDArray[np.intp]:
-    """Return the indices of samples that the next one follows too late."""
+    """Return the indices of samples that the next one follows too late; NaN says nothing."""
     steps = np.diff(time)
-    return np.flatnonzero(steps > GAP * float(np.median(steps)))
+    usual = float(np.median(steps))
+    if math.isnan(usual):
+        known = steps[np.isfinite(steps)]
+        usual = float(np.median(known)) if known.size else 0.0
+    return np.flatnonzero(steps > GAP * usual)
 
 
 def standstill_rows(time: Array) -> NDArray[np.intp]:

@@ -7,18 +7,46 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.record import CHANNELS, Recording
 
 _TURN = 2.0 * math.pi
 _FORCES = {"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3}
+_READINGS = {**_FORCES, "V": 1.0, "mV": 1e-3, "raw": 1.0}
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
+_SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
+CLOCK, COUNTS = "clock", "counts"
+POSITIONS = ("position", "position_x", "position_y")
+VELOCITIES = ("velocity", "velocity_x", "velocity_y")
+MOTION = (*VELOCITIES, *POSITIONS)
+FORCES = ("force_x", "force_y")
 UNITS: dict[str, dict[str, float]] = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
-    "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN},
-    **{channel: {**_FORCES, "V": 1.0, "mV": 1e-3, "raw": 1.0} for channel in CHANNELS},
+    # A clock time is read as seconds.
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, CLOCK: 1.0},
+    # Counts are a turn once it is known how many a turn has.
+    "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN, COUNTS: _TURN},
+    **dict.fromkeys(CHANNELS, _READINGS),
+    "turn_rate": {
+        "turn/s": 1.0,
+        "rpm": 1.0 / 60.0,
+        "deg/s": 1.0 / 360.0,
+        "rad/s": 1.0 / _TURN,
+    },
+    **dict.fromkeys(VELOCITIES, _SPEEDS),
+    **dict.fromkeys(POSITIONS, _LENGTHS),
+    **dict.fromkeys(FORCES, _READINGS),
 }
-DEFAULTS = {"time": "s", "angle": "rad", **dict.fromkeys(CHANNELS, "N")}
+DEFAULTS = {
+    "time": "s",
+    "angle": "rad",
+    **dict.fromkeys(CHANNELS, "N"),
+    "turn_rate": "turn/s",
+    **dict.fromkeys(VELOCITIES, "m/s"),
+    **dict.fromkeys(POSITIONS, "m"),
+    **dict.fromkeys(FORCES, "N"),
+}
 
 _RATES, _TURN_RATES, _PER_TURN = (0.5, 2e7), (2e-3, 60.0), 16.0
 _LOADS, _COEFFICIENTS = (1e-4, 1e4), (3e-3, 50.0)
@@ -29,8 +57,14 @@ _MUCH, _LEFT, _TURNS = 0.5, 0.3, 2.5
 _FOLDED, _BINS = 200_000, 36
 
 
-def factors(units: Mapping[str, str] | None) -> dict[str, float]:
+def factors(
+    units: Mapping[str, str] | None, counts_per_turn: float | None = None
+) -> dict[str, float]:
     """Return the factors to SI of all columns; a leading minus turns the sign of a channel.
+
+    Args:
+        units: by column.
+        counts_per_turn: of the encoder, where the unit of the angle is its counts.
 
     >>> from asperity.identify.records.units import factors
     >>> factors({"time": "ms", "normal": "-N"})["normal"]
@@ -46,36 +80,58 @@ def factors(units: Mapping[str, str] | None) -> dict[str, float]:
         if name not in known:
             raise ParameterError("units", f"of {column} must be {', '.join(known)}, got {unit!r}")
         found[column] = math.copysign(known[name], -1.0 if str(unit).startswith("-") else 1.0)
+    if given["angle"].removeprefix("-") == COUNTS:
+        if counts_per_turn is None:
+            raise ParameterError(
+                "counts_per_turn", "must be given where the unit of the angle is counts"
+            )
+        found["angle"] /= arrays.positive(counts_per_turn, "counts_per_turn")
+    elif counts_per_turn is not None:
+        raise ParameterError(
+            "counts_per_turn", f"is for an angle in counts, its unit is {given['angle']!r}"
+        )
     return found
 
 
-def check_wrapping(angle: Array, unit: str, source: str) -> None:
-    """Refuse an angle that jumps back by a turn of another unit; `angle` is as it was read."""
+def check_wrapping(angle: Array, unit: str, factor: float, source: str) -> None:
+    """Refuse an angle that jumps back by a turn of another unit.
+
+    Args:
+        angle: as it was read.
+        unit: in which it is said to be.
+        factor: of that unit to rad.
+        source: for messages.
+    """
     jumps = np.abs(np.diff(angle))
     wraps = jumps[jumps > 0.5 * float(np.ptp(angle))]
     if not wraps.size or len(angle) < 3:
         return
     step = float(np.median(jumps))
     size = float(np.median(wraps)) + step
-    for name, factor in UNITS["angle"].items():
-        turn = _TURN / factor
+    own = unit.removeprefix("-")
+    known = {name: one for name, one in UNITS["angle"].items() if name != COUNTS}
+    for name, rate in {**known, own: abs(factor)}.items():
+        turn = _TURN / rate
         if abs(size - turn) < 0.02 * turn + step:
-            if name != unit.removeprefix("-"):
+            if name != own:
                 raise RecordError(
                     source,
                     f"angle: jumps by {size:.6g} where it wraps, its unit seems to be {name!r}",
                     ("units",),
                 )
             return
-    raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn")
+    counted = ("counts_per_turn",) if own == COUNTS else ("units",)
+    raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn", counted)
 
 
 def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
     """Refuse a run whose magnitudes do not fit a tribometer: a unit is wrong then."""
     source = run.source
-    _check_folding(run)
     _inside(run.sample_rate, _RATES, "Hz", source, "time: sample rate of")
-    if run.turns != 0.0:
+    # What goes back and forth need not turn at all.
+    if run.velocity is None and not run.turns_back:
+        _check_folding(run)
+    if run.velocity is None and not run.turns_back and run.turns != 0.0:
         _inside(run.turn_rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
         per_turn = len(run) / abs(run.turns)
         if abs(run.turns) > 1.0 and per_turn < _PER_TURN:

@@ -9,12 +9,9 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.errors import FitError
 from asperity.identify.fitting.data.samples import Samples, bin_of
 
 FINE = 3600
-# Directions without samples must not span more than this.
-_WIDEST_GAP = np.deg2rad(15.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,19 +101,6 @@ def grouped(samples: Samples, groups: int) -> GroupedBins:
     product = np.stack([x, y], axis=-1).reshape(*shape, 2)
     squares, normal, offset = (total.reshape(shape) for total in (squares, normal, offset))
     return GroupedBins(squares, normal, product, offset, energy)
-
-
-def check_coverage(bins: Bins) -> None:
-    """Refuse data that leave out more than 15° of the sliding directions."""
-    ends = np.append(bins.phi[1:], bins.phi[0] + 2.0 * np.pi)
-    gaps = ends - bins.phi
-    widest = gaps.argmax()
-    if gaps[widest] > _WIDEST_GAP:
-        low, high = np.rad2deg([bins.phi[widest], ends[widest]])
-        raise FitError(
-            f"data: no samples between φ = {low:.0f}° and {high:.0f}°: the force must be known in "
-            "all sliding directions"
-        )
 
 
 def along_sliding(bins: Bins) -> tuple[float, float] | None:

@@ -16,6 +16,8 @@ _LEVEL = 0.01
 # Numbers of bins that are tried, the largest one that leaves none empty in any turn.
 _BINS = (120, 60, 36, 24)
 _HARMONICS = (0, 2, 4)
+# Samples of one stroke are closer together in direction than this.
+_STROKE = np.deg2rad(2.0)
 # Errors of calibration and zeros explain a defect up to so many standard errors.
 _ERRORS = 3.5
 
@@ -38,7 +40,11 @@ def all_of(samples: Samples, left: Samples, data: Any) -> dict[str, Defect]:
     groups = min(samples.turns, MOST_GROUPS)
     means, rest = means_of(grouped(samples, groups)), means_of(grouped(left, groups))
     if means is None or rest is None:
-        return {}
+        strokes, open_ones = means_of_strokes(samples), means_of_strokes(left)
+        if strokes is None or open_ones is None:
+            return {}
+        error = common_error(data, strokes[1])
+        return {"lack of fit": lack_of_fit(open_ones[1], strokes[1], error)}
     error = common_error(data, means[1])
     return {
         "asymmetry": asymmetry(*means),
@@ -54,6 +60,31 @@ def means_of(sums: GroupedBins) -> tuple[Array, Array] | None:
         if all(bins.phi.size == count for bins in groups):
             return np.stack([b.phi for b in groups]), np.stack([b.force for b in groups])
     return None
+
+
+def means_of_strokes(samples: Samples) -> tuple[Array, Array] | None:
+    """Return φ and mean forces of repeated strokes, ``(g, n)`` and ``(g, n, 2)``.
+
+    The g-th of them are those of the g-th stroke along each direction. None if some direction has
+    one stroke only, or a turn covers several.
+    """
+    phi, force = np.empty(samples.turns), np.empty((samples.turns, 2))
+    for turn in range(samples.turns):
+        rows = [np.arange(a, b) for a, b, number in samples.runs if number == turn]
+        at = np.concatenate(rows)
+        along = samples.phi[at]
+        if np.ptp(along) > _STROKE:
+            return None
+        load = samples.normal[at]
+        phi[turn] = along.mean()
+        force[turn] = load @ samples.force[at] / (load @ load)
+    _, direction = np.unique(np.rint(phi % (2.0 * np.pi) / _STROKE), return_inverse=True)
+    repeats = int(np.bincount(direction).min())
+    if repeats < 2:
+        return None
+    order = [np.flatnonzero(direction == one)[:repeats] for one in range(direction.max() + 1)]
+    chosen = np.stack(order, axis=1)
+    return phi[chosen], force[chosen]
 
 
 def asymmetry(phi: Array, force: Array) -> Defect:

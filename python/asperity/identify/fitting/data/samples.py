@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, FitError
+from asperity.identify.forces.strokes import Axes
 
 if TYPE_CHECKING:
     from asperity.identify.forces.processing import ProcessedData
@@ -86,17 +87,19 @@ def _series(data: Sequence[Any]) -> list[NDArray[Any]]:
     return [phi, force, *map(np.asarray, data[2:])]
 
 
-def by_sense(samples: Samples, data: Any) -> list[tuple[Samples, float]]:
-    """Return the samples of runs that turn forwards, +1, and of those that turn backwards, −1."""
-    raw = getattr(data, "raw", None)
-    if raw is None:
-        return [(samples, 1.0)]
-    senses = np.array([1.0 if recording.turns > 0.0 else -1.0 for recording in raw.recordings])
-    recording = _recordings(samples, data)
+def by_axes(samples: Samples, data: Any) -> list[tuple[Samples, Axes]]:
+    """Return samples apart by how the axes of the sensor lie while they slide.
+
+    Of a pin on a disk these are the runs that turn forwards and those that turn backwards; of a
+    stage, those with one orientation of the surface.
+    """
+    if not hasattr(data, "axes"):
+        return [(samples, Axes())]
+    found = [data.axes(int(first), past=int(past)) for first, past, _ in samples.runs]
     parts = []
-    for sense in np.unique(senses):
-        runs = samples.runs[senses[recording] == sense]
-        parts.append((replace(samples, runs=runs), float(sense)))
+    for axes in sorted(set(found)):
+        chosen = np.array([one == axes for one in found])
+        parts.append((replace(samples, runs=samples.runs[chosen]), axes))
     return parts
 
 
@@ -126,11 +129,24 @@ def reads_normal_force(data: Any) -> bool:
     return raw is None or raw.normal_load is None
 
 
+def channels_turn(data: Any) -> bool:
+    """Return whether forces come from channels that turn with the direction of sliding."""
+    raw = getattr(data, "raw", None)
+    if raw is None:
+        return False
+    return all(getattr(run, "velocity", None) is None for run in raw.recordings)
+
+
 def runs_of(samples: Samples, data: Any) -> NDArray[np.intp]:
-    """Return the number of the run of each turn; arrays are one run."""
+    """Return the number of the run of each turn; arrays are one run, and so are pieces of one."""
     result = np.zeros(samples.turns, dtype=np.intp)
     if getattr(data, "raw", None) is not None:
-        result[samples.runs[:, 2]] = _recordings(samples, data)
+        files: dict[str, int] = {}
+        runs = [
+            files.setdefault(one.file, at) if one.source != one.file else at
+            for at, one in enumerate(data.raw.recordings)
+        ]
+        result[samples.runs[:, 2]] = np.array(runs)[_recordings(samples, data)]
     return result
 
 

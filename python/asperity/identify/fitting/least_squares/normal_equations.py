@@ -62,6 +62,11 @@ class Family(Value):
     split: int
     size: int
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether forces turn round with the sliding direction: f(φ + π) = −f(φ)."""
+        return self.reservoir.is_symmetric and self.direction.is_symmetric
+
     def forces(self, phi: Array, p: Array) -> tuple[Array, Array]:
         """Return −λ/λ_N at sliding directions, ``(n, 2)``, and its derivatives, ``(k, n, 2)``."""
         cos, sin, turn = self.direction.force_direction(np.cos(phi), np.sin(phi), p[self.split :])

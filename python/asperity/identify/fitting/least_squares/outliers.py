@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -105,13 +106,16 @@ def _are_everywhere(place: Array) -> bool:
 _FEW_DIRECTIONS = 0.1
 
 
-def check_sense(bins: Bins, samples: Samples, width: int) -> None:
+def check_sense(
+    bins: Bins, samples: Samples, width: int, explanation: Callable[[], str | None]
+) -> None:
     """Refuse forces that do not oppose sliding, and say whether a few of them are why.
 
     Args:
         bins: means over directions.
         samples: from which they are.
         width: of the bins, in fine ones.
+        explanation: returns with which wrong sign turned, or which channels swapped, they would.
     """
     found = along_sliding(bins)
     if found is None:
@@ -129,9 +133,11 @@ def check_sense(bins: Bins, samples: Samples, width: int) -> None:
             f"but {share:.1%} of the directions: the noise is as large as the force there: record "
             "more turns"
         )
+    would = explanation()
+    known = "" if would is None else f"; with {would} it would"
     raise FitError(
-        f"data: the force does not oppose sliding at φ = {place:.1f}°: check the signs of the "
-        "channels and of the rotation"
+        f"data: the force does not oppose sliding at φ = {place:.1f}°{known}: check the signs of "
+        "the channels and of the rotation"
     )
 
 

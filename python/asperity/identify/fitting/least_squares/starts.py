@@ -5,19 +5,43 @@ from __future__ import annotations
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, support
+from asperity.identify.fitting.data.coverage import coverage, with_opposites
 from asperity.identify.fitting.least_squares.descent import Descent, descend
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.models.directions import CircleDirection
+from asperity.identify.fitting.models.names import name_of
 from asperity.identify.fitting.models.reservoirs import CircleReservoir
 
 _DAMPING = 1e-3
 _CLOSE = 1e-3
 
 
+def has_directions(family: Family, bins: Bins) -> bool:
+    """Return whether there are as many sliding directions as the models have parameters."""
+    return len(coverage(bins.phi, is_symmetric=family.is_symmetric).phi) >= family.size
+
+
+def check_directions(family: Family, bins: Bins) -> None:
+    """Refuse models that have more parameters than there are sliding directions."""
+    if has_directions(family, bins):
+        return
+    found = coverage(bins.phi, is_symmetric=family.is_symmetric)
+    opposite = ", opposite ones included," if family.is_symmetric else ""
+    raise FitError(
+        f"data: forces in {len(found.phi)} sliding directions{opposite} do not tell the "
+        f"{family.size} parameters of {name_of(family.reservoir)!r} for C and "
+        f"{name_of(family.direction)!r} for D: choose models with fewer parameters, or record "
+        f"{family.size} directions or more"
+    )
+
+
 def start(family: Family, bins: Bins) -> Array:
     """Return coordinates near the means: those of C and D, fitted apart from several starts."""
+    if family.is_symmetric and coverage(bins.phi, is_symmetric=False).gaps:
+        bins = with_opposites(bins)
     x, y = bins.force.T
     radius = np.hypot(x, y)
     log_support, slope = support(bins)

@@ -58,6 +58,11 @@ class CurveModel(Value):
 
     coordinates: tuple[Coordinate, ...]
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether all curves are symmetric to the origin."""
+        return True
+
     def roundness(self) -> Roundness | None:
         """Return what vanishes where the angle, the last coordinate, has no meaning."""
         return None
@@ -109,4 +114,6 @@ class Estimate(Record):
     def __str__(self) -> str:
         if not self.identifiable:
             return "not identifiable"
+        if math.isnan(self.low):
+            return f"{self.value:.6g} (no interval)"
         return f"{self.value:.6g} ({self.low:.6g} … {self.high:.6g})"

@@ -31,6 +31,11 @@ class FourierModel(CurveModel):
         waves = (Coordinate(f"{f}{k}", Scale.PLAIN) for k in harmonics for f in ("cos", "sin"))
         self._keep(_harmonics=harmonics, coordinates=(*self._level, *waves))
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether all curves are symmetric to the origin: without odd harmonics."""
+        return not self.odd
+
 
 def series(c: Array, s: Array, harmonics: tuple[int, ...]) -> tuple[Array, Array]:
     """Return cos kφ, sin kφ for all k in turn and their derivatives by φ, both ``(2k, n)``."""

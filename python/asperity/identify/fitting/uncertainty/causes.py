@@ -6,25 +6,35 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
+from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, grouped
-from asperity.identify.fitting.data.samples import Samples, by_sense, clusters_of
+from asperity.identify.fitting.data.coverage import coverage
+from asperity.identify.fitting.data.samples import Samples, by_axes, clusters_of
 from asperity.identify.fitting.least_squares.descent import Descent
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import without_outliers
+from asperity.identify.fitting.models.coordinates import Scale
 from asperity.identify.fitting.uncertainty.covariance import (
     Covariance,
     scatter_of,
     sensitivities,
     shared,
-    shared_degrees,
     stakes,
 )
 from asperity.identify.fitting.uncertainty.flat_sides import away_from_axes, means_away_from_axes
+from asperity.identify.forces.strokes import Axes
 
 _PERCENT = 0.01
+# Angles that the data allow, in half widths of their interval.
+_ALLOWED, _MOST_ANGLES = 2.0, 20
+# Eigenvalues of JᵀJ, with a diagonal of ones, below which it is singular: directions are rounded.
+_SINGULAR = 1e-5
+# A coordinate has a part in a combination that is left open.
+_PART_IN = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +70,32 @@ class Causes:
         sums = self.family.sums(away_from_axes(self.samples, p[-1]), p, self.loss)
         return covariance.at_least(self._covariance(sums, away=True), -1)
 
+    def undetermined(self, half_widths: Array) -> NDArray[np.bool_]:
+        """Return which coordinates strokes in few directions leave open.
+
+        Where an axis of D is one of the directions, or midway between two, those on either side of
+        it tell the same, and combinations of coordinates may be left open that an estimated angle,
+        which is never quite there, pretends to know. The angles that the data allow are therefore
+        tried where directions are symmetric about the axes.
+
+        Args:
+            half_widths: of the intervals of the coordinates.
+        """
+        family, size = self.family, self.family.size
+        found = np.zeros(size, dtype=np.bool_)
+        if family.split == size or family.coordinates[-1].scale is not Scale.ANGLE:
+            return _open_coordinates(self.descent.sums.matrix.sum(axis=0))
+        phi = coverage(self.bins.phi, is_symmetric=family.is_symmetric).phi
+        middle = 0.5 * (phi[:, None] + phi[None, :]).ravel()
+        known, quarter = float(self.descent.p[-1]), 0.5 * np.pi
+        off = (middle - known + 0.5 * quarter) % quarter - 0.5 * quarter
+        near = off[np.abs(off) <= _ALLOWED * half_widths[-1]]
+        for angle in (known, *np.unique(np.round(known + near, 9)).tolist()[:_MOST_ANGLES]):
+            p = self.descent.p.copy()
+            p[-1] = angle
+            found |= _open_coordinates(family.sums(self.bins.samples, p, Loss()).matrix[0])
+        return found
+
     def missing(self) -> dict[str, tuple[str, Array]]:
         """Return causes that no record tells, with what is missing and what is at stake."""
         raw = getattr(self.data, "raw", None)
@@ -78,16 +114,34 @@ class Causes:
 
     def _covariance(self, sums: Sums, *, away: bool) -> Covariance:
         common = shared(self.family, self._means(away=away), self.descent.p, self.data)
-        scatter, degrees = scatter_of(sums, clusters_of(self.samples, self.data))
-        return Covariance(scatter, *common, (degrees, *shared_degrees(self.data)))
+        scatter, leverage = scatter_of(sums, clusters_of(self.samples, self.data))
+        for name, known in zip(self.family.coordinates, leverage.single, strict=True):
+            # Derivatives by angles are as large as they are cut off where samples are on axes.
+            if known and name.scale is not Scale.ANGLE:
+                raise FitError(
+                    f"data: {name.name} is known from a single stroke or turn, so that nothing is "
+                    "known of its scatter: repeat strokes, choose models with fewer parameters, or "
+                    "fit with confidence=None"
+                )
+        fewest = float(leverage.degrees(np.eye(self.family.size)).min())
+        degrees = fewest, *common.degrees
+        return Covariance(scatter, common.calibration, common.zero, degrees, leverage)
 
-    def _means(self, *, away: bool) -> list[tuple[Bins, float]]:
-        """Return means of the runs in either sense of rotation with that sense."""
-        parts = by_sense(self.samples, self.data)
+    def _means(self, *, away: bool) -> list[tuple[Bins, Axes]]:
+        """Return means of samples with the same axes of the sensor, with these."""
+        parts = by_axes(self.samples, self.data)
         means = [self.bins] if len(parts) == 1 else [means_of(one, self.loss) for one, _ in parts]
         if away:
             means = [means_away_from_axes(mean, self.descent.p[-1]) for mean in means]
-        return [(mean, sense) for mean, (_, sense) in zip(means, parts, strict=True)]
+        return [(mean, axes) for mean, (_, axes) in zip(means, parts, strict=True)]
+
+
+def _open_coordinates(matrix: Array) -> NDArray[np.bool_]:
+    """Return which coordinates have a part in combinations that JᵀJ does not see."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    scale[scale == 0.0] = 1.0
+    sizes, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    return np.asarray((np.abs(vectors[:, sizes < _SINGULAR]) > _PART_IN).any(axis=1))
 
 
 def means_of(samples: Samples, loss: Loss) -> Bins:

@@ -20,11 +20,15 @@ from asperity.identify.fitting.least_squares.descent import damped_step
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.models.coordinates import Coordinate, Estimate, Roundness, Scale
+from asperity.identify.fitting.uncertainty.leverage import Leverage, leverage_of
+from asperity.identify.forces import stated_errors
+from asperity.identify.forces.strokes import Axes, on_axes
 from asperity.identify.forces.zero import _BATCHES
 
 # An angle is told from none at this level.
 _LEVEL = 0.01
 _MOST_DEGREES = 1e9
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,13 +36,15 @@ class Covariance:
     """Covariance of coordinates: from the scatter of turns, calibration, records without load.
 
     A part is None where the error that causes it is not known. `degrees` are the degrees of freedom
-    of the parts; infinite where errors are known.
+    of the parts, the fewest of all coordinates; infinite where errors are known. Those of the
+    scatter follow from the `leverage` of the turns for every combination of coordinates.
     """
 
     scatter: Array
     calibration: Array | None
     zero: Array | None
     degrees: tuple[float, float, float]
+    leverage: Leverage | None = None
 
     @property
     def parts(self) -> tuple[Array, Array | None, Array | None]:
@@ -63,10 +69,21 @@ class Covariance:
 
     def of(self, part: slice) -> Covariance:
         """Return the covariance of some of the coordinates."""
-        return self._each(lambda one, _: one[part, part], self)
+        parts = [None if one is None else one[part, part] for one in self.parts]
+        scatter, degrees = self.scatter[part, part], self.degrees
+        if self.leverage is not None:
+            some = np.eye(len(self.scatter))[part]
+            degrees = float(self.leverage.degrees(some).min()), *degrees[1:]
+        return Covariance(scatter, parts[1], parts[2], degrees)
 
     def at_least(self, other: Covariance, at: int) -> Covariance:
-        """Return the covariance whose variance of one coordinate is not below that in another."""
+        """Return the covariance whose variance of one coordinate is not below that in another.
+
+        The other one says nothing if its data leave combinations of coordinates open.
+        """
+        mine, others = self.leverage, other.leverage
+        if mine is not None and others is not None and others.rank < mine.rank:
+            return self
 
         def raised(part: Array, least: Array) -> Array:
             result = part.copy()
@@ -83,7 +100,8 @@ class Covariance:
             change(self.scatter, other.scatter),
             changed(self.calibration, other.calibration),
             changed(self.zero, other.zero),
-            self.degrees,
+            other.degrees,
+            other.leverage,
         )
 
     def half_widths(self, directions: Array, confidence: float) -> Array:
@@ -96,9 +114,10 @@ class Covariance:
         from scipy.stats import t
 
         squares = np.zeros(len(directions))
-        for part, degrees in zip(self.parts, self.degrees, strict=True):
+        scatter = self.degrees[0] if self.leverage is None else self.leverage.degrees(directions)
+        for part, degrees in zip(self.parts, (scatter, *self.degrees[1:]), strict=True):
             if part is not None:
-                quantile = t.ppf(0.5 + 0.5 * confidence, min(degrees, _MOST_DEGREES))
+                quantile = t.ppf(0.5 + 0.5 * confidence, np.minimum(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
 
@@ -121,31 +140,86 @@ class Bands(Record):
     resistance_half_width: Array
 
 
-def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, int]:
+def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, Leverage]:
     """Return the covariance of an estimate whose gradients differ between clusters (sandwich).
 
-    A residual of one sample tells nothing about the next one: noise is coloured. Turns, or runs of
-    several turns, are nearly independent; the degrees of freedom are one less than their number.
+    A residual of one sample tells nothing about the next one: noise is coloured. Turns, strokes, or
+    runs of several of these, are nearly independent.
+
+    Raises:
+        FitError: with one turn.
     """
-    turns = len(sums.cost)
-    if turns < 2:
+    if len(sums.cost) < 2:
         raise FitError(
             "data: one complete turn has no scatter between turns: record at least 2 turns (10 are "
             "better), or fit with confidence=None"
         )
     matrix = sums.matrix.sum(axis=0)
     count = int(clusters.max()) + 1
-    gradients = np.zeros((count, len(matrix)))
+    gradients, matrices = np.zeros((count, len(matrix))), np.zeros((count, *matrix.shape))
     np.add.at(gradients, clusters, sums.gradient)
+    np.add.at(matrices, clusters, sums.matrix)
     # Their sum is zero but for a coordinate at its bound, or an angle held by samples on an axis.
     gradients -= gradients.mean(axis=0)
-    steps = np.stack([damped_step(matrix, gradient) for gradient in gradients])
-    return steps.T @ steps * (count / (count - 1.0)), count - 1
+    leverage = leverage_of(matrix, matrices)
+    return leverage.covariance(gradients), leverage
 
 
-def shared_degrees(data: Any) -> tuple[float, float]:
-    """Return the degrees of freedom behind the covariances of calibration and zeros."""
+class Shared(NamedTuple):
+    """Covariances that errors cause which all turns share, and their degrees of freedom.
+
+    A covariance is None where the error is not known.
+    """
+
+    calibration: Array | None
+    zero: Array | None
+    degrees: tuple[float, float]
+
+
+def shared(family: Family, parts: list[tuple[Bins, Axes]], p: Array, data: Any) -> Shared:
+    """Return the covariances that errors of the calibration matrix and of the zeros cause.
+
+    `parts` are means of the runs in either sense of rotation, +1 or −1.
+    """
+    calibration = getattr(data, "calibration_covariance", None)
+    zero = getattr(data, "zero_covariance", None)
+    if calibration is None and zero is None:
+        return Shared(None, None, (math.inf, math.inf))
+    by = sensitivities(family, parts, p, data)
     raw = getattr(data, "raw", None)
+    stated: tuple[Array | None, Array | None] = (None, None)
+    load = np.zeros(len(p))
+    if raw is not None:
+        stated = stated_errors.of_gains(raw, data.matrix), stated_errors.of_zeros(raw, data.matrix)
+        if raw.gain_error is not None and not reads_normal_force(data):
+            # The scale of a given normal force, as if it were read.
+            read = sensitivities(family, parts, p, data, read=True)
+            load = read[:, 6:9] @ data.matrix[2] * raw.gain_error[2]
+
+    def caused(covariance: Array | None, by: Array, name: str) -> Array | None:
+        if covariance is None:
+            return None
+        known = arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
+        return by @ known @ by.T
+
+    by_entries, by_zeros = by[:, :9], by[:, 9:]
+    gains = caused(calibration, by_entries, "calibration_covariance")
+    if gains is not None:
+        gains += np.outer(load, load)
+    zeros = caused(zero, by_zeros, "zero_covariance")
+    estimated = _estimated_degrees(raw)
+    exact = caused(stated[0], by_entries, "gain_error"), caused(stated[1], by_zeros, "zero_error")
+    if exact[0] is not None:
+        exact[0][...] += np.outer(load, load)
+    degrees = (
+        _joint_degrees(estimated[0], gains, exact[0]),
+        _joint_degrees(estimated[1], zeros, exact[1]),
+    )
+    return Shared(gains, zeros, degrees)
+
+
+def _estimated_degrees(raw: Any) -> tuple[float, float]:
+    """Return the degrees of freedom behind the covariances of calibration and zeros."""
     if raw is None:
         return math.inf, math.inf
     known, weighed = math.inf, raw.calibration
@@ -156,47 +230,44 @@ def shared_degrees(data: Any) -> tuple[float, float]:
     return known, max(batches - 1.0, 1.0)
 
 
-def shared(
-    family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any
-) -> tuple[Array | None, Array | None]:
-    """Return the covariances that errors of the calibration matrix and of the zeros cause.
+def _joint_degrees(estimated: float, total: Array | None, exact: Array | None) -> float:
+    """Return the degrees of freedom of a variance of which a part is known exactly.
 
-    `parts` are means of the runs in either sense of rotation, +1 or −1. A covariance is None where
-    the error is not known.
+    They are Welch's and Satterthwaite's, of that coordinate for which they are fewest.
     """
-    calibration = getattr(data, "calibration_covariance", None)
-    zero = getattr(data, "zero_covariance", None)
-    if calibration is None and zero is None:
-        return None, None
-    by = sensitivities(family, parts, p, data)
-
-    def caused(covariance: Array | None, by: Array, name: str) -> Array | None:
-        if covariance is None:
-            return None
-        known = arrays.array(covariance, f"data.{name}", 2 * (by.shape[1],))
-        return by @ known @ by.T
-
-    return (
-        caused(calibration, by[:, :9], "calibration_covariance"),
-        caused(zero, by[:, 9:], "zero_covariance"),
-    )
+    if total is None or exact is None:
+        return estimated
+    whole = np.diag(total)
+    rest = np.maximum(whole - np.diag(exact), 0.0)
+    # What is left of equal numbers is rounding.
+    share = float((rest / np.where(whole > 0.0, whole, 1.0)).max(initial=0.0))
+    return math.inf if share < _ROUNDING else estimated / share**2
 
 
-def sensitivities(family: Family, parts: list[tuple[Bins, float]], p: Array, data: Any) -> Array:
+def sensitivities(
+    family: Family,
+    parts: list[tuple[Bins, Axes]],
+    p: Array,
+    data: Any,
+    *,
+    read: bool | None = None,
+) -> Array:
     """Return the derivatives of the estimates by the entries of T, row by row, and by the zeros.
 
-    Channels keep their axes when the disk turns backwards: `parts` are the means of the runs in
-    either sense of rotation.
+    Channels keep their axes when the disk turns backwards, and those of a stage always: `parts` are
+    means of samples with the same axes.
 
     Every entry of the matrix T, and every zero, moves the estimate by one Gauss–Newton step, which
     is linear in the means over directions: (−λ_T1, −λ_T2) = R(φ)(λ_t, λ_r), [WL19] (119). The
     curvature of a robust loss weighs gradient and matrix alike, and is left out of both.
+
+    `read` says whether the normal force comes from its channel, as the data do by default.
     """
     transform = arrays.array(data.matrix, "data.matrix", (3, 3))
     # Row 3 of T has no effect where the normal force is given.
-    read = reads_normal_force(data)
+    read = reads_normal_force(data) if read is None else read
     pulls = np.sum(
-        [_pulls(family, bins, sense, p, transform, read=read) for bins, sense in parts], axis=0
+        [_pulls(family, bins, axes, p, transform, read=read) for bins, axes in parts], axis=0
     )
     matrix = np.sum([family.sums(bins.samples, p, Loss()).matrix[0] for bins, _ in parts], axis=0)
     return np.stack([damped_step(matrix, column) for column in pulls.T], axis=-1)
@@ -223,15 +294,15 @@ def stakes(by: Array, transform: Array, normal: float, part: float) -> Stakes:
 
 
 def _pulls(
-    family: Family, bins: Bins, sense: float, p: Array, transform: Array, *, read: bool = True
+    family: Family, bins: Bins, axes: Axes, p: Array, transform: Array, *, read: bool = True
 ) -> Array:
     """Return the derivatives of the gradient by the entries of T, row by row, and by the zeros."""
     on_force, on_normal = family.responses(bins.phi, p)
-    along, across = arrays.along_and_across(on_force, bins.phi)
+    tangential = axes.tangential(bins.phi)
+    along, across = on_axes(on_force, tangential)
     # What one unit in the tangential, radial and normal channel adds to the gradient, per bin.
-    pull = np.stack([sense * along, sense * across, on_normal * read], axis=1)
-    parts = np.stack(arrays.along_and_across(bins.force, bins.phi))
-    channels = np.vstack([sense * parts, np.ones_like(bins.phi)])
+    pull = np.stack([along, across, on_normal * read], axis=1)
+    channels = np.vstack([*on_axes(bins.force, tangential), np.ones_like(bins.phi)])
     readings = np.linalg.solve(transform, channels)
     by_entry = np.einsum("kin,jn,n->kij", pull, readings, bins.squares).reshape(len(p), 9)
     by_zero = -np.einsum("kin,n,ij->kj", pull, bins.normal, transform)
@@ -244,7 +315,7 @@ def has_angle(p: Array, roundness: Roundness, covariance: Covariance) -> bool:
 
     off = roundness.matrix @ p - roundness.offset
     spread = roundness.matrix @ covariance.total @ roundness.matrix.T
-    count, degrees = off.size, int(covariance.degrees[0])
+    count, degrees = off.size, round(covariance.degrees[0])
     if degrees < count:
         # Too few turns for all at once: the first combination, the ratio of the axes, alone.
         off, spread, count = off[:1], spread[:1, :1], 1

@@ -1,0 +1,261 @@
+"""Which samples belong together: turns of a disk, strokes of what goes back and forth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base.arrays import Array
+from asperity.errors import RecordError
+from asperity.identify.forces.turns import sense, turn_numbers
+from asperity.identify.records.record import BACKLASH, Recording
+
+_TURN = 2.0 * math.pi
+# Slower than this part of the usual speed, the pin is about to stick or to turn back.
+_SLOW = 0.2
+# Of the speeds of a record, the one that is usual.
+_USUAL = 0.9
+# A stroke that goes on while it changes its direction by more than this is another one. What turns
+# as slowly as a disk does makes turns, not strokes.
+_CORNER = math.radians(20.0)
+_FEWEST = 8
+# A turn that lacks more than this angle is no complete one.
+_LACKING = math.radians(5.0)
+
+
+class Axes(NamedTuple):
+    """How the axes of the sensor lie in the frame of the surface while it slides.
+
+    Attributes:
+        turns: whether they turn with the direction of sliding, as those of a pin on a disk.
+        angle: from the direction of sliding to the tangential axis in rad if they do: 0, or π where
+            the disk turns backwards; else from e₁.
+    """
+
+    turns: bool = True
+    angle: float = 0.0
+
+    def tangential(self, phi: Array) -> Array:
+        """Return the tangential axis where the pin slides in directions φ, shape ``(n, 2)``."""
+        angle = phi + self.angle if self.turns else np.full(phi.shape, self.angle)
+        return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def on_axes(vectors: Array, tangential: Array) -> tuple[Array, Array]:
+    """Return the components of vectors ``(..., n, 2)`` along the tangential axis and across it."""
+    x, y = vectors[..., 0], vectors[..., 1]
+    c, s = tangential[:, 0], tangential[:, 1]
+    return c * x + s * y, c * y - s * x
+
+
+@dataclass(frozen=True, eq=False)
+class Strokes:
+    """The turns or strokes of a recording.
+
+    Attributes:
+        number: of each sample, from 0; −1 outside of them; shape ``(n,)``.
+        count: how many there are.
+        turned: angle from the tangential axis to the direction of sliding, shape ``(n,)``, or one
+            for all.
+        rate: turns, or strokes there and back, per second.
+    """
+
+    number: NDArray[np.int32]
+    count: int
+    turned: Array | float
+    rate: float
+
+
+def strokes_of(run: Recording) -> Strokes:
+    """Return the turns of a disk that turns one way, else the strokes."""
+    if run.velocity is not None:
+        return _of_velocity(run, run.velocity)
+    if run.turns_back:
+        return _of_oscillation(run)
+    sign = sense(run)
+    number = turn_numbers(run, sign)
+    count = int(number.max()) + 1
+    return Strokes(number, count, math.pi if sign < 0.0 else 0.0, run.turn_rate)
+
+
+def _of_velocity(run: Recording, velocity: Array) -> Strokes:
+    """Return the strokes of a stage, or the turns of one whose direction goes round."""
+    speed = np.hypot(velocity[:, 0], velocity[:, 1])
+    usual = float(np.quantile(speed, _USUAL))
+    if usual == 0.0:
+        raise RecordError(run.source, "the stage does not move")
+    slides = speed > _SLOW * usual
+    turned = np.arctan2(velocity[:, 1], velocity[:, 0])
+    number = _stretches(slides, _corners(turned, slides))
+    going_round = _going_round(turned, number)
+    if going_round is not None:
+        number = going_round
+    return _checked(run, number, turned)
+
+
+def _corners(turned: Array, slides: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return after which samples the direction jumps."""
+    step = np.diff(turned)
+    step -= _TURN * np.rint(step / _TURN)
+    return (np.abs(step) > _CORNER) & slides[1:] & slides[:-1]
+
+
+def _stretches(slides: NDArray[np.bool_], corner: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Return numbers of the stretches of samples that slide; too short ones have none."""
+    ends = np.flatnonzero(np.diff(slides.astype(np.int8)) != 0) + 1
+    edges = np.union1d(ends, np.flatnonzero(corner) + 1)
+    first = np.concatenate([[0], edges]).astype(np.intp)
+    past = np.append(edges, slides.size).astype(np.intp)
+    number = np.full(slides.size, -1, dtype=np.int32)
+    count = 0
+    for start, stop in zip(first, past, strict=True):
+        if slides[start] and stop - start >= _FEWEST:
+            number[start:stop] = count
+            count += 1
+    return number
+
+
+def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] | None:
+    """Return numbers of whole turns of the direction if one stretch makes most of the record."""
+    if number.max() < 0:
+        return None
+    longest = int(np.bincount(number[number >= 0]).argmax())
+    rows = np.flatnonzero(number == longest)
+    if rows.size < 0.5 * number.size:
+        return None
+    angle = np.unwrap(turned[rows])
+    way = float(angle[-1] - angle[0])
+    complete = math.floor(abs(way) * rows.size / (rows.size - 1) / _TURN + 1e-9)
+    if not complete:
+        return None
+    ahead = np.floor((angle - angle[0]) * math.copysign(1.0, way) / _TURN + 1e-9)
+    found = np.full(number.shape, -1, dtype=np.int32)
+    found[rows] = np.where((ahead >= 0) & (ahead < complete), ahead, -1)
+    return found
+
+
+def _of_oscillation(run: Recording) -> Strokes:
+    """Return the strokes of a disk that turns back and forth; whole turns of them, if any."""
+    way = _from_turn_to_turn(run.angle)
+    number = np.full(len(run), -1, dtype=np.int32)
+    turned = np.zeros(len(run))
+    rate = np.abs(np.gradient(run.angle))
+    slow = _SLOW * float(np.quantile(rate, _USUAL))
+    # A rate from differences is noisy: what is slow shows in means over part of a stroke.
+    shortest = int(np.diff(way).min())
+    window = max(1, shortest // 50)
+    slides = np.convolve(np.diff(run.angle, append=run.angle[-1]), np.ones(window) / window, "same")
+    count = 0
+    for start, stop in pairwise(way.tolist()):
+        sign = math.copysign(1.0, run.angle[stop - 1] - run.angle[start])
+        turned[start:stop] = 0.0 if sign > 0.0 else math.pi
+        rows = start + np.flatnonzero(slides[start:stop] * sign > slow)
+        if rows.size < _FEWEST:
+            continue
+        ahead = np.abs(run.angle[rows] - run.angle[rows[0]]) / _TURN
+        whole = math.floor(float(ahead[-1]) * rows.size / (rows.size - 1) + 1e-9)
+        within = np.minimum(np.floor(ahead + 1e-9), 0 if whole == 0 else whole).astype(np.int32)
+        number[rows] = np.where((within < whole) | (whole == 0), within + count, -1)
+        count += max(whole, 1)
+    return _checked(run, number, turned)
+
+
+def _from_turn_to_turn(angle: Array) -> NDArray[np.intp]:
+    """Return the rows where the disk turns back, with the first row and the number of rows."""
+    edges, low, high, rising = [0], 0, 0, 0
+    # Extremes count once the disk has turned back by more than it may shake.
+    for row in _candidates(angle):
+        if rising >= 0 and angle[row] > angle[high]:
+            high = row
+        if rising <= 0 and angle[row] < angle[low]:
+            low = row
+        if rising >= 0 and angle[high] - angle[row] > BACKLASH and high > edges[-1]:
+            edges.append(high)
+            rising, low = -1, row
+        elif rising <= 0 and angle[row] - angle[low] > BACKLASH and low > edges[-1]:
+            edges.append(low)
+            rising, high = 1, row
+        elif rising == 0 and abs(angle[row] - angle[0]) > BACKLASH:
+            rising = 1 if angle[row] > angle[0] else -1
+    return np.array([*edges, angle.size], dtype=np.intp)
+
+
+def _candidates(angle: Array) -> NDArray[np.intp]:
+    """Return the rows of local extremes, with the last row."""
+    step = np.diff(angle)
+    moving = np.flatnonzero(step)
+    change = moving[1:][np.sign(step[moving[1:]]) != np.sign(step[moving[:-1]])]
+    return np.append(change, angle.size - 1)
+
+
+def _checked(run: Recording, number: NDArray[np.int32], turned: Array) -> Strokes:
+    count = int(number.max()) + 1
+    if not count:
+        raise RecordError(
+            run.source,
+            f"has no stroke of {_FEWEST} samples or more: is the motion noise, or its unit wrong?",
+            ("columns", "units"),
+        )
+    turned.flags.writeable = number.flags.writeable = False
+    return Strokes(number, count, turned, 0.5 * max(count, 1) / run.duration)
+
+
+def joined(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
+    """Let pieces that were cut from one file count its turns, not each its own.
+
+    A turn that a defect interrupts is complete if it lacks no more than a few degrees.
+    """
+    found, at = list(strokes), 0
+    while at < len(runs):
+        end = at + 1
+        while end < len(runs) and _goes_on(runs[end - 1], runs[end]):
+            end += 1
+        if end - at > 1:
+            found[at:end] = _renumbered(runs[at:end], strokes[at:end])
+        at = end
+    return found
+
+
+def _goes_on(before: Recording, run: Recording) -> bool:
+    """Return whether two recordings are neighbouring pieces of one file of a disk."""
+    return (
+        before.source != before.file == run.file != run.source
+        and before.velocity is None
+        and run.velocity is None
+        and not (before.turns_back or run.turns_back)
+        and before.turns * run.turns > 0.0
+        and run.time[0] > before.time[-1]
+        and (run.angle[0] - before.angle[-1]) * before.turns > 0.0
+    )
+
+
+def _renumbered(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
+    sign = math.copysign(1.0, runs[0].turns)
+    start = float(runs[0].angle[0])
+    last = runs[-1]
+    step = abs(float(last.angle[-1] - last.angle[0])) / (len(last) - 1)
+    whole = math.floor((sign * (float(last.angle[-1]) - start) + step) / _TURN + 1e-9)
+    lacks = np.zeros(max(whole, 1))
+    for before, after in pairwise(runs):
+        # Turns share what lies between the last sample before a defect and the first after it.
+        low, high = (sign * (one - start) for one in (before.angle[-1], after.angle[0]))
+        for turn in range(int(low // _TURN), int(high // _TURN) + 1):
+            if turn < lacks.size:
+                lacks[turn] += min(high, (turn + 1) * _TURN) - max(low, turn * _TURN)
+    number_of = np.full(lacks.size, -1, dtype=np.int32)
+    kept = np.flatnonzero((lacks < _LACKING) & (np.arange(lacks.size) < whole))
+    number_of[kept] = np.arange(kept.size)
+    found = []
+    for run, old in zip(runs, strokes, strict=True):
+        ahead = np.floor(sign * (run.angle - start) / _TURN + 1e-9).astype(np.int64)
+        inside = (ahead >= 0) & (ahead < lacks.size)
+        number = np.where(inside, number_of[np.clip(ahead, 0, lacks.size - 1)], -1)
+        count = int(kept.size) if run is runs[-1] else 0
+        found.append(Strokes(number.astype(np.int32), count, old.turned, old.rate))
+    return found

@@ -1,0 +1,162 @@
+"""Files of tribometers as laboratories export them, of one virtual run."""
+
+import asperity as asp
+import numpy as np
+
+LAW = asp.FrictionLaw(
+    asp.Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), asp.Superellipse(1.84, 1.19, 2.51)
+)
+# Without flat sides, a few directions tell the law.
+ROUND = asp.FrictionLaw(asp.Ellipse(0.54, 0.46), asp.Ellipse(1.5, 1.0))
+TURNED = asp.FrictionLaw(asp.Ellipse(0.54, 0.46, angle=0.2), asp.Ellipse(1.5, 1.0, angle=0.05))
+LOAD, RATE = 9.3, 1000.0
+
+
+def machine(**options):
+    given = {"normal_force": LOAD, "turns": 3.2, "turn_rate": 0.5, "sample_rate": RATE, "seed": 1}
+    given |= {"no_load_time": 0.0, "zero": 0.0, "calibration_loads": 0, "crosstalk": 0.0}
+    return asp.identify.VirtualTribometer(LAW, **{**given, **options})
+
+
+def run(**options):
+    return machine(**options).record().recordings[0]
+
+
+def table(recording):
+    """Return the columns time, angle and channels."""
+    return np.column_stack([recording.time, recording.angle, recording.readings])
+
+
+def number(value, digits=4, decimal=".", thousands=""):
+    text = f"{value:,.{digits}f}"
+    return text.replace(",", "#").replace(".", decimal).replace("#", thousands)
+
+
+def german(recording):
+    """Return text with a preamble, commas for points, ms, °, mN, kN, and a delimiter at the end."""
+    t, angle, *forces = table(recording).T
+    columns = [
+        1e3 * t,
+        np.rad2deg(angle) % 360.0,
+        1e3 * forces[0],
+        1e3 * forces[1],
+        1e-3 * forces[2],
+    ]
+    digits = (1, 4, 2, 2, 7)
+    head = [
+        "Messprogramm;TriboControl 3.2;",
+        "Prüfer;Müller;",
+        "Datum;23.11.2026;",
+        "",
+        "Zeit [ms];Winkel [°];Tangentialkraft [mN];Radialkraft [mN];Normalkraft [kN];",
+    ]
+    rows = zip(*columns, strict=True)
+    body = [
+        "".join(f"{number(x, d, ',')};" for x, d in zip(row, digits, strict=True)) for row in rows
+    ]
+    return "\n".join([*head, *body]) + "\n"
+
+
+def labview(recording):
+    """Return text with a line of names, one of units, and tabs."""
+    head = ["Time\tPhi\tFt\tFr\tFn", "s\tdeg\tN\tN\tN"]
+    columns = table(recording) * [1.0, 180.0 / np.pi, 1.0, 1.0, 1.0]
+    body = ["\t".join(f"{x:.6f}" for x in row) for row in columns]
+    return "\n".join([*head, *body]) + "\n"
+
+
+def american(recording):
+    """Return text with commas between columns and between groups of digits, in quotes."""
+    columns = table(recording) * [1.0, 180.0 / np.pi, 1e3, 1e3, 1e3]
+    head = "Time (s),Angle (deg),Tangential force (mN),Radial force (mN),Normal force (mN)"
+
+    def cell(value):
+        text = number(value, 3, thousands=",")
+        return f'"{text}"' if "," in text else text
+
+    return "\n".join([head, *(",".join(map(cell, row)) for row in columns)]) + "\n"
+
+
+def clock_and_counts(recording, start=12 * 3600):
+    """Return text with times of day and counts of an encoder of 4096 a turn."""
+
+    def clock(t):
+        seconds = start + t
+        hours, rest = divmod(seconds, 3600.0)
+        minutes, left = divmod(rest, 60.0)
+        return f"{int(hours):02d}:{int(minutes):02d}:{left:06.3f}"
+
+    body = []
+    for t, angle, *forces in table(recording):
+        counts = int(np.floor(angle / (2.0 * np.pi) * 4096)) % 4096
+        body.append(f"{clock(t)};{counts};" + ";".join(f"{x:.5f}" for x in forces))
+    return "\n".join(["Clock;Encoder [counts];Ft [N];Fr [N];Fn [N]", *body]) + "\n"
+
+
+def rotations(recording):
+    """Return text with the speed of rotation in rpm in place of an angle."""
+    rate = 60.0 * np.gradient(recording.angle, recording.time) / (2.0 * np.pi)
+    columns = np.column_stack([recording.time, rate, recording.readings])
+    body = [",".join(f"{x:.6f}" for x in row) for row in columns]
+    return "\n".join(["t [s],n [rpm],Ft [N],Fr [N],Fn [N]", *body]) + "\n"
+
+
+def rest_run_rest():
+    """Return text that has records without load before and after the run, and a run of them all."""
+    raw = machine(no_load_time=4.0, zero=0.02).record()
+    parts = [raw.no_load[0], raw.recordings[0], raw.no_load[1]]
+    tables = [table(part) for part in parts]
+    # The disk stays where it has come to rest.
+    tables[2][:, 1] = tables[1][-1, 1]
+    whole = np.vstack(tables)
+    whole[:, 0] -= whole[0, 0]
+    body = [",".join(f"{x:.6f}" for x in row) for row in whole]
+    return "\n".join(["time,angle,tangential,radial,normal", *body]) + "\n", raw
+
+
+def with_defects(recording):
+    """Return text with a cell of text, an empty one, and a footer."""
+    lines = [",".join(f"{x:.6f}" for x in row) for row in table(recording)]
+    for line, text in ((1500, "OVL"), (3500, "")):
+        cells = lines[line].split(",")
+        cells[2] = text
+        lines[line] = ",".join(cells)
+    return "\n".join(["time,angle,tangential,radial,normal", *lines, "End of measurement"]) + "\n"
+
+
+def strokes(angles, *, repeats=3, speed=0.01, half=0.02, noise=0.01, seed=2, load=LOAD, law=LAW):
+    """Return time, position, stage angle and the channels along the stroke, by stage angle.
+
+    A stage goes back and forth, at a speed that is a sine, under a pin that presses all the time.
+    """
+    random = np.random.default_rng(seed)
+    omega = speed / half
+    time = np.arange(0.0, repeats * 2.0 * np.pi / omega, 1.0 / 200.0)
+    place, velocity = -half * np.cos(omega * time), speed * np.sin(omega * time)
+    found = []
+    for angle in angles:
+        along = np.array([np.cos(angle), np.sin(angle)])
+        across = np.array([-along[1], along[0]])
+        slip = np.sign(velocity)[:, None] * along
+        slip[velocity == 0.0] = along
+        force = -law.force(slip, normal_force=load)
+        force += noise * load * random.normal(size=force.shape)
+        normal = load + 0.002 * load * random.normal(size=time.size)
+        found.append((time, place, force @ along, force @ across, normal))
+    return found
+
+
+def plane_path(
+    *, turns=4, speed=0.01, radius=0.01, noise=0.01, seed=3, load=LOAD, zero=(0, 0, 0), law=LAW
+):
+    """Return time, place, velocity and forces along x and y of a stage that goes round."""
+    random = np.random.default_rng(seed)
+    omega = speed / radius
+    time = np.arange(0.0, turns * 2.0 * np.pi / omega + 0.05, 1.0 / 200.0)
+    angle = omega * time + 0.3
+    slip = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    place = radius * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+    force = -law.force(slip, normal_force=load)
+    force += noise * load * random.normal(size=force.shape) + np.array(zero[:2])
+    normal = load + 0.002 * load * random.normal(size=time.size) + zero[2]
+    return time, place, speed * slip, force, normal
