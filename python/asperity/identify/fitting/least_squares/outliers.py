@@ -131,7 +131,7 @@ def check_sense(bins: Bins, samples: Samples, width: int) -> None:
         )
     raise FitError(
         f"data: the force does not oppose sliding at φ = {place:.1f}°: check the signs of the "
-        "channels and of the rotation: a minus before its unit turns one"
+        "channels and of the rotation"
     )
 
 
