@@ -155,7 +155,7 @@ WRONG = {
         {2: -1.0},
         "",
         FitError,
-        r"does not oppose sliding.* a minus before its unit",
+        r"does not oppose sliding.*check the signs of the channels",
     ),
     "time in ms": ({0: 1e3}, "", RecordError, r"turns at 0.0005 turns/s.*see \[units\]"),
     "typo": ({}, "[units]\ntiem = 's'", AsperityError, r"line 2: .*did you mean 'time'"),
