@@ -36,11 +36,13 @@ def is_near(fit):
 
 
 def held(law, truth, seeds, directions, **options):
-    found = np.zeros(len(truth), dtype=int)
+    found, alarms = np.zeros(len(truth), dtype=int), 0
     for seed in range(seeds):
         fit = fit_law(strokes(law, directions, seed=seed), **options)
-        assert not fit.warnings
+        alarms += bool(fit.warnings)
         found += [fit.parameters[name].covers(value) for name, value in truth.items()]
+    # Tests of drift and of fit give a false alarm in one fit of some hundreds.
+    assert alarms <= 0.02 * seeds
     return found
 
 

@@ -76,16 +76,14 @@ def mistake(family: Family, bins: Bins, misfit: float | None, *, turning: bool) 
         (words, _changed(bins, np.array(matrix), of_channels=True))
         for words, matrix in _OF_CHANNELS
     ]
-    if turning:
-        cases.append(("the tangential and the normal channel swapped", _with_load_swapped(bins)))
-    else:
+    if not turning:
         cases += [
             (words, _changed(bins, np.array(matrix), of_channels=False))
             for words, matrix in _OF_COMPONENTS
         ]
     found = []
     for words, meant in cases:
-        if meant.phi.size and along_sliding(meant) is None:
+        if along_sliding(meant) is None:
             off = _misfit(family, meant)
             if off is not None:
                 found.append(Mistake(words, off))
@@ -105,18 +103,6 @@ def _changed(bins: Bins, matrix: Array, *, of_channels: bool) -> Bins:
     turned = np.stack([-e[:, 1], e[:, 0]], axis=-1)
     product = parts[0][:, None] * e + parts[1][:, None] * turned
     return Bins(bins.phi, bins.squares, bins.normal, product)
-
-
-def _with_load_swapped(bins: Bins) -> Bins:
-    """Return the means with the tangential force for the normal one and the other way round."""
-    along, across = arrays.along_and_across(bins.force, bins.phi)
-    if along.min() <= 0.0:
-        return Bins(bins.phi[:0], bins.squares[:0], bins.normal[:0], bins.product[:0])
-    e = arrays.unit_vectors(bins.phi)
-    turned = np.stack([-e[:, 1], e[:, 0]], axis=-1)
-    force = (e + across[:, None] * turned) / along[:, None]
-    squares = bins.squares * along**2
-    return Bins(bins.phi, squares, bins.normal * along, force * squares[:, None])
 
 
 def _misfit(family: Family, bins: Bins) -> float | None:
