@@ -32,6 +32,9 @@ from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
 from asperity.identify.identified_law import IdentifiedLaw
+from asperity.identify.path_estimation import fit_paths
+from asperity.identify.path_fit import FittedPath, PathFit
+from asperity.identify.paths.launch import Launch
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.reading import read_csv
@@ -52,10 +55,13 @@ __all__ = [
     "Dependence",
     "Estimate",
     "Fit",
+    "FittedPath",
     "FourierDirection",
     "FourierReservoir",
     "IdentifiedLaw",
+    "Launch",
     "MeasuredSets",
+    "PathFit",
     "ProcessedData",
     "Processing",
     "RawData",
@@ -67,6 +73,7 @@ __all__ = [
     "average_turns",
     "compare_models",
     "fit_law",
+    "fit_paths",
     "load_dependence",
     "low_pass",
     "process",
