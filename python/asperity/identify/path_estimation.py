@@ -27,7 +27,7 @@ from asperity.identify.path_verdict import Solution, verdict
 from asperity.identify.paths.launch import Launch
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
-from asperity.identify.paths.observed import Observed, observed
+from asperity.identify.paths.observed import FEWEST, Observed, observed
 from asperity.identify.paths.starts import Ellipses, best_size, first_launches
 from asperity.law import FrictionLaw
 from asperity.runs.comparison import TimedPath
@@ -116,7 +116,10 @@ def fit_paths(
     step = None if dt is None else arrays.positive(dt, "dt")
     structure = Structure(reservoir_model(reservoir), direction_model(direction))
     given = observed(paths, position_error)
-    known, errors = _known(launch, given)
+    launches = _launches(launch, len(given))
+    given = tuple(_after(path, one) for path, one in zip(given, launches, strict=True))
+    pairs = [one.known(float(p.time[0])) for one, p in zip(launches, given, strict=True)]
+    known, errors = (np.stack(part) for part in zip(*pairs, strict=True))
     search = _Search(
         structure, _held(fixed, structure), given, system, known, errors, tolerance, step
     )
@@ -124,18 +127,29 @@ def fit_paths(
     return verdict(solution, confidence=confidence, length_error=length_error)
 
 
-def _known(launch: Any, paths: Sequence[Observed]) -> tuple[Array, Array]:
-    """Return what is known of the launches with its standard errors, each ``(G, 5)``."""
+def _launches(launch: Any, count: int) -> tuple[Launch, ...]:
+    """Return what is known of every launch."""
     one = Launch() if launch is None else launch
-    launches = (one,) * len(paths) if isinstance(one, Launch) else arrays.several(one, "launch")
-    if len(launches) != len(paths):
+    launches = (one,) * count if isinstance(one, Launch) else arrays.several(one, "launch")
+    if len(launches) != count:
         raise DimensionError(
-            "launch", f"must be one, or one for each of the {len(paths)} paths, got {len(launches)}"
+            "launch", f"must be one, or one for each of the {count} paths, got {len(launches)}"
         )
     for k, each in enumerate(launches):
         arrays.of_kind(each, f"launch[{k}]", Launch, "a Launch")
-    pairs = [each.known(float(p.time[0])) for each, p in zip(launches, paths, strict=True)]
-    return np.stack([values for values, _ in pairs]), np.stack([errors for _, errors in pairs])
+    return launches
+
+
+def _after(path: Observed, launch: Launch) -> Observed:
+    """Return the points of a path after a launch that is where the body is at a given time."""
+    if launch.place is not None or launch.time is None:
+        return path
+    kept = path.time >= launch.time
+    if kept.sum() < FEWEST:
+        raise ParameterError(
+            "launch", f"of {path.name} at {launch.time:.6g} s leaves {kept.sum()} points after it"
+        )
+    return Observed(path.name, path.time[kept], path.position[kept], path.error[kept])
 
 
 def _held(fixed: Mapping[str, float] | None, structure: Structure) -> Array:

@@ -31,8 +31,8 @@ class Launch(Record):
     What is given with an error enters the fit as one more measurement with this standard error;
     without one it is taken as exact. A body on its way may have been launched at any place of its
     path: either the place or the time of the launch must be known. Where no place is given, the
-    launch is where the body is at the given time, by default that of the first measured point, and
-    its place is estimated.
+    launch is where the body is at the given time, by default that of the first measured point;
+    its place is estimated, and points before are left out.
 
     Args:
         place: (x₁, x₂) in m.

@@ -158,11 +158,11 @@ class Misfits:
             slope = (upper[m] - below) / width / error
             result[rows.start : rows.start + slope.size, column] = slope.T.ravel()
         for k, path in enumerate(self.paths):
-            at = np.flatnonzero(self.free[k])
+            own = np.flatnonzero(self.free[k])
             unknowns = self.unknowns_of(k)
             row = self.of(k).start + 2 * len(path.time)
             for quantity in np.flatnonzero(self._stated[k]):
-                column = unknowns.start + int(np.flatnonzero(at == quantity)[0])
+                column = unknowns.start + int(np.flatnonzero(own == quantity)[0])
                 result[row, column] = 1.0 / self._errors[k, quantity]
                 row += 1
         return result

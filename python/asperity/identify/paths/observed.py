@@ -24,8 +24,8 @@ _UNITS = {
 }
 _NAMES = {"t": ("t", "time"), "x1": ("x1", "x"), "x2": ("x2", "y")}
 _ERRORS = {"e1": ("x1 error", "x1_error"), "e2": ("x2 error", "x2_error")}
-# A path must tell more than the unknowns of its launch.
-_FEWEST = 4
+FEWEST = 4
+"""A path of fewer points tells no more than its launch."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,9 @@ def _observed(given: Any, number: int, known: float | None) -> Observed:
     if isinstance(given, Observed):
         return given
     if isinstance(given, str | os.PathLike):
-        name, first = str(given), -np.inf
+        name = str(given)
         time, position, own = read_path(given)
+        first = _onset(time, position)
     elif isinstance(given, TimedPath):
         name = argument
         time = arrays.array(given.time, f"{argument}.time", (None,))
@@ -90,13 +91,24 @@ def _observed(given: Any, number: int, known: float | None) -> Observed:
         )
     error = np.broadcast_to(own, position.shape)
     kept = np.isfinite(position).all(axis=1) & np.isfinite(error).all(axis=1) & (time >= first)
-    if kept.sum() < _FEWEST:
-        raise ParameterError(name, f"must hold {_FEWEST} points at least, holds {kept.sum()}")
+    if kept.sum() < FEWEST:
+        raise ParameterError(name, f"must hold {FEWEST} points at least, holds {kept.sum()}")
     if not (error[kept] > 0.0).all():
         raise ParameterError(
             "position_error", f"is needed: some errors of the positions of {name} are zero"
         )
     return Observed(name, *(arrays.read_only(part[kept]) for part in (time, position, error)))
+
+
+def _onset(time: Array, position: Array) -> float:
+    """Return the time at which a body begins to move, as that of a tracked path."""
+    from asperity.track import MeasuredPath
+
+    try:
+        return MeasuredPath(time, position, np.zeros_like(position)).section[0]
+    except ParameterError:
+        # Too few points to tell a rest.
+        return -np.inf
 
 
 def read_path(path: str | os.PathLike[str]) -> tuple[Array, Array, Array | None]:
