@@ -56,8 +56,8 @@ RESULTS = {
     "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
     "SweepStatus", "Trajectory",
     "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
-    "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
-    "track.TrackConfig",
+    "identify.Estimate", "identify.Fit", "identify.FittedPath", "identify.IdentifiedLaw",
+    "identify.PathFit", "track.Track", "track.TrackConfig",
 }  # fmt: skip
 """What the library makes itself."""
 

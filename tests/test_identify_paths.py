@@ -1,6 +1,7 @@
 """Laws from measured paths: virtual films, launches, intervals by path, files, the command."""
 
 import math
+import pickle
 import time
 import tomllib
 from types import SimpleNamespace
@@ -13,6 +14,7 @@ from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
 from asperity.identify import IdentifiedLaw, Launch, fit_paths
 from asperity.identify.path_campaign import FILES
+from asperity.identify.paths.launch import known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
 from asperity.identify.paths.observed import observed
@@ -179,7 +181,7 @@ def test_what_is_known_of_a_launch_enters_once(round_films):
 def misfits_of(films, seed=0):
     paths, launches = films.draw(seed)
     given = observed(paths, None)
-    pairs = [one.known(0.0) for one in launches]
+    pairs = [known_of(one, 0.0) for one in launches]
     known, errors = (np.stack(part) for part in zip(*pairs, strict=True))
     motions = Motions(films.system, [path.time for path in given], 1e-8, None)
 
@@ -385,6 +387,11 @@ def test_the_law_is_kept_with_its_covariance(few, tmp_path):
     for name in ("reservoir.a", "direction.ratio"):
         assert errors[name] == pytest.approx(fit.parameters[name].standard_error, rel=1e-9)
     assert len(known.sample(5, seed=1)) == 5
+    twin = pickle.loads(pickle.dumps(fit))
+    assert twin == fit
+    assert hash(twin) == hash(fit)
+    with pytest.raises(AttributeError, match="immutable"):
+        fit.misfit = 0.0
 
 
 # What is given.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from asperity.identify.fitting.models.names import (
 from asperity.identify.identified_law import Structure
 from asperity.identify.path_fit import PathFit
 from asperity.identify.path_verdict import Solution, verdict
-from asperity.identify.paths.launch import Launch
+from asperity.identify.paths.launch import Launch, known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
 from asperity.identify.paths.observed import FEWEST, Observed, observed
@@ -32,6 +32,10 @@ from asperity.identify.paths.starts import Ellipses, best_size, first_launches
 from asperity.law import FrictionLaw
 from asperity.runs.comparison import TimedPath
 from asperity.runs.model import Model
+from asperity.runs.run import Run
+
+AnyPath: TypeAlias = TimedPath | Run | str | os.PathLike[str]
+"""A measured path, as an object or in a file."""
 
 # A descent ends where the squares change by less than this share: a start, and the fit.
 _NEAR, _CLOSE = 1e-2, 1e-6
@@ -45,7 +49,7 @@ _ALIKE = 10.0
 
 
 def fit_paths(
-    paths: Sequence[TimedPath | str | os.PathLike[str]] | TimedPath | str | os.PathLike[str],
+    paths: Sequence[AnyPath] | AnyPath,
     *,
     system: Model,
     reservoir: ReservoirName = "superellipse",
@@ -70,8 +74,8 @@ def fit_paths(
     angles of these are `fixed`.
 
     Args:
-        paths: what `track_mark` and `track.Track.path` give, other objects with `time` and
-            `position`, or CSV files with columns ``t [s]``, ``x1 [m]``, ``x2 [m]`` and, if known,
+        paths: what `track.Track.path` gives, other objects with `time` and `position`, runs, or
+            CSV files with columns ``t [s]``, ``x1 [m]``, ``x2 [m]`` and, if known,
             ``x1 error [m]``, ``x2 error [m]``, such as those of ``asperity track``.
         system: what slides, such as `SlidingPoint` or `SlidingDisk`; its first two coordinates are
             those of the paths. The law of all its contacts is fitted; its rate factor is kept.
@@ -118,7 +122,7 @@ def fit_paths(
     given = observed(paths, position_error)
     launches = _launches(launch, len(given))
     given = tuple(_after(path, one) for path, one in zip(given, launches, strict=True))
-    pairs = [one.known(float(p.time[0])) for one, p in zip(launches, given, strict=True)]
+    pairs = [known_of(one, float(p.time[0])) for one, p in zip(launches, given, strict=True)]
     known, errors = (np.stack(part) for part in zip(*pairs, strict=True))
     search = _Search(
         structure, _held(fixed, structure), given, system, known, errors, tolerance, step

@@ -69,19 +69,21 @@ class Launch(Record):
                 "time_error", "needs a place: without one, the launch is where the body is then"
             )
 
-    def known(self, first: float) -> tuple[Array, Array]:
-        """Return what is known of the `QUANTITIES`, NaN of the others, and the standard errors.
 
-        Args:
-            first: time of the first measured point in s.
-        """
-        place = (np.nan, np.nan) if self.place is None else self.place
-        time = first if self.time is None and self.place is None else self.time
-        values = [
-            np.nan if value is None else value for value in (self.speed, self.direction, time)
-        ]
-        errors = (self.speed_error, self.direction_error, self.time_error)
-        return (
-            np.array([*values, *place]),
-            np.array([*errors, self.place_error, self.place_error]),
-        )
+def known_of(launch: Launch, first: float) -> tuple[Array, Array]:
+    """Return what is known of the `QUANTITIES`, NaN of the others, and the standard errors.
+
+    Args:
+        launch: of a path.
+        first: time of the first measured point in s.
+    """
+    place = (np.nan, np.nan) if launch.place is None else launch.place
+    time = first if launch.time is None and launch.place is None else launch.time
+    values = [
+        np.nan if value is None else value for value in (launch.speed, launch.direction, time)
+    ]
+    errors = (launch.speed_error, launch.direction_error, launch.time_error)
+    return (
+        np.array([*values, *place]),
+        np.array([*errors, launch.place_error, launch.place_error]),
+    )

@@ -16,6 +16,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError, RecordError
 from asperity.runs.comparison import TimedPath
+from asperity.runs.run import Run
 
 _TITLE = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\]]*?)\s*\])?\s*")
 _UNITS = {
@@ -52,7 +53,7 @@ def observed(paths: Any, position_error: float | None) -> tuple[Observed, ...]:
         ParameterError: naming the path and what is wrong with it.
         RecordError: if a file cannot be used.
     """
-    if isinstance(paths, str | os.PathLike | TimedPath):
+    if isinstance(paths, str | os.PathLike | TimedPath | Run):
         paths = (paths,)
     known = None if position_error is None else arrays.positive(position_error, "position_error")
     listed = arrays.several(paths, "paths")
@@ -69,6 +70,9 @@ def _observed(given: Any, number: int, known: float | None) -> Observed:
         name = str(given)
         time, position, own = read_path(given)
         first = _onset(time, position)
+    elif isinstance(given, Run):
+        name, first, own = argument, -np.inf, None
+        time, position = given.t, given.q[:, :2]
     elif isinstance(given, TimedPath):
         name = argument
         time = arrays.array(given.time, f"{argument}.time", (None,))
@@ -79,7 +83,7 @@ def _observed(given: Any, number: int, known: float | None) -> Observed:
         first = getattr(given, "section", (-np.inf,))[0]
     else:
         raise ParameterError(
-            argument, f"must be a path with time and position, or a file, got {given!r}"
+            argument, f"must be a path with time and position, a run, or a file, got {given!r}"
         )
     if (np.diff(time) <= 0.0).any():
         raise ParameterError(f"{name}: time", "must ascend")
