@@ -263,7 +263,7 @@ def _fitted_paths(solution: Solution, confidence: float | None) -> tuple[FittedP
             time=path.time,
             position=path.position,
             position_error=path.error,
-            simulated=places[k],
+            simulated=places[k].position,
             **{
                 f"launch_{name}": Estimate(value, value - wide, value + wide, error)
                 for name, value, error, wide in zip(
@@ -309,7 +309,7 @@ def _faster(solution: Solution) -> tuple[Array, float] | None:
         return None
     change = np.zeros(misfits.rows)
     for k, path in enumerate(misfits.paths):
-        off = (found[k] - usual[k]) / path.error / part
+        off = (found[k].position - usual[k].position) / path.error / part
         begin = misfits.of(k).start
         change[begin : begin + off.size] = off.T.ravel()
     return change, speed

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
 from asperity.errors import AsperityError, FitError
-from asperity.identify.paths.motions import Motions
+from asperity.identify.paths.launch import SPEED, TIME
+from asperity.identify.paths.motions import Motions, Simulated
 from asperity.identify.paths.observed import Observed
 from asperity.law import FrictionLaw
 
 # Steps of the differences: of coordinates of the law, which are logarithms and angles, of the
-# speed relative to it, of the direction in rad, of the time and the place relative to those that
-# the path takes. A shorter step would show errors of the integration, a longer one the curvature.
+# speed relative to it, of the direction in rad, of the place relative to the length of the path.
+# A shorter step would show errors of the integration, a longer one the curvature.
 _STEP = 1e-3
 
 
@@ -54,12 +56,11 @@ class Misfits:
         ]
         self._ends = np.cumsum([0, *rows])
         self._columns = size + np.cumsum([0, *self.free.sum(axis=1)])
-        last = np.array([np.ptp(path.time) for path in paths])
         length = np.array([np.hypot(*np.ptp(path.position, axis=0)) for path in paths])
-        one = np.ones_like(last)
+        one = np.ones_like(length)
         # Derivatives are asked for where the squares were last.
-        self._last: tuple[Array, list[Array] | None] | None = None
-        self._steps = _STEP * np.stack([one, one, last, length, length], axis=1)
+        self._last: tuple[Array, list[Simulated] | None] | None = None
+        self._steps = _STEP * np.stack([one, one, one, length, length], axis=1)
 
     def of(self, path: int) -> slice:
         """Return the rows of a path."""
@@ -94,10 +95,12 @@ class Misfits:
         launches, simulated = self.launches(z), self.simulated(z)
         if simulated is None:
             return np.full(self.rows, np.inf)
-        return np.concatenate([self._rows(one, k, launches[k]) for k, one in enumerate(simulated)])
+        return np.concatenate(
+            [self._rows(one.position, k, launches[k]) for k, one in enumerate(simulated)]
+        )
 
-    def simulated(self, z: Array) -> list[Array] | None:
-        """Return positions of all paths at the measured times."""
+    def simulated(self, z: Array) -> list[Simulated] | None:
+        """Return all paths at the measured times."""
         if self._last is None or not np.array_equal(self._last[0], z):
             launches = self.launches(z)
             everywhere = range(len(launches))
@@ -108,64 +111,66 @@ class Misfits:
     def jacobian(self, z: Array, *, factor: float = 1.0, central: bool = True) -> Array:
         """Return the derivatives of the residuals, by differences of paths.
 
+        Derivatives by the time of a launch are velocities.
+
         Args:
             z: the unknowns.
             factor: of all steps.
             central: whether steps go to both sides.
         """
-        count, launches = len(self.paths), self.launches(z)
-        steps = np.empty(self.count)
-        steps[: self.size] = _STEP * factor
-        scale = self._steps.copy()
-        scale[:, 0] *= launches[:, 0]
-        steps[self.size :] = factor * scale[self.free]
-        # A motion for every coordinate and path, and one for every unknown of a launch.
-        owner = np.repeat(np.arange(count), self.free.sum(axis=1))
-        columns = np.concatenate(
-            [np.repeat(np.arange(self.size), count), self.size + np.arange(len(owner))]
-        )
-        which = np.concatenate([np.tile(np.arange(count), self.size), owner])
-        sides = (1.0, -1.0) if central else (1.0, 0.0)
-        found = []
-        for side in sides:
-            if side == 0.0:
-                found.append(self.simulated(z))
-                continue
-            moved = []
-            for column in columns:
-                at = z.copy()
-                at[column] += side * steps[column]
-                moved.append(at)
-            found.append(
-                self._simulated(
-                    [at[: self.size] for at in moved],
-                    np.stack([self.launches(at)[k] for at, k in zip(moved, which, strict=True)]),
-                    which,
-                )
-            )
-        result = np.zeros((self.rows, self.count))
-        upper, lower = found
-        if upper is None or lower is None:
+        columns, which = self._moved
+        steps = factor * self._steps_at(z)[columns]
+        here, upper = self.simulated(z), self._beside(z, steps)
+        lower = self._beside(z, -steps) if central else here
+        if here is None or upper is None or lower is None:
             raise FitError(
                 "no motions could be found for parameters close by: choose a simpler model, or "
                 "give dt to simulate instead of integrating"
             )
+        result = np.zeros((self.rows, self.count))
         for m, (column, k) in enumerate(zip(columns, which, strict=True)):
-            error = self.paths[k].error
-            below = lower[m] if central else lower[k]
-            width = (2.0 if central else 1.0) * steps[column]
-            rows = self.of(k)
-            slope = (upper[m] - below) / width / error
-            result[rows.start : rows.start + slope.size, column] = slope.T.ravel()
-        for k, path in enumerate(self.paths):
-            own = np.flatnonzero(self.free[k])
-            unknowns = self.unknowns_of(k)
-            row = self.of(k).start + 2 * len(path.time)
-            for quantity in np.flatnonzero(self._stated[k]):
-                column = unknowns.start + int(np.flatnonzero(own == quantity)[0])
-                result[row, column] = 1.0 / self._errors[k, quantity]
-                row += 1
+            below, width = (lower[m], 2.0 * steps[m]) if central else (lower[k], steps[m])
+            self._enter(result, k, column, (upper[m].position - below.position) / width)
+        for k, quantities in enumerate(self.free):
+            for column, quantity in enumerate(np.flatnonzero(quantities), self._columns[k]):
+                if quantity == TIME:
+                    self._enter(result, k, column, -here[k].velocity)
+                if self._stated[k, quantity]:
+                    row = self.of(k).stop - self._stated[k, quantity:].sum()
+                    result[row, column] = 1.0 / self._errors[k, quantity]
         return result
+
+    @cached_property
+    def _moved(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The unknowns by which motions are differentiated, and the paths of these motions.
+
+        There is a motion for every coordinate of the law and path, and one for every unknown of a
+        launch but its time, which shifts a path and does not change it.
+        """
+        count = len(self.paths)
+        owner, quantity = np.nonzero(self.free)
+        kept = quantity != TIME
+        launched = self.size + np.flatnonzero(kept)
+        columns = np.concatenate([np.repeat(np.arange(self.size), count), launched])
+        which = np.concatenate([np.tile(np.arange(count), self.size), owner[kept]])
+        return columns, which
+
+    def _steps_at(self, z: Array) -> Array:
+        scale = self._steps.copy()
+        scale[:, SPEED] *= self.launches(z)[:, SPEED]
+        return np.concatenate([np.full(self.size, _STEP), scale[self.free]])
+
+    def _beside(self, z: Array, steps: Array) -> list[Simulated] | None:
+        """Return the motions where one unknown is larger by its step."""
+        columns, which = self._moved
+        moved = np.tile(z, (len(columns), 1))
+        moved[np.arange(len(columns)), columns] += steps
+        launches = np.stack([self.launches(at)[k] for at, k in zip(moved, which, strict=True)])
+        return self._simulated(moved[:, : self.size], launches, which)
+
+    def _enter(self, into: Array, path: int, column: int, slope: Array) -> None:
+        begin = self.of(path).start
+        into[begin : begin + slope.size, column] = (slope / self.paths[path].error).T.ravel()
 
     def _rows(self, simulated: Array, k: int, launch: Array) -> Array:
         path, stated = self.paths[k], self._stated[k]
@@ -173,8 +178,11 @@ class Misfits:
         return np.concatenate([off, (launch - self._known[k])[stated] / self._errors[k][stated]])
 
     def _simulated(
-        self, coordinates: Sequence[Array], launches: Array, which: Sequence[int] | NDArray[np.intp]
-    ) -> list[Array] | None:
+        self,
+        coordinates: Sequence[Array] | Array,
+        launches: Array,
+        which: Sequence[int] | NDArray[np.intp],
+    ) -> list[Simulated] | None:
         laws: dict[bytes, FrictionLaw] = {}
         try:
             for at in coordinates:

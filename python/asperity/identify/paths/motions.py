@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,18 @@ from asperity.runs.time_stepping import beginning
 # So many samples of a path lie between its launch and its last measured point; cubics between them
 # are wrong by a millionth of its length.
 _SAMPLES = 100
+
+
+class Simulated(NamedTuple):
+    """A simulated path at the measured times.
+
+    Attributes:
+        position: in m, ``(n, 2)``.
+        velocity: in m/s, ``(n, 2)``; zero before the launch.
+    """
+
+    position: Array
+    velocity: Array
 
 
 class Motions:
@@ -53,8 +65,8 @@ class Motions:
         launches: Array,
         which: Sequence[int],
         rate: Stribeck | None = None,
-    ) -> list[Array] | None:
-        """Return positions at the measured times; None if a motion could not be found.
+    ) -> list[Simulated] | None:
+        """Return paths at the measured times; None if a motion could not be found.
 
         Args:
             laws: one for every motion.
@@ -70,7 +82,7 @@ class Motions:
         )
         if last <= 0.0:
             return None
-        result: list[Array] = [np.empty(0)] * len(launches)
+        result = [Simulated(np.empty(0), np.empty(0))] * len(launches)
         for own, members in _alike(laws):
             rated = [law if rate is None else law.replace(rate=rate) for law in own]
             many = self._many(rated, launches[members], last)
@@ -78,10 +90,13 @@ class Motions:
                 return None
             series = [many.samples[name] for name in ("t", "q", "u")]
             for index, m in np.ndenumerate(members):
-                t, q, u = (one[index] for one in series)
-                known = np.isfinite(t)
+                known = np.isfinite(series[0][index])
+                t, q, u = (one[index][known] for one in series)
                 at = self.times[which[int(m)]] - launches[m, TIME]
-                result[m] = hermite(t[known], q[known, :2], u[known, :2], at)
+                velocity = [np.interp(at, t, u[:, i], left=0.0) for i in (0, 1)]
+                result[m] = Simulated(
+                    hermite(t, q[:, :2], u[:, :2], at), np.stack(velocity, axis=-1)
+                )
         return result
 
     def _many(self, laws: Sequence[FrictionLaw], launches: Array, last: float) -> Ensemble:

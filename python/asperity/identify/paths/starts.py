@@ -83,7 +83,7 @@ def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
     measured = [path.position for path in misfits.paths]
     costs = [
         sum(
-            float(np.sum((found[i * count + k] - one) ** 2))
+            float(np.sum((found[i * count + k].position - one) ** 2))
             / float(np.sum(np.ptp(one, axis=0) ** 2))
             for k, one in enumerate(measured)
         )
