@@ -148,6 +148,34 @@ def test_three_films_suffice_for_ellipses(few, count):
     assert min(held.values()) >= 0.88 * count, held
 
 
+def test_angles_of_the_sets_are_found_if_they_have_any():
+    law = asp.FrictionLaw(asp.Ellipse(0.55, 0.42, angle=0.35), asp.Ellipse(1.5, 1.0, angle=-0.25))
+    films = Films(law, np.arange(8) * 45.0 + 7.0)
+    paths, launches = films.draw(4)
+    models = {"reservoir": "ellipse", "direction": "ellipse", "launch": launches}
+    found = fit_paths(paths, system=films.system, **models).parameters
+    assert found["reservoir.angle"].value == pytest.approx(0.35, abs=0.03)
+    assert found["direction.angle"].value == pytest.approx(-0.25, abs=0.02)
+    assert found["reservoir.angle"].identifiable
+    assert found["direction.angle"].identifiable
+    round_one = Films(asp.FrictionLaw.isotropic(0.4), np.arange(8) * 45.0 + 7.0)
+    paths, _ = round_one.draw(4)
+    found = fit_paths(paths, system=round_one.system, **models).parameters
+    assert not found["reservoir.angle"].identifiable
+    assert not found["direction.angle"].identifiable
+
+
+@pytest.mark.long
+def test_superellipses_are_found_from_films_all_around():
+    films = Films(LAW, np.arange(12) * 30.0 + 7.0)
+    paths, launches = films.draw(0)
+    fit = fit_paths(paths, system=films.system, launch=launches, length_error=0.0)
+    assert fit.warnings == ()
+    for name, truth in {**TRUTH, **AXES}.items():
+        assert fit.parameters[name].identifiable
+        assert fit.parameters[name].covers(truth), name
+
+
 def test_launches_are_found_without_a_word_about_them(few):
     paths, _ = few.draw(3)
     fit = fit_paths(paths, system=few.system, reservoir="ellipse", direction="ellipse")

@@ -23,7 +23,8 @@ from asperity.identify.fitting.models.names import (
 )
 from asperity.identify.identified_law import Structure
 from asperity.identify.path_fit import PathFit
-from asperity.identify.path_verdict import Solution, verdict
+from asperity.identify.path_solution import Solution
+from asperity.identify.path_verdict import verdict
 from asperity.identify.paths.launch import Launch, known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
@@ -40,7 +41,7 @@ AnyPath: TypeAlias = TimedPath | Run | str | os.PathLike[str]
 # A descent ends where the squares change by less than this share: a start, and the fit.
 _NEAR, _CLOSE = 1e-2, 1e-6
 _MOST_TRIALS = 100
-# Ellipses that a fit only begins at need no exact paths.
+# Laws that a fit only begins at need no exact paths.
 _ROUGH = 1e-4
 # Descents from turned superellipses end where the squares change by less than this share.
 _SIFTED = 1e-3
@@ -212,13 +213,10 @@ class _Search:
     def solved(self) -> Solution:
         """Return the best law, and whether others are as good."""
         starts, launches = self._starts()
-        misfits = Misfits(
-            self._paths,
-            self._motions,
-            self._law,
-            self._known,
-            self._errors,
-            int(self._free.sum()),
+        size = int(self._free.sum())
+        rough, misfits = (
+            Misfits(self._paths, motions, self._law, self._known, self._errors, size)
+            for motions in (self._rough, self._motions)
         )
         if misfits.rows <= misfits.count:
             raise FitError(
@@ -226,7 +224,7 @@ class _Search:
                 "simpler model, or measure more points"
             )
         z = [misfits.joined(one[self._free], launches) for one in starts]
-        near = [self._descend(misfits, one, _SIFTED) for one in z] if len(z) > 1 else None
+        near = [self._descend(rough, one, _SIFTED) for one in z] if len(z) > 1 else None
         ordered = z if near is None else [d.z for d in sorted(near, key=lambda d: d.squares)]
         found = self._descend(misfits, ordered[0], _CLOSE)
         if not (found.converged and np.isfinite(found.squares)):
