@@ -224,16 +224,16 @@ class _Search:
                 "simpler model, or measure more points"
             )
         z = [misfits.joined(one[self._free], launches) for one in starts]
-        near = [self._descend(rough, one, _SIFTED) for one in z] if len(z) > 1 else None
-        ordered = z if near is None else [d.z for d in sorted(near, key=lambda d: d.squares)]
-        found = self._descend(misfits, ordered[0], _CLOSE)
+        near = [self._tried(rough, one) for one in z] if len(z) > 1 else []
+        best = min(near, key=lambda d: d.squares).z if near else z[0]
+        found = self._descend(misfits, best, _CLOSE)
         if not (found.converged and np.isfinite(found.squares)):
             reservoir, direction = self._structure
             raise FitError(
                 f"no minimum of {name_of(reservoir)} and {name_of(direction)} was found: try a "
                 "simpler model"
             )
-        others = [d for d in near or () if d.squares < found.squares + _ALIKE]
+        others = [d for d in near if d.squares < found.squares + _ALIKE]
         log.info("fit_paths: %d paths, squares %.6g", len(self._paths), found.squares)
         return Solution(
             structure=self._structure,
@@ -289,6 +289,13 @@ class _Search:
                 full[part] = model.folded(full[part])
         return np.concatenate([full[self._free], z[misfits.size :]])
 
+    def _tried(self, misfits: Misfits, z: Array) -> _Descent:
+        """Descend from a start that may lead nowhere."""
+        try:
+            return self._descend(misfits, z, _SIFTED)
+        except FitError:
+            return _Descent(z, np.inf, converged=False)
+
     def _descend(
         self, misfits: Misfits, z: Array, close: float, *, bounded: bool = True
     ) -> _Descent:
@@ -305,7 +312,7 @@ class _Search:
             low[: misfits.size], high[: misfits.size] = ends.T
             z = np.clip(z, low + 1e-6, high - 1e-6)
         if not np.isfinite(misfits.residuals(z)).all():
-            return _Descent(z, np.inf, False)
+            return _Descent(z, np.inf, converged=False)
         found = least_squares(
             misfits.residuals,
             z,

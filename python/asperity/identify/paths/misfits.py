@@ -58,6 +58,8 @@ class Misfits:
         self._columns = size + np.cumsum([0, *self.free.sum(axis=1)])
         length = np.array([np.hypot(*np.ptp(path.position, axis=0)) for path in paths])
         one = np.ones_like(length)
+        # Why a law could not be made, for messages.
+        self._refused = ""
         # Derivatives are asked for where the squares were last.
         self._last: tuple[Array, list[Simulated] | None] | None = None
         self._steps = _STEP * np.stack([one, one, one, length, length], axis=1)
@@ -124,8 +126,9 @@ class Misfits:
         lower = self._beside(z, -steps) if central else here
         if here is None or upper is None or lower is None:
             raise FitError(
-                "no motions could be found for parameters close by: choose a simpler model, or "
-                "give dt to simulate instead of integrating"
+                "the fit came to parameters beside which there are no motions: "
+                f"{self._refused or 'they could not be integrated, give dt to simulate'}; choose "
+                "a simpler model"
             )
         result = np.zeros((self.rows, self.count))
         for m, (column, k) in enumerate(zip(columns, which, strict=True)):
@@ -188,7 +191,8 @@ class Misfits:
             for at in coordinates:
                 if at.tobytes() not in laws:
                     laws[at.tobytes()] = self._law(at)
-        except AsperityError:
+        except AsperityError as error:
+            self._refused = str(error)
             return None
         return self._motions.paths(
             [laws[at.tobytes()] for at in coordinates], launches, list(which)

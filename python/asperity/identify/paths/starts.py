@@ -23,17 +23,19 @@ from asperity.sets import Ellipse
 _SIZES = np.geomspace(0.02, 4.0, 16)
 # Directions in which a model is laid through an ellipse.
 _THETA = np.arange(72) * (math.pi / 36.0)
-# A path begins where it has covered this share of its length.
-_BEGUN, _OVER = 0.02, 0.98
+# A path begins, and is over, where it has covered this share of its length; its first direction is
+# that of the points between these shares.
+_BEGUN, _OVER, _EARLY = 0.02, 0.98, (0.05, 0.5)
 
 
 def first_launches(paths: Sequence[Observed], known: Array) -> Array:
-    """Return launches from parabolas through the distances from the start, path by path."""
-    from scipy.optimize import least_squares
+    """Return launches from parabolas through the distances from the start, path by path.
 
+    Raises:
+        FitError: if nothing moves.
+    """
     result = known.copy()
-    for k, path in enumerate(paths):
-        launch = result[k]
+    for path, launch in zip(paths, result, strict=True):
         if np.isnan(launch[PLACE]).any():
             launch[PLACE] = path.position[0]
         off = path.position - launch[PLACE]
@@ -41,32 +43,43 @@ def first_launches(paths: Sequence[Observed], known: Array) -> Array:
         length = float(distance.max())
         if not length > 0.0:
             raise FitError(f"{path.name}: nothing moves")
-        first = float(path.time[max(int(np.argmax(distance > _BEGUN * length)) - 1, 0)])
-        over = float(path.time[int(np.argmax(distance >= _OVER * length))])
-        duration = max(over - first, float(np.diff(path.time).max()))
-        free = np.isnan(launch[TIME])
-
-        def parabola(
-            p: Array, path: Observed = path, launch: Array = launch, free: bool = bool(free)
-        ) -> Array:
-            speed, stop, begin = p
-            tau = np.clip(path.time - (begin if free else launch[TIME]), 0.0, abs(stop))
-            away: Array = speed * (tau - 0.5 * tau**2 / max(abs(stop), 1e-12))
-            return away
-
-        start = np.array([2.0 * length / duration, duration, first])
-        fitted = least_squares(
-            lambda p, distance=distance, parabola=parabola: parabola(p) - distance,  # type: ignore[misc]
-            start,
-            x_scale=np.array([start[0], duration, duration]),
-        ).x
-        early = off[(distance > 0.05 * length) & (distance < 0.5 * length)]
+        early = off[(distance > _EARLY[0] * length) & (distance < _EARLY[1] * length)]
         along = early.sum(axis=0) if len(early) else off[int(distance.argmax())]
-        guess = (abs(fitted[0]), math.atan2(along[1], along[0]), fitted[2])
-        for quantity, value in zip((SPEED, DIRECTION, TIME), guess, strict=True):
+        speed, begin = _parabola(path.time, distance, float(launch[TIME]))
+        guess = {SPEED: speed, DIRECTION: math.atan2(along[1], along[0]), TIME: begin}
+        for quantity, value in guess.items():
             if np.isnan(launch[quantity]):
                 launch[quantity] = value
     return result
+
+
+def _parabola(t: Array, distance: Array, begin: float) -> tuple[float, float]:
+    """Return speed and time of a launch with which a body is at these distances until it rests.
+
+    Args:
+        t: times in s.
+        distance: from the place of the launch in m.
+        begin: time of the launch in s, or NaN.
+    """
+    from scipy.optimize import least_squares
+
+    length = float(distance.max())
+    first = float(t[max(int(np.argmax(distance > _BEGUN * length)) - 1, 0)])
+    over = float(t[int(np.argmax(distance >= _OVER * length))])
+    duration = max(over - first, float(np.diff(t).max()))
+    free = math.isnan(begin)
+
+    def off(p: Array) -> Array:
+        speed, stop = p[:2]
+        tau = np.clip(t - (p[2] if free else begin), 0.0, stop)
+        away: Array = speed * (tau - 0.5 * tau**2 / stop) - distance
+        return away
+
+    start = np.array([2.0 * length / duration, duration, first])[: 2 + free]
+    scale = np.array([start[0], duration, duration])[: 2 + free]
+    low = np.array([0.1 * start[0], 0.1 * duration, -np.inf])[: 2 + free]
+    found = least_squares(off, start, x_scale=scale, bounds=(low, np.inf)).x
+    return float(found[0]), float(found[2]) if free else begin
 
 
 def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
