@@ -192,6 +192,23 @@ def command_identify():
     return writer(files[0]), writer(files[1])
 
 
+def command_identify_paths():
+    def writer(mu):
+        place = Path(tempfile.mkdtemp())
+        system = asp.SlidingPoint(1.0, law=asp.FrictionLaw.isotropic(mu))
+        for k, speed in enumerate((1.0, 1.2)):
+            run = asp.simulate(system, dt=0.02, t_end=0.4, u0=[speed, 0.1])
+            rows = [f"{t},{x},{y}" for t, (x, y) in zip(run.t, run.q, strict=True)]
+            (place / f"{k}.csv").write_text("\n".join(["t,x1,x2", *rows]))
+        config = Path(tempfile.mkdtemp(), "paths.toml")
+        config.write_text("[paths]\nposition_error = 1e-4\n")
+        options = ("--reservoir", "circle", "--direction", "circle", "--config", config)
+        files = sorted(place.glob("*.csv"))
+        return lambda out: _quiet("identify-paths", *files, *options, "--out", out)
+
+    return writer(0.3), writer(0.5)
+
+
 def command_track():
     from PIL import Image
 
@@ -239,11 +256,12 @@ WRITERS = {
     one.__name__: one
     for one in (
         trajectory, table, problem_npz, problem_hdf5, law, figure, figure_data, frames, path, video,
-        raw_data, fit, report, command_identify, command_track, command_solve, folder,
+        raw_data, fit, report, command_identify, command_identify_paths, command_track,
+        command_solve, folder,
     )
 }  # fmt: skip
 # Writers of files that belong together, all of one result or none.
-TOGETHER = {"command_identify", "command_track", "folder"}
+TOGETHER = {"command_identify", "command_identify_paths", "command_track", "folder"}
 # Times of solves are never the same twice.
 DIFFERENT = {"command_solve"}
 

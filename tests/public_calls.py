@@ -49,6 +49,15 @@ DATA = identify.process(RAW)
 FIT = identify.fit_law(DATA)
 CAMERA = track.VirtualCamera(RUN.slice(0.0, 0.1), **SMALL)
 FILM = track.track_mark(CAMERA.frames(), fps=CAMERA.fps, scene=CAMERA.view, mark=CAMERA.mark)
+SLIDING = asp.SlidingPoint(1.0, law=asp.FrictionLaw.isotropic(0.4))
+PATHS = [asp.simulate(SLIDING, dt=0.01, t_end=0.4, u0=[speed, 0.2]) for speed in (1.0, 1.2, 1.4)]
+ROUND = {"reservoir": "circle", "direction": "circle"}
+LAUNCH = identify.Launch(
+    place=(0.0, 0.0), place_error=1e-4, speed=1.2, speed_error=0.5, time=0.0, time_error=0.1
+)
+PATH_FIT = identify.fit_paths(
+    PATHS, system=SLIDING, position_error=1e-4, length_error=0.01, **ROUND
+)
 RUNS = [
     identify.process(
         identify.VirtualTribometer.perfect(
@@ -112,6 +121,8 @@ OBJECTS = [
     FIT.parameters["mu"] if "mu" in FIT.parameters else next(iter(FIT.parameters.values())),
     FIT.associativity,
     FIT.identified_law,
+    LAUNCH,
+    PATH_FIT,
     identify.Processing(),
     identify.CircleReservoir(),
     identify.FourierReservoir(3),
@@ -258,6 +269,15 @@ ARGUMENTS = {
     "identify.Inspection": {"path": "run.csv", "columns": (), "sections": {}},
     "identify.average_turns": {"phi": DATA.phi, "values": DATA.phi, "turn": DATA.turn},
     "identify.fit_law": {"data": DATA},
+    "identify.fit_paths": {
+        "paths": PATHS,
+        "system": SLIDING,
+        "launch": LAUNCH,
+        "position_error": 1e-4,
+        "length_error": 0.01,
+        "dt": 0.01,
+        **ROUND,
+    },
     "identify.process": {"raw": RAW},
     "identify.low_pass": {"values": np.arange(100.0), "sample_rate": 100.0, "cut_off": 5.0},
     "identify.load_dependence": {"data": RUNS},
@@ -387,6 +407,8 @@ RESULTS = {
     "ConvexDirection",
     "Estimate",
     "Fit",
+    "FittedPath",
+    "PathFit",
     "Track",
     "TrackConfig",
     "Region",

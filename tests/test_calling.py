@@ -57,8 +57,8 @@ RESULTS = {
     "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
     "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
-    "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw",
-    "track.Track", "track.TrackConfig",
+    "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
+    "identify.IdentifiedLaw", "identify.PathFit", "track.Track", "track.TrackConfig",
 }  # fmt: skip
 """What the library makes itself."""
 

@@ -11,6 +11,7 @@ from asperity import __version__
 from asperity.commands import (
     demo,
     identify,
+    identify_paths,
     info,
     init,
     law,
@@ -25,6 +26,7 @@ from asperity.errors import AsperityError, ParameterError
 
 _VERBS = (
     identify,
+    identify_paths,
     law,
     init,
     scenario,

@@ -34,6 +34,9 @@ from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
 from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.loading import load
+from asperity.identify.path_estimation import fit_paths
+from asperity.identify.path_fit import FittedPath, PathFit
+from asperity.identify.paths.launch import Launch
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.inspection import Column, Inspection, inspect_file
@@ -57,11 +60,14 @@ __all__ = [
     "Dependence",
     "Estimate",
     "Fit",
+    "FittedPath",
     "FourierDirection",
     "FourierReservoir",
     "IdentifiedLaw",
     "Inspection",
+    "Launch",
     "MeasuredSets",
+    "PathFit",
     "ProcessedData",
     "Processing",
     "RawData",
@@ -73,6 +79,7 @@ __all__ = [
     "average_turns",
     "compare_models",
     "fit_law",
+    "fit_paths",
     "inspect_file",
     "load",
     "load_dependence",

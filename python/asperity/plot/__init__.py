@@ -7,6 +7,7 @@ of `simulate` and `integrate`, limit cycles, or several of them in a list or, by
 
 from asperity.plot.cones import plot_cones, plot_projection
 from asperity.plot.direction import plot_deflection, plot_friction_coefficient
+from asperity.plot.fitted_paths import plot_fitted_paths
 from asperity.plot.identification import plot_fitted_forces, plot_fitted_sets, plot_residuals
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
@@ -25,6 +26,7 @@ __all__ = [
     "plot_cones",
     "plot_deflection",
     "plot_fitted_forces",
+    "plot_fitted_paths",
     "plot_fitted_sets",
     "plot_forces_in_reservoir",
     "plot_friction_coefficient",

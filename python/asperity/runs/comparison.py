@@ -250,7 +250,11 @@ def _samples(measured: TimedPath | Run) -> tuple[Array, Array, Array | None]:
 
 def _at(run: Run, times: Array) -> Array:
     """Return the positions of a run at times, by cubic Hermite interpolation."""
-    t, q, u = run.t, run.q[:, :2], run.u[:, :2]
+    return hermite(run.t, run.q[:, :2], run.u[:, :2], times)
+
+
+def hermite(t: Array, q: Array, u: Array, times: Array) -> Array:
+    """Return positions between samples by cubics; before the first and after the last, those."""
     if len(t) < 2:
         return np.repeat(q, len(times), axis=0)
     clipped = np.clip(times, t[0], t[-1])

@@ -1,0 +1,80 @@
+"""``asperity identify-paths``: from measured paths to a friction law."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
+
+
+def add(commands: Commands) -> argparse.ArgumentParser:
+    """Add the verb; return its parser."""
+    parser = commands.add_parser(
+        "identify-paths",
+        help="identify a friction law from paths of a sliding body",
+        description="Find the friction law of a pairing of surfaces from the paths of a body that "
+        "is launched on a horizontal plane and slides until it stops: no force is measured. The "
+        "law consists of two sets, as for `asperity identify`: the force reservoir C, whose "
+        "outline is the friction coefficient over the direction of the force, and the direction "
+        "set D, whose shape says how the force is turned against the sliding. Simulated paths are "
+        "fitted to the measured points over time; speed, direction and time of every launch are "
+        "estimated with the law. All numbers come with confidence intervals from what differs "
+        "between paths. The configuration, a TOML file, says what is known: [system] gravity; "
+        "[paths] position_error and length_error; [launch] place, speed, direction, time of all "
+        "launches with their errors, or a list [[launches]] with those of each path; "
+        "[fixed.reservoir] and [fixed.direction] parameters such as angle. Lengths are in m, "
+        "times in s, angles in rad. Written are law.toml, the law with the uncertainty of its "
+        "parameters, which `asperity law`, `asperity simulate` and `asperity stability` take; "
+        "paths.png; parameters.csv and launches.csv. Exit code 1 if they are to be read with the "
+        "warnings that are printed. Exit code 2 if something is wrong with the files; then "
+        "nothing is written.",
+        epilog="example: asperity identify-paths film_*/path.csv --config paths.toml --out out",
+    )
+    parser.add_argument(
+        "paths",
+        metavar="PATH",
+        type=Path,
+        nargs="+",
+        help="CSV files with columns t [s], x1 [m], x2 [m] and, if known, x1 error [m], "
+        "x2 error [m], such as path.csv of `asperity track`",
+    )
+    parser.add_argument(
+        "--config", metavar="FILE", type=Path, help="what is known beside the paths, a TOML file"
+    )
+    add_out(parser)
+    for name, meaning in (
+        ("reservoir", "force reservoir C"),
+        ("direction", "direction set D"),
+    ):
+        parser.add_argument(
+            f"--{name}",
+            choices=("circle", "ellipse", "superellipse", "fourier"),
+            default="superellipse",
+            help=f"shape of the {meaning}; default superellipse",
+        )
+    parser.add_argument(
+        "--confidence",
+        metavar="LEVEL",
+        type=float,
+        default=0.95,
+        help="of the confidence intervals; default 0.95",
+    )
+    return parser
+
+
+def run(options: argparse.Namespace) -> int:
+    """Identify and print; return the exit code."""
+    from asperity.identify.path_campaign import identify_paths
+
+    fit = identify_paths(
+        options.paths,
+        options.config,
+        options.out,
+        reservoir=options.reservoir,
+        direction=options.direction,
+        confidence=options.confidence,
+    )
+    print(fit.summary())
+    print(f"\nlaw, figure and tables in {options.out}")
+    return DOUBTFUL if fit.warnings else SUCCESS

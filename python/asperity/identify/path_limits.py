@@ -1,0 +1,184 @@
+"""What paths do not tell, and what the models do not hold of them, in sentences."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from asperity._base.arrays import Array
+from asperity.identify.diagnostics import at_bounds
+from asperity.identify.fitting.models.coordinates import Scale
+from asperity.identify.path_solution import Solution
+from asperity.identify.paths.launch import PLACE, SPEED
+from asperity.law import Stribeck
+
+SCALE = "paths determine the shape of D, not its size: direction.scale has no value"
+"""What no paths tell."""
+
+# Differences at two step sizes agree to this share of a column.
+_SAME_SLOPE = 1e-2
+# Points that are so many times farther from the paths than their errors are not explained.
+_MISFIT = 1.5
+# Angles of two laws that differ by less are the same.
+_SAME_ANGLE = math.radians(5.0)
+# Friction is changed by this share to see what follows.
+_PART = 0.01
+
+
+def longer(solution: Solution) -> Array:
+    """Return how residuals change, per unit, if all measured lengths are longer by a factor."""
+    misfits = solution.misfits
+    launches = misfits.launches(solution.z)
+    change = np.zeros(misfits.rows)
+    for k, path in enumerate(misfits.paths):
+        away = (path.position - launches[k, PLACE]) / path.error
+        begin = misfits.of(k).start
+        change[begin : begin + away.size] = -away.T.ravel()
+    return change
+
+
+def _faster(solution: Solution) -> tuple[Array, float] | None:
+    """Return how residuals change, per unit, with a factor of friction that grows with the speed.
+
+    The factor is larger by that unit at the median of the launch speeds, which is returned too.
+    """
+    misfits = solution.misfits
+    launches = misfits.launches(solution.z)
+    speed, part = float(np.median(launches[:, SPEED])), _PART
+    law = solution.structure.law(solution.coordinates)
+    known = solution.motions.law.rate or Stribeck(speed, ratio=1.0)
+    faster = known.replace(viscous=known.viscous + part / speed)
+    count = len(launches)
+    found = solution.motions.paths([law] * count, launches, range(count), rate=faster)
+    usual = solution.motions.paths([law] * count, launches, range(count))
+    if found is None or usual is None:
+        return None
+    change = np.zeros(misfits.rows)
+    for k, path in enumerate(misfits.paths):
+        off = (found[k].position - usual[k].position) / path.error / part
+        begin = misfits.of(k).start
+        change[begin : begin + off.size] = off.T.ravel()
+    return change, speed
+
+
+def speed_limit(solution: Solution) -> str:
+    """Return a sentence on what paths cannot tell: the size of C from a dependence on the speed."""
+    taken = (
+        "friction is taken as independent of the speed"
+        if solution.motions.law.rate is None
+        else "the dependence of friction on the speed is taken from the system"
+    )
+    found = _faster(solution)
+    if found is None:
+        return f"{taken}: paths tell it hardly apart from the size of C"
+    change, speed = found
+    left = [change[solution.misfits.of(k)] for k in range(len(solution.misfits.paths))]
+    # What no change of the launches or of the law mimics.
+    scale = np.linalg.norm(solution.jacobian, axis=0)
+    basis = np.linalg.qr(solution.jacobian / scale)[0]
+    rest = np.concatenate(left) - basis @ (basis.T @ np.concatenate(left))
+    told = 1.0 / max(float(np.linalg.norm(rest)), 1e-12)
+    launched = solution.misfits.launches(solution.z)[:, SPEED]
+    moved = _changes(solution, 0.01 * solution.response(change), signed=True)
+    fell = "it fell by 1 %" if solution.motions.law.rate is None else "it fell by another 1 %"
+    return (
+        f"{taken}: if {fell} from rest to {speed:.3g} m/s, the fit would change "
+        f"{moved}; fitted as well, such a fall would have a standard error of "
+        f"{100.0 * told:.2g} %, with launches at {launched.min():.3g} to {launched.max():.3g} m/s"
+    )
+
+
+def _changes(solution: Solution, step: Array, *, signed: bool = False) -> str:
+    """Return by how much steps of the free coordinates change the parameters."""
+    texts = []
+    sign = "+" if signed else ""
+    for at, moved in zip(solution.free, step.tolist(), strict=True):
+        name, one = solution.structure.coordinates[at]
+        size = moved if signed else abs(moved)
+        if one.scale is Scale.ANGLE:
+            text = f"{math.degrees(size):{sign}.2g}°"
+        elif one.scale is Scale.PLAIN:
+            text = f"{size:{sign}.2g}"
+        else:
+            x = solution.coordinates[at]
+            share = float(one.scale.slope(x)) / float(one.scale.natural(x))
+            text = f"{100.0 * size * share:{sign}.2g} %"
+        texts.append(f"{name} by {text}")
+    return ", ".join(texts)
+
+
+def warnings_of(
+    solution: Solution,
+    degrees: list[float],
+    by_length: Array,
+    length_error: float | None,
+    *,
+    between: bool,
+) -> tuple[str, ...]:
+    """Return sentences on what the paths cannot tell or the models cannot hold."""
+    sentences = []
+    names = [solution.structure.names[at] for at in solution.free]
+    if len(solution.misfits.paths) == 1:
+        sentences.append(
+            "there are no confidence intervals: one path has no scatter between paths; measure at "
+            "least 3 paths (10 are better)"
+        )
+    if between:
+        alone = [n for n, d in zip(names, degrees, strict=True) if d == 0.0]
+        if alone:
+            sentences.append(
+                f"{', '.join(alone)} is told by one path alone, with nothing to compare it with: "
+                "launch in more directions"
+            )
+    if length_error is None:
+        sentences.append(
+            "the error of the length scale is not known: 1 % would change "
+            f"{_changes(solution, 0.01 * by_length)}; the confidence intervals do not include "
+            "this: state length_error"
+        )
+    if solution.misfit > _MISFIT:
+        sentences.append(
+            f"the model does not fit: points are {solution.misfit:.2g} times as far from the paths "
+            "as their standard errors say; the law, the system, the launches or the errors are not "
+            "as stated"
+        )
+    if solution.slope_error > _SAME_SLOPE:
+        sentences.append(
+            f"derivatives by differences of paths differ by {solution.slope_error:.2g} between two "
+            "step sizes: paths jump with the parameters, and the confidence intervals are not exact"
+        )
+    stuck = at_bounds(
+        solution.z[: solution.misfits.size],
+        [solution.structure.coordinates[at][1] for at in solution.free],
+    )
+    for name, at, one in zip(names, solution.free, stuck, strict=True):
+        if one:
+            scale = solution.structure.coordinates[at][1].scale
+            value = float(scale.natural(solution.coordinates[at]))
+            sentences.append(f"{name} is not identifiable: it ended at its bound {value:.4g}")
+    sentences += _other_minima(solution)
+    return tuple(sentences)
+
+
+def _other_minima(solution: Solution) -> list[str]:
+    """Return a sentence if another law is as near to the paths."""
+    at = solution.structure.names.index("reservoir.angle") if solution.others else 0
+    mine = solution.coordinates[at]
+    for other in solution.others:
+        full = solution.held.copy()
+        full[solution.free] = other
+        off = abs((full[at] - mine + 0.25 * math.pi) % (0.5 * math.pi) - 0.25 * math.pi)
+        if off < _SAME_ANGLE:
+            continue
+        values = solution.structure.values(full)
+        listed = ", ".join(
+            f"{name} = {value:.4g}"
+            for name, value in zip(solution.structure.names, values.tolist(), strict=True)
+            if name.startswith("reservoir")
+        )
+        return [
+            f"another set C is as near to the paths: {listed}; launch in directions all around, or "
+            "fix the angles of the sets if they are known"
+        ]
+    return []

@@ -1,0 +1,117 @@
+"""A minimum of the squares of paths, and what follows from it there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base.arrays import Array
+from asperity.errors import FitError
+from asperity.identify.diagnostics import at_bounds
+from asperity.identify.fitting.models.coordinates import Coordinate
+from asperity.identify.identified_law import Structure
+from asperity.identify.paths.misfits import Misfits
+from asperity.identify.paths.motions import Motions
+from asperity.identify.paths.spread import Spread, shared_parts, spread
+
+# A logarithm with a larger standard error is not known.
+_UNKNOWN = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """A minimum of the squares of paths.
+
+    Attributes:
+        structure: the models.
+        held: coordinates that are known, NaN of the others.
+        misfits: of the paths.
+        motions: simulates them.
+        z: the unknowns.
+        others: free coordinates of other minima that are about as good.
+    """
+
+    structure: Structure
+    held: Array
+    misfits: Misfits
+    motions: Motions
+    z: Array
+    others: tuple[Array, ...]
+
+    @cached_property
+    def free(self) -> NDArray[np.intp]:
+        """Places of the coordinates that were fitted."""
+        return np.flatnonzero(np.isnan(self.held))
+
+    @cached_property
+    def coordinates(self) -> Array:
+        """All coordinates of the law."""
+        full = self.held.copy()
+        full[self.free] = self.z[: self.misfits.size]
+        return full
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Derivatives of the residuals by central differences."""
+        return self.misfits.jacobian(self.z)
+
+    @cached_property
+    def residuals(self) -> Array:
+        """Differences in standard errors."""
+        return self.misfits.residuals(self.z)
+
+    @cached_property
+    def slope_error(self) -> float:
+        """How much derivatives differ at two step sizes, relative to them, at most."""
+        twice = self.misfits.jacobian(self.z, factor=2.0)
+        off = np.linalg.norm(twice - self.jacobian, axis=0)
+        sizes = np.maximum(np.linalg.norm(self.jacobian, axis=0), np.finfo(float).tiny)
+        return float(np.max(off / sizes, initial=0.0))
+
+    @cached_property
+    def misfit(self) -> float:
+        """Root mean square of the residuals, corrected for what was fitted."""
+        left = self.misfits.rows - self.misfits.count
+        return math.sqrt(float(self.residuals @ self.residuals) / left)
+
+    @cached_property
+    def spread(self) -> Spread:
+        """The scatter between paths.
+
+        Raises:
+            FitError: if the paths do not tell all parameters.
+        """
+        columns = self.jacobian[:, : self.misfits.size]
+        names = [self.structure.names[at] for at in self.free]
+        dead = [n for n, c in zip(names, columns.T, strict=True) if not c.any()]
+        found = None if dead else spread(self.misfits, self.residuals, self.jacobian)
+        if found is None:
+            raise FitError(
+                f"the paths do not tell {', '.join(dead or names)} apart: choose a simpler model, "
+                "fix parameters that are known, or launch in more directions"
+            )
+        wide = np.sqrt(np.diag(found.stated)) > _UNKNOWN
+        wide &= ~at_bounds(self.z[: self.misfits.size], self._listed)
+        if wide.any():
+            listed = ", ".join(n for n, one in zip(names, wide, strict=True) if one)
+            raise FitError(
+                f"the paths do not tell {listed}: choose a simpler model, fix parameters that are "
+                "known, or launch in more directions"
+            )
+        return found
+
+    @property
+    def _listed(self) -> list[Coordinate]:
+        return [self.structure.coordinates[at][1] for at in self.free]
+
+    def response(self, change: Array) -> Array:
+        """Return by how much the free coordinates move if residuals change by this, `(k,)`."""
+        pull = sum(
+            part.T @ change[self.misfits.of(k)]
+            for k, part in enumerate(shared_parts(self.misfits, self.jacobian))
+        )
+        return -self.spread.stated @ np.asarray(pull)

@@ -1,0 +1,1 @@
+"""Measured paths of sliding bodies: how they are launched, read and simulated."""

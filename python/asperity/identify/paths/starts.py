@@ -1,0 +1,170 @@
+"""Where a fit of paths begins: launches from single paths, a law from all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from asperity._base.arrays import Array
+from asperity.errors import FitError
+from asperity.identify.fitting.models.directions import DirectionModel
+from asperity.identify.fitting.models.reservoirs import ReservoirModel
+from asperity.identify.paths.launch import DIRECTION, PLACE, SPEED, TIME
+from asperity.identify.paths.misfits import Misfits
+from asperity.identify.paths.motions import Motions
+from asperity.identify.paths.observed import Observed
+from asperity.law import FrictionLaw
+from asperity.sets import Ellipse
+
+# Sizes of C that are tried, per unit normal force.
+_SIZES = np.geomspace(0.02, 4.0, 16)
+# Directions in which a model is laid through an ellipse.
+_THETA = np.arange(72) * (math.pi / 36.0)
+# A path begins, and is over, where it has covered this share of its length; its first direction is
+# that of the points between these shares.
+_BEGUN, _OVER, _EARLY = 0.02, 0.98, (0.05, 0.5)
+
+
+def first_launches(paths: Sequence[Observed], known: Array) -> Array:
+    """Return launches from parabolas through the distances from the start, path by path.
+
+    Raises:
+        FitError: if nothing moves.
+    """
+    result = known.copy()
+    for path, launch in zip(paths, result, strict=True):
+        if np.isnan(launch[PLACE]).any():
+            launch[PLACE] = path.position[0]
+        off = path.position - launch[PLACE]
+        distance = np.hypot(*off.T)
+        length = float(distance.max())
+        if not length > 0.0:
+            raise FitError(f"{path.name}: nothing moves")
+        early = off[(distance > _EARLY[0] * length) & (distance < _EARLY[1] * length)]
+        along = early.sum(axis=0) if len(early) else off[int(distance.argmax())]
+        speed, begin = _parabola(path.time, distance, float(launch[TIME]))
+        guess = {SPEED: speed, DIRECTION: math.atan2(along[1], along[0]), TIME: begin}
+        for quantity, value in guess.items():
+            if np.isnan(launch[quantity]):
+                launch[quantity] = value
+    return result
+
+
+def _parabola(t: Array, distance: Array, begin: float) -> tuple[float, float]:
+    """Return speed and time of a launch with which a body is at these distances until it rests.
+
+    Args:
+        t: times in s.
+        distance: from the place of the launch in m.
+        begin: time of the launch in s, or NaN.
+    """
+    from scipy.optimize import least_squares
+
+    length = float(distance.max())
+    first = float(t[max(int(np.argmax(distance > _BEGUN * length)) - 1, 0)])
+    over = float(t[int(np.argmax(distance >= _OVER * length))])
+    duration = max(over - first, float(np.diff(t).max()))
+    free = math.isnan(begin)
+
+    def off(p: Array) -> Array:
+        speed, stop = p[:2]
+        tau = np.clip(t - (p[2] if free else begin), 0.0, stop)
+        away: Array = speed * (tau - 0.5 * tau**2 / stop) - distance
+        return away
+
+    start = np.array([2.0 * length / duration, duration, first])[: 2 + free]
+    scale = np.array([start[0], duration, duration])[: 2 + free]
+    low = np.array([0.1 * start[0], 0.1 * duration, -np.inf])[: 2 + free]
+    found = least_squares(off, start, x_scale=scale, bounds=(low, np.inf)).x
+    return float(found[0]), float(found[2]) if free else begin
+
+
+def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
+    """Return the logarithm of the radius of round sets with which paths are nearest."""
+    count = len(launches)
+    laws = [FrictionLaw.isotropic(size) for size in _SIZES for _ in range(count)]
+    found = motions.paths(
+        laws, np.tile(launches, (len(_SIZES), 1)), list(range(count)) * len(_SIZES)
+    )
+    if found is None:
+        raise FitError(
+            "no paths could be simulated: check that the system can be integrated, or give dt"
+        )
+    measured = [path.position for path in misfits.paths]
+    costs = [
+        sum(
+            float(np.sum((found[i * count + k].position - one) ** 2))
+            / float(np.sum(np.ptp(one, axis=0) ** 2))
+            for k, one in enumerate(measured)
+        )
+        for i in range(len(_SIZES))
+    ]
+    return math.log(_SIZES[int(np.argmin(costs))])
+
+
+class Ellipses:
+    """Laws of two ellipses with coordinates that have a meaning for circles too.
+
+    They are ln √(ab) of C and e cos 2α, e sin 2α of C and of D, where e is half the logarithm of
+    the ratio of the semi-axes and α the angle of the first; without those of a set that is a
+    circle in the model that the fit begins for, or of an angle that is given.
+
+    Args:
+        reservoir: the model of C, and of D.
+        direction: likewise.
+        angles: of C and D where they are held, else None.
+    """
+
+    def __init__(
+        self,
+        reservoir: ReservoirModel,
+        direction: DirectionModel,
+        angles: tuple[float | None, float | None],
+    ) -> None:
+        columns = [np.eye(5)[0]]
+        shaped = (len(reservoir.coordinates) > 1, len(direction.coordinates) > 0)
+        for at, angle, has_shape in zip((1, 3), angles, shaped, strict=True):
+            if not has_shape:
+                continue
+            if angle is None:
+                columns += [np.eye(5)[at], np.eye(5)[at + 1]]
+            else:
+                column = np.zeros(5)
+                column[at : at + 2] = math.cos(2.0 * angle), math.sin(2.0 * angle)
+                columns.append(column)
+        self._columns = np.stack(columns, axis=1)
+        self._models = reservoir, direction
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self._columns.shape[1]
+
+    def _sets(self, y: Array) -> tuple[Any, Any]:
+        level, *shapes = (self._columns @ y).tolist()
+        sets = []
+        for size, c, s in ((math.exp(level), *shapes[:2]), (1.0, *shapes[2:])):
+            e, angle = math.hypot(c, s), 0.5 * math.atan2(s, c)
+            sets.append(Ellipse(size * math.exp(e), size * math.exp(-e), angle=angle))
+        return sets[0], sets[1]
+
+    def law(self, y: Array) -> FrictionLaw:
+        """Return the law of coordinates."""
+        return FrictionLaw(*self._sets(y))
+
+    def starts(self, y: Array) -> list[Array]:
+        """Return coordinates of the models for sets that are near these ellipses."""
+        c, d = self._sets(y)
+        cos, sin = np.cos(_THETA), np.sin(_THETA)
+        normals = np.stack([cos, sin], axis=-1)
+        one = np.ones_like(_THETA)
+        support = np.log(d.support(normals))
+        points = d.support_point(normals)
+        slope = (points[:, 1] * cos - points[:, 0] * sin) / np.exp(support)
+        reservoir, direction = self._models
+        first = reservoir.start(cos, sin, c.radius(_THETA), one)
+        second = direction.start(cos, sin, support, slope)
+        return [np.concatenate([p, second[0]]) for p in first]
