@@ -32,6 +32,9 @@ from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
 from asperity.identify.identified_law import IdentifiedLaw
+from asperity.identify.patches.comparison import PatchCandidate, PatchComparison
+from asperity.identify.patches.estimation import compare_patches, fit_patch, fit_supports
+from asperity.identify.patches.result import PatchFit, SupportsFit
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.reading import read_csv
@@ -56,17 +59,24 @@ __all__ = [
     "FourierReservoir",
     "IdentifiedLaw",
     "MeasuredSets",
+    "PatchCandidate",
+    "PatchComparison",
+    "PatchFit",
     "ProcessedData",
     "Processing",
     "RawData",
     "Recording",
     "SuperellipseDirection",
     "SuperellipseReservoir",
+    "SupportsFit",
     "TurnAverage",
     "VirtualTribometer",
     "average_turns",
     "compare_models",
+    "compare_patches",
     "fit_law",
+    "fit_patch",
+    "fit_supports",
     "load_dependence",
     "low_pass",
     "process",
