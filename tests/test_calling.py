@@ -35,6 +35,9 @@ PAIRS = {
     "track.Circle": "the size of a figure, as of a set",
     "track.Scene.from_points": "points and where they are: two columns of one table",
     "track.Scene.mismatch": "points and where they are: two columns of one table",
+    "identify.fit_patch": "wrenches over twists: two columns of one table",
+    "identify.compare_patches": "wrenches over twists: two columns of one table",
+    "identify.fit_supports": "pushes, and the points of the body that was pushed",
     "identify.read_raw": "what is read, by what configuration",
     "identify.write_raw": "what is written, and where",
     "track.write_video": "what is written, and where",
@@ -56,7 +59,8 @@ RESULTS = {
     "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
     "SweepStatus", "Trajectory",
     "identify.Averaged", "identify.Bands", "identify.Candidate", "identify.Dependence",
-    "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "track.Track",
+    "identify.Estimate", "identify.Fit", "identify.IdentifiedLaw", "identify.PatchCandidate",
+    "identify.PatchComparison", "identify.PatchFit", "identify.SupportsFit", "track.Track",
     "track.TrackConfig",
 }  # fmt: skip
 """What the library makes itself."""

@@ -18,9 +18,12 @@ from public_calls import (
     FILM,
     FIT,
     LAW_SHEET,
+    PATCH,
     PREDICTION,
     PROBLEM,
+    PUSHES,
     STABILITY_SHEET,
+    TRIANGLE,
 )
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 
@@ -71,6 +74,9 @@ RESULTS = [
     PROBLEM.solve(),
     asp.compare_path(RUN, RUN),
     FIT,
+    PATCH,
+    PATCH.compare({"ellipsoid": PATCH.model}),
+    asp.identify.fit_supports(PUSHES, TRIANGLE, weight=10.0),
     FILM,
     FILM.path(),
     PREDICTION,

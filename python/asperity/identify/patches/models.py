@@ -107,7 +107,7 @@ class EllipsoidPatch(PatchModel):
         wrench = pairs.wrench if self.frame == "body" else pairs.to_ground(pairs.wrench)
         moments = 3.0 * wrench.T @ wrench / len(wrench)
         moments += _LEAST_SHARE * np.trace(moments) * np.eye(3)
-        entries: Array = np.linalg.cholesky(moments)[_ROWS, _COLUMNS]
+        entries = np.asarray(np.linalg.cholesky(moments)[_ROWS, _COLUMNS], dtype=np.float64)
         entries[_DIAGONAL] = np.log(entries[_DIAGONAL])
         return entries
 

@@ -148,7 +148,9 @@ class BlockFit(TableResult, Value):
 
     def _estimate(self, one: Reported, error: float, quantile: float, untold: bool) -> Estimate:
         half = quantile * error
-        value, low, high = one.scale.natural(np.array([one.at, one.at - half, one.at + half]))
+        # The interval of what the data do not tell may reach beyond the range of numbers.
+        with np.errstate(over="ignore"):
+            value, low, high = one.scale.natural(np.array([one.at, one.at - half, one.at + half]))
         error *= float(one.scale.slope(np.array(one.at)))
         told = not untold
         if one.angle_of:

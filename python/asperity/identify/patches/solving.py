@@ -155,6 +155,11 @@ def starts_of(
         p = np.zeros(model.size)
         p[0] = math.log(max(float(np.median(sizes)), np.finfo(float).tiny))
         return [p]
+    if model.friction == "ellipse":
+        # Isotropic friction first: its best places are where ellipses begin.
+        plain = model.replace(friction="isotropic")
+        found = fitted(plain, pairs, starts_of(plain, pairs, loss, scale), loss, scale)
+        return [np.concatenate([found.p, [0.0, 0.0]])]
     # The ellipsoid of the second moments knows size, centre and radius of the patch.
     A = EllipsoidPatch().reservoir(EllipsoidPatch().start(pairs))
     extents = A.support(np.eye(3))
@@ -165,12 +170,14 @@ def starts_of(
     radius = float(extents[2]) / load
     if model.radius is None:
         return [model.start(np.array([load]), centre[None], 1.5 * radius)]
-    found = []
+    starts = []
     for ring, phase in _RINGS if model.places is None else _RINGS[:1]:
         phi = 2.0 * np.pi * (np.arange(model.count) + phase) / model.count
         around = ring * radius * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-        found.append(model.start(np.full(model.count, load / model.count), centre + around, radius))
-    return found
+        starts.append(
+            model.start(np.full(model.count, load / model.count), centre + around, radius)
+        )
+    return starts
 
 
 def _square(p: Array) -> Array:
