@@ -1,5 +1,7 @@
 """Laws of contact patches from pairs of wrench and twist, of truths that are known."""
 
+import pickle
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -262,6 +264,19 @@ def test_the_law_is_that_of_a_contact_problem_and_of_bodies():
     force = run.force[-1, 0]
     assert np.linalg.norm(force) > 0.0
     assert fit.reservoir.gauge(-force / 9.81) < 1.0 + 1e-6
+
+
+@every_truth
+def test_fits_are_values(name):
+    """A fit that another process has made equals that of this one, to the bit."""
+    law, options = TRUTHS[name]
+    twist = twists(np.random.default_rng(9), 200)
+    fit = fit_patch(-law.force(twist), twist, **options)
+    read = pickle.loads(pickle.dumps(fit))
+    assert read == fit
+    assert hash(read) == hash(fit)
+    assert read.parameters == fit.parameters
+    assert fit.replace(confidence=0.5) != fit
 
 
 def test_the_law_is_saved_with_its_sets(tmp_path):

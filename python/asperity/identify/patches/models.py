@@ -114,7 +114,7 @@ class EllipsoidPatch(PatchModel):
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ and its derivatives."""
         A, turned = _triangular(p), self.frame == "ground"
-        V = pairs.to_ground(pairs.twist) if turned else pairs.twist
+        V = pairs.to_ground(pairs.along) if turned else pairs.along
         u = V @ A
         sizes = np.linalg.norm(u, axis=1)
         g = u / sizes[:, None]
@@ -267,7 +267,7 @@ class PointsPatch(PatchModel):
 
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ and its derivatives."""
-        V, weight, places = pairs.twist, self._loads(p, pairs), self._places(p, pairs)
+        V, weight, places = pairs.along, self._loads(p, pairs), self._places(p, pairs)
         spot, spin = self._spot(p), V[:, None, 2]
         x, y = places[..., 0], places[..., 1]
         v = np.stack([V[:, None, 0] - y * spin, V[:, None, 1] + x * spin], axis=-1)
@@ -446,7 +446,7 @@ class ExtendedPatch(PatchModel):
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ and its derivatives."""
         turned = self.frame == "ground"
-        V = pairs.to_ground(pairs.twist) if turned else pairs.twist
+        V = pairs.to_ground(pairs.along) if turned else pairs.along
         own, entries = p[: self.of.size], np.concatenate([[0.0], p[self.of.size :]])
         Q = _triangular(entries)
         u = V @ Q
@@ -454,7 +454,7 @@ class ExtendedPatch(PatchModel):
         k, normal = self.of.gauge(own, z)
         f = z / k[:, None]
         # k_C(z) = max n·z/h_C(n): by the envelope theorem only h_C depends on C's coordinates.
-        straight = pairs.along(normal).replace(angle=None)
+        straight = pairs.at(normal).replace(angle=None)
         grown = np.einsum("nj,njk->nk", normal, self.of.both(own, straight)[1])
         by = np.empty((len(V), 3, self.size))
         by[:, :, : self.of.size] = f[:, :, None] * grown[:, None, :]
@@ -520,7 +520,7 @@ class ExtendedPoints(PatchModel):
         assert pairs.places is not None
         assert pairs.loads is not None
         turned = self.frame == "ground"
-        V, x, y = pairs.twist, pairs.places[..., 0], pairs.places[..., 1]
+        V, x, y = pairs.along, pairs.places[..., 0], pairs.places[..., 1]
         spin = V[:, None, 2]
         v = np.stack([V[:, None, 0] - y * spin, V[:, None, 1] + x * spin], axis=-1)
         v = pairs.to_ground(v) if turned else v

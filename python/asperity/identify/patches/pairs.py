@@ -31,6 +31,8 @@ class Pairs(Value):
     angle: Array | None
     places: Array | None
     loads: Array | None
+    along: Array
+    """The twists divided by their sizes."""
 
     def __init__(
         self,
@@ -50,12 +52,13 @@ class Pairs(Value):
         count = len(forces)
         self._set(
             wrench=forces,
-            # The law is one of rates without scale: equal sizes make derivatives comparable.
-            twist=motions / sizes[:, None],
+            twist=motions,
             angle=None if angle is None else arrays.array(angle, "angle", (count,)),
             places=None if places is None else arrays.array(places, "places", (count, None, 2)),
             loads=None if loads is None else arrays.array(loads, "loads", (count, None)),
         )
+        # The force does not depend on the size of a twist: equal ones keep derivatives comparable.
+        self._keep(along=motions / sizes[:, None])
 
     def __len__(self) -> int:
         return len(self.wrench)
@@ -72,7 +75,7 @@ class Pairs(Value):
             loads=some(self.loads),
         )
 
-    def along(self, twist: Array) -> Pairs:
+    def at(self, twist: Array) -> Pairs:
         """Return pairs of other twists, of any scale, without wrenches."""
         return self.replace(wrench=np.zeros_like(twist), twist=twist)
 
