@@ -28,7 +28,9 @@ _FIRST_SCALE, _SETTLED, _ROUNDS = 0.15, 0.05, 4
 # A median deviation of a Gaussian variable of deviation 1.
 _MEDIAN = 0.6744897501960817
 # Steps of the searches from several starts, of which the best is followed to its end.
-_TRIAL, _MOST = 12, 200
+_TRIAL, _SHORT, _MOST = 10, 30, 200
+# Relative changes of the cost at which a search ends: on the way, and at its end.
+_ROUGH, _FINE = 1e-3, 1e-8
 # Radii and phases of the rings of points from which searches start.
 _RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
 # Eigenvalues of the scaled normal equations below this share say nothing.
@@ -56,7 +58,13 @@ class Found(Record):
 
 
 def descend(
-    model: PatchModel, pairs: Pairs, first: Array, loss: LossName, scale: float, most: int = _MOST
+    model: PatchModel,
+    pairs: Pairs,
+    first: Array,
+    loss: LossName,
+    scale: float,
+    most: int,
+    tolerance: float,
 ) -> Found:
     """Descend from given coordinates with a loss of given scale."""
     from scipy.optimize import least_squares
@@ -91,6 +99,7 @@ def descend(
                 f_scale=scale or 1.0,
                 x_scale="jac",
                 max_nfev=most,
+                ftol=tolerance,
             )
         except (ValueError, np.linalg.LinAlgError):
             raise FitError(
@@ -105,27 +114,32 @@ def fitted(
     starts: list[Array],
     loss: LossName,
     scale: float | None = None,
+    *,
+    roughly: bool = False,
 ) -> Found:
-    """Return the best fit from several starts; a robust loss finds its scale with it."""
+    """Return the best fit from several starts; a robust loss finds its scale on the way.
+
+    The search is followed to its end once, where the scale has settled; `roughly` not at all.
+    """
     size = float(np.sqrt((pairs.wrench**2).mean()))
     given = scale is not None or loss == "linear"
     first = (scale or 0.0) if given else _FIRST_SCALE * size
-    trials = [
-        descend(model, pairs, p, loss, first, _TRIAL if len(starts) > 1 else _MOST) for p in starts
-    ]
-    best = min(trials, key=lambda one: one.cost)
-    spent = sum(one.evaluations for one in trials)
-    if len(starts) > 1:
-        best = descend(model, pairs, best.p, loss, first)
-        spent += best.evaluations
+    best, spent = Found(starts[0], math.inf, first, 0, False), 0
+    for start in starts if len(starts) > 1 else ():
+        trial = descend(model, pairs, start, loss, first, _TRIAL, _ROUGH)
+        best = min(best, trial, key=lambda one: one.cost)
+        spent += trial.evaluations
     for _ in range(0 if given else _ROUNDS):
+        best = descend(model, pairs, best.p, loss, best.scale, _SHORT, _ROUGH)
+        spent += best.evaluations
         residuals = model.both(best.p, pairs)[0] - pairs.wrench
         now = float(np.median(np.abs(residuals))) / _MEDIAN
         if now <= 1e-12 * size or abs(now - best.scale) <= _SETTLED * now:
             break
-        best = descend(model, pairs, best.p, loss, now)
-        spent += best.evaluations
-    return best.replace(evaluations=spent)
+        best = best.replace(scale=now)
+    most, tolerance = (_SHORT, _ROUGH) if roughly else (_MOST, _FINE)
+    best = descend(model, pairs, best.p, loss, best.scale, most, tolerance)
+    return best.replace(evaluations=spent + best.evaluations)
 
 
 def starts_of(
@@ -136,17 +150,21 @@ def starts_of(
         return [model.start(pairs)]
     if isinstance(model, ExtendedPoints):
         plain = PointsPatch(pairs.loads.shape[1], radius=0.0, known=True)  # type: ignore[union-attr]
-        p = fitted(plain, pairs, starts_of(plain, pairs, loss), loss, scale).p
+        p = fitted(plain, pairs, starts_of(plain, pairs, loss), loss, scale, roughly=True).p
         return [
             np.concatenate([p, [0.02, 0.0, 0.02, 0.0]]),
             np.concatenate([p, [0, 0.02, 0, 0.02]]),
         ]
     if isinstance(model, ExtendedPatch):
         round_one = EllipsoidPatch(frame=model.frame)
-        ellipsoid = fitted(round_one, pairs, starts_of(round_one, pairs, loss), loss, scale).p
+        ellipsoid = fitted(
+            round_one, pairs, starts_of(round_one, pairs, loss), loss, scale, roughly=True
+        ).p
         if isinstance(model.of, EllipsoidPatch):
             return [model.start(ellipsoid, ellipsoid)]
-        own = fitted(model.of, pairs, starts_of(model.of, pairs, loss, scale), loss, scale).p
+        own = fitted(
+            model.of, pairs, starts_of(model.of, pairs, loss, scale), loss, scale, roughly=True
+        ).p
         return [model.start(own, ellipsoid)]
     assert isinstance(model, PointsPatch)
     if model.known:
@@ -158,7 +176,9 @@ def starts_of(
     if model.friction == "ellipse":
         # Isotropic friction first: its best places are where ellipses begin.
         plain = model.replace(friction="isotropic")
-        found = fitted(plain, pairs, starts_of(plain, pairs, loss, scale), loss, scale)
+        found = fitted(
+            plain, pairs, starts_of(plain, pairs, loss, scale), loss, scale, roughly=True
+        )
         return [np.concatenate([found.p, [0.0, 0.0]])]
     # The ellipsoid of the second moments knows size, centre and radius of the patch.
     A = EllipsoidPatch().reservoir(EllipsoidPatch().start(pairs))
