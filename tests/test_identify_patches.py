@@ -14,6 +14,7 @@ from asperity.identify.patches.models import (
     PointsPatch,
 )
 from asperity.identify.patches.pairs import Pairs, in_ground
+from asperity.identify.patches.solving import descend
 from profiles import counts
 
 PHI = 2.0 * np.pi * np.arange(5) / 5 + 0.2
@@ -103,6 +104,35 @@ def test_derivatives_are_those_of_differences(model):
     for k, unit in enumerate(step * np.eye(model.size)):
         difference = model.both(p + unit, pairs)[0] - model.both(p - unit, pairs)[0]
         np.testing.assert_allclose(by[:, :, k], difference / (2.0 * step), atol=1e-7 * by.max())
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.words)
+def test_steps_that_go_too_far_are_taken_back(model):
+    """A search may try coordinates whose exponentials are beyond the range of numbers."""
+    random = np.random.default_rng(3)
+    pairs = Pairs(
+        random.normal(size=(20, 3)),
+        random.normal(size=(20, 3)),
+        angle=random.uniform(0.0, 6.0, 20),
+        places=random.normal(size=(20, 3, 2)),
+        loads=random.uniform(1.0, 2.0, (20, 3)),
+    )
+    start = np.full(model.size, 0.1)
+    asked = []
+
+    class Far(type(model)):
+        def __init__(self, of):
+            self._keep(_of=of, size=of.size)
+
+        def both(self, p, pairs):
+            asked.append(p)
+            # The second place that the search asks for is far away.
+            return self._of.both(np.full_like(p, 2000.0) if len(asked) == 2 else p, pairs)
+
+    found = descend(Far(model), pairs, start, "soft_l1", 1.0, 20, 1e-8)
+    assert len(asked) > 2
+    assert np.isfinite(found.p).all()
+    assert np.isfinite(found.cost)
 
 
 @pytest.mark.parametrize("model", MODELS[:-2], ids=lambda model: model.words)

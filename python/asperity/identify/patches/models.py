@@ -524,7 +524,7 @@ class ExtendedPoints(PatchModel):
         spin = V[:, None, 2]
         v = np.stack([V[:, None, 0] - y * spin, V[:, None, 1] + x * spin], axis=-1)
         v = pairs.to_ground(v) if turned else v
-        weight = (math.exp(p[0]) * pairs.loads)[..., None]
+        weight = (np.exp(p[0]) * pairs.loads)[..., None]
         # D = exp(T)·disk has the point D²v; C = exp(S)·disk the gauge ‖exp(−S) z‖.
         E, dE = _stretch(2.0 * p[3:])
         M, dM = _stretch(-2.0 * p[1:3])
@@ -579,9 +579,11 @@ def _stretch(q: Array) -> tuple[Array, tuple[Array, Array]]:
     r = float(np.hypot(*q))
     S = np.array([[q[0], q[1]], [q[1], -q[0]]])
     units = (np.array([[1.0, 0.0], [0.0, -1.0]]), np.array([[0.0, 1.0], [1.0, 0.0]]))
-    quotient = math.sinh(r) / r if r > _SMALL else 1.0 + r * r / 6.0
-    slope = (math.cosh(r) - quotient) / (r * r) if r > _SMALL else 1.0 / 3.0
-    B = math.cosh(r) * np.eye(2) + quotient * S
+    # A step of a search may go far: beyond the range of numbers is infinite, and is refused there.
+    whole = float(np.cosh(r))
+    quotient = float(np.sinh(r)) / r if r > _SMALL else 1.0 + r * r / 6.0
+    slope = (whole - quotient) / (r * r) if r > _SMALL else 1.0 / 3.0
+    B = whole * np.eye(2) + quotient * S
     first, second = (
         quotient * one * np.eye(2) + slope * one * S + quotient * unit
         for one, unit in zip(q, units, strict=True)

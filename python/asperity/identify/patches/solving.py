@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -33,6 +34,8 @@ _TRIAL, _SHORT, _MOST = 10, 30, 200
 _ROUGH, _FINE = 1e-3, 1e-8
 # Radii and phases of the rings of points from which searches start.
 _RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
+# Wrenches of which squares can be summed.
+_LARGEST = 1e140
 # Eigenvalues of the scaled normal equations below this share say nothing.
 _RANK = 1e-10
 # A coordinate is not told if it has a larger part in a direction without curvature.
@@ -74,12 +77,13 @@ def descend(
     def both(p: Array) -> tuple[Array, Array]:
         # Residuals and derivatives are asked for one after the other at the same place.
         if not last or not np.array_equal(last[0][0], p):
-            try:
-                f, by = model.both(p, pairs)
-            except ParameterError:
-                # No set has these coordinates: the search takes a shorter step.
-                f = np.full_like(pairs.wrench, np.nan)
-                by = np.full((*f.shape, model.size), np.nan)
+            f, by = np.full_like(pairs.wrench, np.nan), np.empty((len(pairs), 3, model.size))
+            # Where no set has these coordinates, or one beyond the range of numbers, residuals that
+            # are no numbers make the search take a shorter step.
+            with suppress(ParameterError, np.linalg.LinAlgError):
+                found, slopes = model.both(p, pairs)
+                if np.abs(found).max() < _LARGEST and np.isfinite(slopes).all():
+                    f, by = found, slopes
             last[:] = [(p.copy(), (f - pairs.wrench).ravel(), by.reshape(-1, model.size))]
         return last[0][1], last[0][2]
 
