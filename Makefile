@@ -46,6 +46,7 @@ bench: $(VENV)/.optimised
 	$(BIN)/python benches/python_sets.py
 	$(BIN)/python benches/python_stability.py
 	$(BIN)/python benches/python_identification.py
+	$(BIN)/python benches/python_patches.py
 	$(BIN)/python benches/python_tracking.py
 	$(BIN)/python benches/python_ensembles.py
 	$(BIN)/python benches/python_sweep.py

@@ -47,6 +47,11 @@ MACHINE = identify.VirtualTribometer(
 RAW = MACHINE.record()
 DATA = identify.process(RAW)
 FIT = identify.fit_law(DATA)
+TWISTS = np.random.default_rng(0).normal(size=(60, 3))
+WRENCHES = -asp.FrictionLaw.associated(asp.CoulombContensou(0.3)).force(TWISTS)
+PATCH = identify.fit_patch(WRENCHES, TWISTS)
+TRIANGLE = 0.1 * UNIT[::8]
+PUSHES = np.hstack([np.zeros_like(TWISTS), 0.01 * TWISTS, WRENCHES])
 CAMERA = track.VirtualCamera(RUN.slice(0.0, 0.1), **SMALL)
 FILM = track.track_mark(CAMERA.frames(), fps=CAMERA.fps, scene=CAMERA.view, mark=CAMERA.mark)
 SLIDING = asp.SlidingPoint(1.0, law=asp.FrictionLaw.isotropic(0.4))
@@ -123,6 +128,7 @@ OBJECTS = [
     FIT.identified_law,
     LAUNCH,
     PATH_FIT,
+    PATCH,
     identify.Processing(),
     identify.CircleReservoir(),
     identify.FourierReservoir(3),
@@ -278,6 +284,24 @@ ARGUMENTS = {
         "dt": 0.01,
         **ROUND,
     },
+    "identify.fit_patch": {
+        "wrench": WRENCHES,
+        "twist": TWISTS,
+        "reservoir": "supports",
+        "points": 3,
+        "places": TRIANGLE,
+        "loads": np.ones(3),
+        "frame": "ground",
+        "friction": "ellipse",
+        "angle": np.zeros(60),
+    },
+    "identify.compare_patches": {
+        "wrench": WRENCHES,
+        "twist": TWISTS,
+        "models": {"ellipsoid": {}},
+    },
+    "identify.fit_supports": {"pushes": PUSHES, "points": TRIANGLE, "weight": 10.0},
+    "identify.PatchFit.wrench": {"twist": TWISTS, "angle": np.zeros(60)},
     "identify.process": {"raw": RAW},
     "identify.low_pass": {"values": np.arange(100.0), "sample_rate": 100.0, "cut_off": 5.0},
     "identify.load_dependence": {"data": RUNS},
@@ -409,6 +433,10 @@ RESULTS = {
     "Fit",
     "FittedPath",
     "PathFit",
+    "PatchCandidate",
+    "PatchComparison",
+    "PatchFit",
+    "SupportsFit",
     "Track",
     "TrackConfig",
     "Region",

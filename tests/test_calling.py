@@ -36,6 +36,9 @@ PAIRS = {
     "track.Scene.from_points": "points and where they are: two columns of one table",
     "track.Scene.mismatch": "points and where they are: two columns of one table",
     "identify.load": "what is read, by what configuration",
+    "identify.fit_patch": "wrenches over twists: two columns of one table",
+    "identify.compare_patches": "wrenches over twists: two columns of one table",
+    "identify.fit_supports": "pushes, and the points of the body that was pushed",
     "identify.read_raw": "what is read, by what configuration",
     "identify.write_raw": "what is written, and where",
     "track.write_video": "what is written, and where",
@@ -58,7 +61,9 @@ RESULTS = {
     "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
-    "identify.IdentifiedLaw", "identify.PathFit", "track.Track", "track.TrackConfig",
+    "identify.IdentifiedLaw", "identify.PatchCandidate", "identify.PatchComparison",
+    "identify.PatchFit", "identify.PathFit", "identify.SupportsFit", "track.Track",
+    "track.TrackConfig",
 }  # fmt: skip
 """What the library makes itself."""
 

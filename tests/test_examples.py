@@ -11,12 +11,14 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FIGURES = sorted(EXAMPLES.glob("paper/*/fig*.py"))
 SCRIPTS = [*(set(EXAMPLES.rglob("*.py")) - set(EXAMPLES.rglob("paper/**/*.py")))]
+# They take data that are no part of the project: tests/test_measured_pushes.py runs them.
+ON_DATA = set(EXAMPLES.rglob("measurements/*.py")) - set(EXAMPLES.rglob("paper/**/*.py"))
 CHARTS = EXAMPLES / "charts"
 LINES = 40
 SIZE = re.compile(r"^(SIZE\b.*? = )\d+", re.MULTILINE)
 
 
-@pytest.mark.parametrize("script", sorted(SCRIPTS), ids=lambda path: path.stem)
+@pytest.mark.parametrize("script", sorted(set(SCRIPTS) - ON_DATA), ids=lambda path: path.stem)
 def test_example(script, tmp_path, monkeypatch, capsys):
     figure = tmp_path / "figure.png"
     monkeypatch.setattr(plt, "show", lambda: plt.gcf().savefig(figure))

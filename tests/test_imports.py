@@ -32,7 +32,7 @@ ROOMS = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Rooms within a room; what stands at its door may use them all.
 ROOMS_WITHIN = {
-    "identify": ["records", "forces", "fitting", "paths"],
+    "identify": ["records", "forces", "fitting", "paths", "patches"],
     "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
     "steady_sliding": ["critical", "linearised"],
     "track": ["film", "image", "following"],

@@ -18,10 +18,13 @@ from public_calls import (
     FILM,
     FIT,
     LAW_SHEET,
+    PATCH,
     PATH_FIT,
     PREDICTION,
     PROBLEM,
+    PUSHES,
     STABILITY_SHEET,
+    TRIANGLE,
 )
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 
@@ -73,6 +76,9 @@ RESULTS = [
     asp.compare_path(RUN, RUN),
     FIT,
     PATH_FIT,
+    PATCH,
+    PATCH.compare({"ellipsoid": PATCH.model}),
+    asp.identify.fit_supports(PUSHES, TRIANGLE, weight=10.0),
     FILM,
     FILM.path(),
     PREDICTION,

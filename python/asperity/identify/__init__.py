@@ -34,6 +34,9 @@ from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
 from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.loading import load
+from asperity.identify.patches.comparison import PatchCandidate, PatchComparison
+from asperity.identify.patches.estimation import compare_patches, fit_patch, fit_supports
+from asperity.identify.patches.result import PatchFit, SupportsFit
 from asperity.identify.path_estimation import fit_paths
 from asperity.identify.path_fit import FittedPath, PathFit
 from asperity.identify.paths.launch import Launch
@@ -67,6 +70,9 @@ __all__ = [
     "Inspection",
     "Launch",
     "MeasuredSets",
+    "PatchCandidate",
+    "PatchComparison",
+    "PatchFit",
     "PathFit",
     "ProcessedData",
     "Processing",
@@ -74,12 +80,16 @@ __all__ = [
     "Recording",
     "SuperellipseDirection",
     "SuperellipseReservoir",
+    "SupportsFit",
     "TurnAverage",
     "VirtualTribometer",
     "average_turns",
     "compare_models",
+    "compare_patches",
     "fit_law",
+    "fit_patch",
     "fit_paths",
+    "fit_supports",
     "inspect_file",
     "load",
     "load_dependence",

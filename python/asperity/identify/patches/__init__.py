@@ -1,0 +1,1 @@
+"""Laws of contact patches from pairs of wrench and twist."""

@@ -1,0 +1,112 @@
+"""Pairs of wrench and twist that a law of a patch is fitted to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.value import Value
+from asperity.errors import FitError, ParameterError
+
+# Shares of the power that may be negative: more of it is a wrench of the other sign.
+_MOST_POWER_AGAINST = 0.5
+
+
+class Pairs(Value):
+    """Wrenches that a body exerts on the ground, −λ, with its twists, in the body's axes.
+
+    Args:
+        wrench: (F₁, F₂, τ/ℓ), per unit normal force or in newtons, shape ``(n, 3)``.
+        twist: (v₁, v₂, ω ℓ), of any scale, shape ``(n, 3)``.
+        angle: of the body's axes from those of the ground in rad, shape ``(n,)``; None where the
+            law is one of the body.
+        places: of known support points over ℓ, shape ``(n, K, 2)``; None if they are not known.
+        loads: normal forces of these, shape ``(n, K)``; likewise.
+    """
+
+    wrench: Array
+    twist: Array
+    angle: Array | None
+    places: Array | None
+    loads: Array | None
+    along: Array
+    """The twists divided by their sizes."""
+
+    def __init__(
+        self,
+        wrench: ArrayLike,
+        twist: ArrayLike,
+        *,
+        angle: ArrayLike | None = None,
+        places: ArrayLike | None = None,
+        loads: ArrayLike | None = None,
+    ) -> None:
+        forces = arrays.array(wrench, "wrench", (None, 3))
+        motions = arrays.array(twist, "twist", (len(forces), 3))
+        sizes = arrays.lengths(motions)
+        if len(forces) and not sizes.min() > 0.0:
+            at = int(sizes.argmin())
+            raise ParameterError("twist", f"must not vanish, does so in row {at}: leave it out")
+        count = len(forces)
+        self._set(
+            wrench=forces,
+            twist=motions,
+            angle=None if angle is None else arrays.array(angle, "angle", (count,)),
+            places=None if places is None else arrays.array(places, "places", (count, None, 2)),
+            loads=None if loads is None else arrays.array(loads, "loads", (count, None)),
+        )
+        # The force does not depend on the size of a twist: equal ones keep derivatives comparable.
+        self._keep(along=motions / sizes[:, None])
+
+    def __len__(self) -> int:
+        return len(self.wrench)
+
+    def __getitem__(self, rows: Array) -> Pairs:
+        def some(values: Array | None) -> Array | None:
+            return None if values is None else values[rows]
+
+        return Pairs(
+            self.wrench[rows],
+            self.twist[rows],
+            angle=some(self.angle),
+            places=some(self.places),
+            loads=some(self.loads),
+        )
+
+    def at(self, twist: Array) -> Pairs:
+        """Return pairs of other twists, of any scale, without wrenches."""
+        return self.replace(wrench=np.zeros_like(twist), twist=twist)
+
+    def to_ground(self, vectors: Array) -> Array:
+        """Return vectors ``(n, ..., p)`` in the ground's axes; as they are without angles."""
+        return vectors if self.angle is None else in_ground(vectors, self.angle)
+
+    def to_body(self, vectors: Array) -> Array:
+        """Return vectors ``(n, ..., p)`` in the body's axes; as they are without angles."""
+        return vectors if self.angle is None else in_ground(vectors, -self.angle)
+
+    def check(self, parameters: int) -> None:
+        """Refuse pairs that cannot tell a law of so many parameters, or are of the other sign."""
+        if 3 * len(self) <= parameters:
+            raise FitError(
+                f"wrench: {len(self)} pairs do not tell {parameters} parameters, record more"
+            )
+        power = (self.wrench * self.twist).sum(axis=1)
+        against = float((power < 0.0).mean())
+        if against > _MOST_POWER_AGAINST:
+            raise FitError(
+                f"wrench: the power of {against:.0%} of the pairs is negative: give the wrench "
+                "that the body exerts on the ground, which is minus the friction on the body"
+            )
+
+
+def in_ground(vectors: Array, angle: Array) -> Array:
+    """Return plane parts of vectors ``(n, ..., p)`` turned from the body's axes by angles."""
+    shape = (len(angle),) + (1,) * (vectors.ndim - 2)
+    c, s = np.cos(angle).reshape(shape), np.sin(angle).reshape(shape)
+    result = vectors.copy()
+    result[..., 0] = c * vectors[..., 0] - s * vectors[..., 1]
+    result[..., 1] = s * vectors[..., 0] + c * vectors[..., 1]
+    return result

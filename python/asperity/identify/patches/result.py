@@ -1,0 +1,361 @@
+"""Fitted laws of patches: parameters with bands by blocks, residuals, comparison."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.value import Value
+from asperity.identify.fitting.models.coordinates import Estimate, Scale
+from asperity.identify.patches.comparison import PatchComparison, compared
+from asperity.identify.patches.models import (
+    EllipsoidPatch,
+    ExtendedPatch,
+    ExtendedPoints,
+    PatchModel,
+    PointsPatch,
+    Reported,
+)
+from asperity.identify.patches.pairs import Pairs
+from asperity.identify.patches.solving import Found, Labels, LossName, covariance_of, scores
+from asperity.law import FrictionLaw
+from asperity.sets import StarSet
+
+# Level of the test whether there is any anisotropy, and the step of derivatives of parameters.
+_LEVEL, _STEP = 0.01, 1e-5
+# Supports beyond so many radii of the patch are no places of it.
+_FAR = 4.0
+# Points whose share of the load is below this have no place.
+_LIGHT = 1e-3
+
+
+class BlockFit(TableResult, Value):
+    """What fits of wrenches have in common.
+
+    Args:
+        pairs: wrenches and twists.
+        model: the law's family.
+        found: where its coordinates ended.
+        loss: of the components of the wrench.
+        blocks: which block each pair is in.
+        folds: which part each pair is in, of those that are left out in turn.
+        length: ℓ in m, or in whatever unit places are in.
+        confidence: level of the confidence intervals.
+    """
+
+    pairs: Pairs
+    model: PatchModel
+    loss: LossName
+    length: float
+    confidence: float
+    coordinates: Array
+    blocks: Labels
+    folds: Labels
+    found: Found
+
+    def __init__(
+        self,
+        pairs: Pairs,
+        *,
+        model: PatchModel,
+        found: Found,
+        loss: LossName,
+        blocks: Labels,
+        folds: Labels,
+        length: float,
+        confidence: float,
+    ) -> None:
+        self._set(
+            pairs=pairs,
+            model=model,
+            found=found,
+            loss=loss,
+            blocks=blocks,
+            folds=folds,
+            length=arrays.positive(length, "length"),
+            confidence=arrays.fraction(confidence, "confidence"),
+        )
+        self._keep(coordinates=found.p)
+
+    @cached_property
+    def residuals(self) -> Array:
+        """Measured wrench minus that of the law, ``(n, 3)``."""
+        return self.pairs.wrench - self.model.both(self.coordinates, self.pairs)[0]
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residual wrench relative to that of the wrench."""
+        return math.sqrt(float((self.residuals**2).sum() / (self.pairs.wrench**2).sum()))
+
+    @property
+    def converged(self) -> bool:
+        """Whether the search has ended by itself, not at its longest."""
+        return self.found.converged
+
+    @property
+    def evaluations(self) -> int:
+        """How often wrenches were computed."""
+        return self.found.evaluations
+
+    @property
+    def scale(self) -> float:
+        """Deviation from which a robust loss counts residuals as outliers; 0 for least squares."""
+        return self.found.scale
+
+    @cached_property
+    def _errors(self) -> tuple[Array, NDArray[np.bool_]]:
+        return covariance_of(scores(self.model, self.pairs, self.found, self.blocks))
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the coordinates from the scatter of the blocks, ``(k, k)``."""
+        return self._errors[0]
+
+    @cached_property
+    def parameters(self) -> dict[str, Estimate]:
+        """Estimates with confidence intervals by name, lengths in the unit of ``length``.
+
+        Intervals are Student's with one degree of freedom less than there are blocks. A ratio of
+        axes and their angle are identifiable if the friction differs from isotropic friction at
+        the level 0.01.
+        """
+        from scipy.stats import t
+
+        p, reported = self.coordinates, self.model.reported(self.coordinates)
+        steps = _STEP * np.maximum(1.0, np.abs(p))
+        by = np.empty((len(reported), p.size))
+        for k, step in enumerate(steps):
+            away = np.zeros_like(p)
+            away[k] = step
+            ends = [self.model.reported(p + sign * away) for sign in (1.0, -1.0)]
+            by[:, k] = [
+                _difference(one, other) / (2.0 * step) for one, other in zip(*ends, strict=True)
+            ]
+        quantile = float(t.ppf(0.5 + 0.5 * self.confidence, int(self.blocks.max())))
+        errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", by, self.covariance, by), 0.0))
+        blind = [bool((np.abs(row[self._errors[1]]) > 1e-9).any()) for row in by]
+        return {
+            one.name: self._estimate(one, float(error), quantile, bool(untold))
+            for one, error, untold in zip(reported, errors, blind, strict=True)
+        }
+
+    def _estimate(self, one: Reported, error: float, quantile: float, untold: bool) -> Estimate:
+        half = quantile * error
+        # The interval of what the data do not tell may reach beyond the range of numbers.
+        with np.errstate(over="ignore"):
+            value, low, high = one.scale.natural(np.array([one.at, one.at - half, one.at + half]))
+        error *= float(one.scale.slope(np.array(one.at)))
+        told = not untold
+        if one.angle_of:
+            told = told and self._is_anisotropic(one.angle_of)
+            if one.scale is Scale.LOG:
+                # A ratio is that of the longer to the shorter axis.
+                low = 1.0 if not told else max(low, 1.0)
+            elif not told:
+                low, high = -0.5 * math.pi, 0.5 * math.pi
+        unit = self.length if one.is_length else 1.0
+        return Estimate(unit * value, unit * low, unit * high, unit * error, identifiable=told)
+
+    def _is_anisotropic(self, at: tuple[int, ...]) -> bool:
+        """Return whether coordinates that vanish for isotropic friction do not, by Wald's test."""
+        from scipy.stats import f
+
+        q, spread = self.coordinates[list(at)], self.covariance[np.ix_(at, at)]
+        count, degrees = len(at), int(self.blocks.max())
+        left = degrees - count + 1
+        statistic = float(q @ np.linalg.lstsq(spread, q, rcond=None)[0])
+        if not spread.any():
+            return bool(q.any())
+        return bool(statistic * left / (count * degrees) > f.ppf(1.0 - _LEVEL, count, left))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what the data cannot tell."""
+        found = []
+        if not self.converged:
+            found.append(
+                "The search has ended at its longest: parameters that hardly change the wrench "
+                "are not at their best values"
+            )
+        vague = [
+            name
+            for name, one in self.parameters.items()
+            if not one.identifiable and not name.startswith(("friction.", "direction."))
+        ]
+        if vague:
+            found.append(f"The data do not tell {', '.join(vague)}")
+        return tuple(found)
+
+    def compare(self, models: dict[str, PatchModel]) -> PatchComparison:
+        """Return models of the same pairs side by side, by BIC and by parts left out.
+
+        Args:
+            models: by the names they shall have.
+        """
+        return compared(
+            models,
+            self.pairs,
+            loss=self.loss,
+            scale=None,
+            blocks=self.blocks,
+            folds=self.folds,
+            confidence=self.confidence,
+            known={self.model: self.found},
+        )
+
+    def summary(self) -> str:
+        """Return the model, its parameters with confidence intervals, and warnings."""
+        lines = [
+            f"The law of {self.model.words} is fitted to {counted(len(self.pairs), 'pair')} of "
+            f"wrench and twist; the wrench differs from it by {self.rms:.2%} (root mean square, "
+            "relative).",
+            f"The parameters with {self.confidence:.0%} intervals from "
+            f"{int(self.blocks.max()) + 1} blocks are",
+            *(f"{name}: {one}." for name, one in self.parameters.items()),
+        ]
+        return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
+
+    def __repr__(self) -> str:
+        text = f"{self.model.words}, {len(self.pairs)} pairs, rms {self.rms:.3g}"
+        return f"<{type(self).__name__}: {'; '.join([text, *self.warnings])}>"
+
+    def _table(self) -> Table:
+        listed = self.parameters
+        columns = {
+            "value": "estimate",
+            "low": "lower end of the confidence interval",
+            "high": "upper end of the confidence interval",
+            "standard_error": "standard deviation of the estimate",
+        }
+        rows = ("parameter",)
+        series = {
+            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
+            for name, words in columns.items()
+        }
+        told = np.array([one.identifiable for one in listed.values()])
+        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
+        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+
+
+class PatchFit(BlockFit):
+    """The law in R³ of a contact patch, fitted to pairs of wrench and twist by `fit_patch`.
+
+    Its slip is (v₁, v₂, ω ℓ), its force (λ₁, λ₂, τ/ℓ): a contact of `RigidBodies` takes it with
+    ``patch_radius=fit.length``.
+    """
+
+    @property
+    def reservoir(self) -> StarSet:
+        """The force reservoir C; of a law in the ground's axes, for a body that has the angle 0."""
+        return self.model.reservoir(self.coordinates)
+
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """The friction law; of one in the ground's axes, for a body that has the angle 0."""
+        return self.model.law(self.coordinates)
+
+    def wrench(self, twist: ArrayLike, *, angle: ArrayLike | None = None) -> Array:
+        """Return the wrench (F₁, F₂, τ/ℓ) = −λ of twists (v₁, v₂, ω ℓ), ``(n, 3)``.
+
+        Args:
+            twist: shape ``(n, 3)``, none of them zero.
+            angle: of the body from the ground in rad, ``(n,)``; default 0.
+        """
+        motions = arrays.array(twist, "twist", (None, 3))
+        pairs = Pairs(np.zeros_like(motions), motions, angle=angle)
+        return self.model.both(self.coordinates, pairs)[0]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what the data cannot tell."""
+        found = list(super().warnings)
+        far = self.model.far(self.coordinates, _FAR, _LIGHT)
+        if far:
+            names = ", ".join(f"point_{i + 1}" for i in far)
+            found.append(
+                f"What {names} stands for is no place of the patch, it is too far outside or "
+                "carries hardly any load: C is that of the data, its points are not"
+            )
+        return tuple(found)
+
+    @cached_property
+    def comparison(self) -> PatchComparison:
+        """The model beside ellipsoids, a round area and support points.
+
+        ``"ellipsoid"`` and ``"ellipsoids C and D"`` are the associated and the extended law, and
+        ``comparison.improvement`` says how much better the second one predicts.
+        """
+        frame = self.model.frame
+        models: dict[str, PatchModel] = {
+            "ellipsoid": EllipsoidPatch(frame=frame),
+            "ellipsoids C and D": ExtendedPatch(EllipsoidPatch(frame=frame)),
+            "round area": PointsPatch(1, radius=None, frame=frame),
+            "3 points": PointsPatch(3, radius=0.01, frame=frame),
+            "5 points": PointsPatch(5, radius=0.01, frame=frame),
+        }
+        if self.model not in models.values():
+            models["this model"] = self.model
+        return self.compare(models)
+
+
+class SupportsFit(BlockFit):
+    """The law in the plane of the friction at known support points, by `fit_supports`."""
+
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """The friction law of one point, p = 2, per unit of its normal force.
+
+        Its axes are those of the ground or of the body, as the fit was told.
+        """
+        assert isinstance(self.model, PointsPatch | ExtendedPoints)
+        return self.model.plane_law(self.coordinates)
+
+    @cached_property
+    def comparison(self) -> PatchComparison:
+        """Isotropic friction beside ellipses in the ground's and in the body's axes."""
+        count = int(self.pairs.places.shape[1])  # type: ignore[union-attr]
+
+        def points(**options: Any) -> PointsPatch:
+            return PointsPatch(count, radius=_spot_of(self.model), known=True, **options)
+
+        return self.compare(
+            {
+                "isotropic": points(),
+                "ellipse in the ground": points(friction="ellipse", frame="ground"),
+                "ellipse in the body": points(friction="ellipse", frame="body"),
+                "ellipses C and D in the ground": ExtendedPoints(frame="ground"),
+            }
+        )
+
+    @cached_property
+    def anisotropic(self) -> bool:
+        """Whether the pushes say that the friction of the ground is anisotropic.
+
+        It is where BIC prefers the ellipse in the ground's axes to isotropic friction and to an
+        ellipse in the body's axes, which is not of the ground, and where its prediction of parts
+        that are left out is better than that of isotropic friction by more than its band.
+        """
+        found = self.comparison
+        beside = {one.name: one.bic for one in found.candidates}
+        own = beside.pop("ellipse in the ground")
+        rivals = (beside["isotropic"], beside["ellipse in the body"])
+        better = found.improvement("ellipse in the ground", over="isotropic")
+        return own < min(rivals) and better.low > 0.0
+
+
+def _spot_of(model: PatchModel) -> float:
+    spot = model.radius if isinstance(model, PointsPatch) else None
+    return 1e-3 if spot is None else spot
+
+
+def _difference(one: Reported, other: Reported) -> float:
+    off = one.at - other.at
+    # Axes have no sign: their angles differ by less than a quarter turn.
+    return off - math.pi * round(off / math.pi) if one.scale is Scale.ANGLE else off
