@@ -90,7 +90,7 @@ def cells(name: str, parameter: Estimate) -> list[str]:
 
 
 def _associativity(fit: Fit) -> Block:
-    """Return what the fit tells of the relation between C and D."""
+    """Return what the fit says about the relation between C and D."""
     found = fit.associativity
     defect = f"{found.defect:.2%}"
     if math.isfinite(found.defect_error):
