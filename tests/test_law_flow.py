@@ -280,6 +280,13 @@ def test_flow_rule_of_a_thin_tensor_is_resolved():
     assert (error < 1e-3 * np.linalg.norm(f, axis=1)).all()
 
 
+@pytest.mark.parametrize("ratio", [1e-2, 1e-4])
+def test_flow_rules_of_slender_sets_are_resolved(ratio):
+    phi = np.linspace(0.0, 2.0 * np.pi, 5001) + 1e-5
+    law = asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi) * [1.0, ratio])
+    np.testing.assert_allclose(law.force(unit(phi)), -unit(phi) * [1.0, ratio], atol=1e-4)
+
+
 def test_flow_rules_that_cannot_be_resolved_or_called_are_refused_by_name():
     for f in (lambda phi: unit(phi) * [1.0, 1e-8], 3):
         with pytest.raises(asp.ParameterError) as caught:
