@@ -14,7 +14,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use asperity_set::{ConvexSet, StarSet};
+use asperity_set::{Convex, ConvexSet, Star, StarSet};
 
 use super::block::Shape;
 use super::effort::Effort;
@@ -184,6 +184,20 @@ fn has_one_solution(local: &Local<'_, 2>, stick: &Stick<2>) -> bool {
 /// Step of Newton's method, in rad, times the factor by which `F` has fallen with the step before, that may be left.
 const LEFT: f64 = 1e-12;
 
+/// Whether the curvature of a reservoir is known to have a bound. The first step from the last slip then ends most solves.
+#[inline]
+fn has_bounded_curvature(reservoir: &Star<2>) -> bool {
+    fn is_round(set: &Convex<2>) -> bool {
+        match set {
+            Convex::Ball(_) | Convex::Ellipsoid(_) => true,
+            Convex::Superellipsoid(set) => set.exponent() >= 2.0,
+            Convex::Image(image) => is_round(image.preimage()),
+            _ => false,
+        }
+    }
+    reservoir.as_convex().is_some_and(is_round)
+}
+
 /// Newton's method for `F = 0` in the angle of the normal, from the last slip direction.
 ///
 /// `dF/dφ = −n·v − n × (A x')`, `x' = (z' − x (∇k_C·z'))/k_C`, `z' = ∇²h_D n⊥`, where `n` may have any length: it is a
@@ -195,6 +209,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         return isotropic::newton(slip, guess.try_normalize(0.0)?, mu);
     }
     let (mut n, mut before) = (*guess, f64::NAN);
+    let round = has_bounded_curvature(law.reservoir());
     for _ in 0..10 {
         let turn = V::new(-n.y, n.x);
         let (z, dz) = law.direction().support_derivative(&n, &turn);
@@ -212,7 +227,7 @@ fn newton(slip: &Slip<'_, '_>, guess: &V) -> Option<LocalSolution<2>> {
         // Where Newton's method converges quadratically, what is left after a step below 1e-8 is rounding, unless the
         // boundary is nearly flat here. At the tips of superellipses of exponents below two, where the curvature of C has no
         // bound, it does not: the steps tell by how much less they become.
-        let quadratic = step.abs() * value.abs() <= LEFT * before.max(value.abs());
+        let quadratic = round || step.abs() * value.abs() <= LEFT * before.max(value.abs());
         if step.abs() < 1e-8 && quadratic && dx.norm_squared() < slip.mild_bend {
             return slip.admit_root(&n, &(x + dx * step), &(v - dv * step));
         }
