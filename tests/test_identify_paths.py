@@ -401,6 +401,43 @@ def test_time_stepping_takes_the_place_of_integration(few, system):
         assert other == pytest.approx(one, rel=5e-3)
 
 
+def test_disks_are_not_tried_where_they_tip(round_films, monkeypatch):
+    """Their motions there are long to compute, and may fail; far sizes were tried before."""
+    sizes, paths_of = set(), Motions.paths
+
+    def noted(self, laws, *args, **options):
+        sizes.update(float(law.reservoir.radius(0.0)) for law in laws)
+        if max(sizes) > 1.0:
+            pytest.fail("a disk that tips is simulated")
+        return paths_of(self, laws, *args, **options)
+
+    monkeypatch.setattr(Motions, "paths", noted)
+    paths, _ = round_films.draw(1)
+    disk = asp.SlidingDisk(asp.FrictionLaw.isotropic(0.4))
+    models = {"system": disk, "reservoir": "circle", "direction": "circle"}
+    fit = fit_paths(paths[:3], launch=Launch(place=(0.0, 0.0)), **models)
+    assert fit.parameters["reservoir.radius"].value == pytest.approx(0.4, rel=0.02)
+
+
+def test_a_size_without_motions_is_infinitely_far(round_films, monkeypatch):
+    """Sizes are tried outward until there are motions, and the others are still compared."""
+    paths, _ = round_films.draw(1)
+    paths_of, refused = Motions.paths, []
+
+    def paths_or_none(self, laws, *args, **options):
+        if len(refused) < 2:
+            refused.append(laws)
+            return None
+        return paths_of(self, laws, *args, **options)
+
+    monkeypatch.setattr(Motions, "paths", paths_or_none)
+    fit = round_fit(round_films, paths)
+    assert fit.parameters["reservoir.radius"].value == pytest.approx(0.4, rel=0.02)
+    monkeypatch.setattr(Motions, "paths", lambda *args, **options: None)
+    with pytest.raises(FitError, match="no paths could be simulated"):
+        round_fit(round_films, paths)
+
+
 def test_the_law_is_kept_with_its_covariance(few, tmp_path):
     paths, launches = few.draw(1)
     fit = fit_paths(
