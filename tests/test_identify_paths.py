@@ -493,6 +493,57 @@ def test_wrong_arguments_are_named(few, options, words):
         fit_paths(**given)
 
 
+@pytest.mark.parametrize("shape", ["circle", "ellipse"])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda known, k: {"direction": math.degrees(known.direction), "direction_error": 0.003},
+        lambda known, k: {"direction": 3.0 if k == 0 else known.direction},
+        lambda known, k: {"direction": 3.0},
+        lambda known, k: {"place": (0.1, 0.1), "direction": known.direction},
+        lambda known, k: {"speed": 1500.0},
+    ],
+    ids=["degrees", "one direction", "directions", "place", "speed"],
+)
+def test_wrong_launches_are_refused_or_do_not_fit(round_films, shape, wrong):
+    paths, launches = round_films.draw(1)
+    told = [Launch(**{"place": (0.0, 0.0), **wrong(one, k)}) for k, one in enumerate(launches)]
+    models = {"system": round_films.system, "reservoir": shape, "direction": shape}
+    try:
+        fit = fit_paths(paths, launch=told, **models)
+    except FitError as error:
+        assert any(  # noqa: PT017
+            word in str(error) for word in ("do not tell", "launches", "simpler model")
+        )
+    else:
+        assert any("the model does not fit" in one for one in fit.warnings)
+
+
+@pytest.mark.parametrize(("slower", "longer"), [(1e3, 1.0), (1.0, 1e3), (1e-3, 1.0)])
+def test_other_units_are_named(round_films, slower, longer):
+    paths = [
+        SimpleNamespace(
+            time=slower * p.time, position=longer * p.position, position_error=longer * ERROR
+        )
+        for p in round_films.draw(1)[0]
+    ]
+    with pytest.raises(FitError, match="check the units of times and lengths"):
+        round_fit(round_films, paths)
+
+
+def test_a_law_beyond_the_range_of_numbers_is_a_failed_trial(few):
+    misfits, z = misfits_of(few)
+
+    def law(p):
+        return asp.FrictionLaw.isotropic(math.exp(p[0]))
+
+    misfits._law = law
+    z[0] = 1e3
+    assert np.isinf(misfits.residuals(z)).all()
+    with pytest.raises(FitError, match="beyond the range of numbers"):
+        misfits.jacobian(z)
+
+
 def test_points_before_the_launch_are_left_out(round_films):
     """A film that begins with a body at rest, or one that is pushed until a time that is given."""
     paths, _ = round_films.draw(0, points=60)

@@ -85,6 +85,11 @@ class Solution:
         Raises:
             FitError: if the paths do not tell all parameters.
         """
+        if not np.isfinite(self.jacobian).all():
+            raise FitError(
+                "derivatives of the paths are not finite where the fit ended: check the launches "
+                "and the errors that are stated, or choose a simpler model"
+            )
         columns = self.jacobian[:, : self.misfits.size]
         names = [self.structure.names[at] for at in self.free]
         dead = [n for n, c in zip(names, columns.T, strict=True) if not c.any()]
@@ -93,6 +98,16 @@ class Solution:
             raise FitError(
                 f"the paths do not tell {', '.join(dead or names)} apart: choose a simpler model, "
                 "fix parameters that are known, or launch in more directions"
+            )
+        # A body that is launched the wrong way fits best at rest, and then tells nothing.
+        idle = ~self.jacobian[:, self.misfits.size :].any(axis=0)
+        if idle.any():
+            listed = ", ".join(
+                n for n, one in zip(self.misfits.names_of_launches(), idle, strict=True) if one
+            )
+            raise FitError(
+                f"the fit ended where the paths do not tell {listed}: check what is stated of "
+                "the launches (directions are in rad, places in m), or state its error"
             )
         wide = np.sqrt(np.diag(found.stated)) > _UNKNOWN
         wide &= ~at_bounds(self.z[: self.misfits.size], self._listed)
