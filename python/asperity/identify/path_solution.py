@@ -100,14 +100,13 @@ class Solution:
                 "fix parameters that are known, or launch in more directions"
             )
         # A body that is launched the wrong way fits best at rest, and then tells nothing.
-        idle = ~self.jacobian[:, self.misfits.size :].any(axis=0)
-        if idle.any():
-            listed = ", ".join(
-                n for n, one in zip(self.misfits.names_of_launches(), idle, strict=True) if one
-            )
+        launched = self.jacobian[:, self.misfits.size :].T
+        listed_launches = self.misfits.names_of_launches()
+        idle = [n for n, c in zip(listed_launches, launched, strict=True) if not c.any()]
+        if idle:
             raise FitError(
-                f"the fit ended where the paths do not tell {listed}: check what is stated of "
-                "the launches (directions are in rad, places in m), or state its error"
+                f"the fit ended where the paths do not tell {', '.join(idle)}: check what "
+                "is stated of the launches (directions are in rad, places in m), or state its error"
             )
         wide = np.sqrt(np.diag(found.stated)) > _UNKNOWN
         wide &= ~at_bounds(self.z[: self.misfits.size], self._listed)
