@@ -401,6 +401,43 @@ def test_time_stepping_takes_the_place_of_integration(few, system):
         assert other == pytest.approx(one, rel=5e-3)
 
 
+def test_disks_are_not_tried_where_they_tip(round_films, monkeypatch):
+    """Their motions there are long to compute, and may fail; far sizes were tried before."""
+    sizes, paths_of = set(), Motions.paths
+
+    def noted(self, laws, *args, **options):
+        sizes.update(float(law.reservoir.radius(0.0)) for law in laws)
+        if max(sizes) > 1.0:
+            pytest.fail("a disk that tips is simulated")
+        return paths_of(self, laws, *args, **options)
+
+    monkeypatch.setattr(Motions, "paths", noted)
+    paths, _ = round_films.draw(1)
+    disk = asp.SlidingDisk(asp.FrictionLaw.isotropic(0.4))
+    models = {"system": disk, "reservoir": "circle", "direction": "circle"}
+    fit = fit_paths(paths[:3], launch=Launch(place=(0.0, 0.0)), **models)
+    assert fit.parameters["reservoir.radius"].value == pytest.approx(0.4, rel=0.02)
+
+
+def test_a_size_without_motions_is_infinitely_far(round_films, monkeypatch):
+    """Sizes are tried outward until there are motions, and the others are still compared."""
+    paths, _ = round_films.draw(1)
+    paths_of, refused = Motions.paths, []
+
+    def paths_or_none(self, laws, *args, **options):
+        if len(refused) < 2:
+            refused.append(laws)
+            return None
+        return paths_of(self, laws, *args, **options)
+
+    monkeypatch.setattr(Motions, "paths", paths_or_none)
+    fit = round_fit(round_films, paths)
+    assert fit.parameters["reservoir.radius"].value == pytest.approx(0.4, rel=0.02)
+    monkeypatch.setattr(Motions, "paths", lambda *args, **options: None)
+    with pytest.raises(FitError, match="no paths could be simulated"):
+        round_fit(round_films, paths)
+
+
 def test_the_law_is_kept_with_its_covariance(few, tmp_path):
     paths, launches = few.draw(1)
     fit = fit_paths(
@@ -454,6 +491,57 @@ def test_wrong_arguments_are_named(few, options, words):
     given = {"paths": few.draw(0)[0], "system": few.system, **options}
     with pytest.raises(ParameterError, match=words):
         fit_paths(**given)
+
+
+@pytest.mark.parametrize("shape", ["circle", "ellipse"])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda known, k: {"direction": math.degrees(known.direction), "direction_error": 0.003},
+        lambda known, k: {"direction": 3.0 if k == 0 else known.direction},
+        lambda known, k: {"direction": 3.0},
+        lambda known, k: {"place": (0.1, 0.1), "direction": known.direction},
+        lambda known, k: {"speed": 1500.0},
+    ],
+    ids=["degrees", "one direction", "directions", "place", "speed"],
+)
+def test_wrong_launches_are_refused_or_do_not_fit(round_films, shape, wrong):
+    paths, launches = round_films.draw(1)
+    told = [Launch(**{"place": (0.0, 0.0), **wrong(one, k)}) for k, one in enumerate(launches)]
+    models = {"system": round_films.system, "reservoir": shape, "direction": shape}
+    try:
+        fit = fit_paths(paths, launch=told, **models)
+    except FitError as error:
+        assert any(  # noqa: PT017
+            word in str(error) for word in ("do not tell", "launches", "simpler model")
+        )
+    else:
+        assert any("the model does not fit" in one for one in fit.warnings)
+
+
+@pytest.mark.parametrize(("slower", "longer"), [(1e3, 1.0), (1.0, 1e3), (1e-3, 1.0)])
+def test_other_units_are_named(round_films, slower, longer):
+    paths = [
+        SimpleNamespace(
+            time=slower * p.time, position=longer * p.position, position_error=longer * ERROR
+        )
+        for p in round_films.draw(1)[0]
+    ]
+    with pytest.raises(FitError, match="check the units of times and lengths"):
+        round_fit(round_films, paths)
+
+
+def test_a_law_beyond_the_range_of_numbers_is_a_failed_trial(few):
+    misfits, z = misfits_of(few)
+
+    def law(p):
+        return asp.FrictionLaw.isotropic(math.exp(p[0]))
+
+    misfits._law = law
+    z[0] = 1e3
+    assert np.isinf(misfits.residuals(z)).all()
+    with pytest.raises(FitError, match="beyond the range of numbers"):
+        misfits.jacobian(z)
 
 
 def test_points_before_the_launch_are_left_out(round_films):

@@ -85,6 +85,11 @@ class Solution:
         Raises:
             FitError: if the paths do not tell all parameters.
         """
+        if not np.isfinite(self.jacobian).all():
+            raise FitError(
+                "derivatives of the paths are not finite where the fit ended: check the launches "
+                "and the errors that are stated, or choose a simpler model"
+            )
         columns = self.jacobian[:, : self.misfits.size]
         names = [self.structure.names[at] for at in self.free]
         dead = [n for n, c in zip(names, columns.T, strict=True) if not c.any()]
@@ -93,6 +98,15 @@ class Solution:
             raise FitError(
                 f"the paths do not tell {', '.join(dead or names)} apart: choose a simpler model, "
                 "fix parameters that are known, or launch in more directions"
+            )
+        # A body that is launched the wrong way fits best at rest, and then tells nothing.
+        launched = self.jacobian[:, self.misfits.size :].T
+        listed_launches = self.misfits.names_of_launches()
+        idle = [n for n, c in zip(listed_launches, launched, strict=True) if not c.any()]
+        if idle:
+            raise FitError(
+                f"the fit ended where the paths do not tell {', '.join(idle)}: check what "
+                "is stated of the launches (directions are in rad, places in m), or state its error"
             )
         wide = np.sqrt(np.diag(found.stated)) > _UNKNOWN
         wide &= ~at_bounds(self.z[: self.misfits.size], self._listed)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
 from asperity.errors import AsperityError, FitError
-from asperity.identify.paths.launch import SPEED, TIME
+from asperity.identify.paths.launch import QUANTITIES, SPEED, TIME
 from asperity.identify.paths.motions import Motions, Simulated
 from asperity.identify.paths.observed import Observed
 from asperity.law import FrictionLaw
@@ -85,6 +85,13 @@ class Misfits:
     def joined(self, coordinates: Array, launches: Array) -> Array:
         """Return the unknowns of coordinates of the law and launches."""
         return np.concatenate([coordinates, launches[self.free]])
+
+    def names_of_launches(self) -> list[str]:
+        """Return what the unknowns of the launches are, in their order."""
+        return [
+            f"{QUANTITIES[quantity]} of the launch of {self.paths[k].name}"
+            for k, quantity in zip(*np.nonzero(self.free), strict=True)
+        ]
 
     def launches(self, z: Array) -> Array:
         """Return the quantities of the launches, ``(G, 5)``."""
@@ -193,6 +200,10 @@ class Misfits:
                     laws[at.tobytes()] = self._law(at)
         except AsperityError as error:
             self._refused = str(error)
+            return None
+        except ArithmeticError:
+            # Exponentials of coordinates that a step went to.
+            self._refused = "the law is beyond the range of numbers"
             return None
         return self._motions.paths(
             [laws[at.tobytes()] for at in coordinates], launches, list(which)

@@ -19,8 +19,11 @@ from asperity.identify.paths.observed import Observed
 from asperity.law import FrictionLaw
 from asperity.sets import Ellipse
 
-# Sizes of C that are tried, per unit normal force.
-_SIZES = np.geomspace(0.02, 4.0, 16)
+# Sizes of C that are tried, per unit normal force, stand in this ratio to each other; this is how
+# many of them are tried at most, and the gravity in m/s² for which the first one is right.
+_RATIO, _MOST_SIZES, _GRAVITY = 1.4, 12, 9.81
+# Sizes of no known surfaces: times or lengths are in other units.
+_LEAST, _LARGEST = 1e-4, 1e2
 # Directions in which a model is laid through an ellipse.
 _THETA = np.arange(72) * (math.pi / 36.0)
 # A path begins, and is over, where it has covered this share of its length; its first direction is
@@ -83,26 +86,56 @@ def _parabola(t: Array, distance: Array, begin: float) -> tuple[float, float]:
 
 
 def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
-    """Return the logarithm of the radius of round sets with which paths are nearest."""
-    count = len(launches)
-    laws = [FrictionLaw.isotropic(size) for size in _SIZES for _ in range(count)]
-    found = motions.paths(
-        laws, np.tile(launches, (len(_SIZES), 1)), list(range(count)) * len(_SIZES)
-    )
-    if found is None:
+    """Return the logarithm of the radius of round sets with which paths are nearest.
+
+    Sizes are tried outward from the one that stops a point on these distances. Sizes far from it
+    are not tried: motions there may be long to compute, such as those of disks that tip.
+
+    Raises:
+        FitError: if the distances are those of no surface, or no size has motions.
+    """
+    measured = [path.position for path in misfits.paths]
+    lengths = [
+        float(np.hypot(*(one - launch[PLACE]).T).max())
+        for one, launch in zip(measured, launches, strict=True)
+    ]
+    first = float(np.median(launches[:, SPEED] ** 2 / (2.0 * np.array(lengths)))) / _GRAVITY
+    if not _LEAST <= first <= _LARGEST:
+        raise FitError(
+            f"the bodies stop as if friction were {first:.2g} times their weight: check the units "
+            "of times and lengths, and what is stated of the launches"
+        )
+    costs: dict[int, float] = {}
+
+    def cost(step: int) -> float:
+        """Return the squares at a size; those without motions are infinitely far."""
+        if step in costs:
+            return costs[step]
+        if len(costs) >= _MOST_SIZES:
+            return math.inf
+        law = FrictionLaw.isotropic(first * _RATIO**step)
+        count = len(launches)
+        found = motions.paths([law] * count, launches, range(count))
+        costs[step] = math.inf
+        if found is not None:
+            costs[step] = sum(
+                float(np.sum((path.position - one) ** 2)) / float(np.sum(np.ptp(one, axis=0) ** 2))
+                for path, one in zip(found, measured, strict=True)
+            )
+        return costs[step]
+
+    outward = sorted(range(-_MOST_SIZES, _MOST_SIZES + 1), key=abs)
+    best = next((step for step in outward if math.isfinite(cost(step))), None)
+    if best is None:
         raise FitError(
             "no paths could be simulated: check that the system can be integrated, or give dt"
         )
-    measured = [path.position for path in misfits.paths]
-    costs = [
-        sum(
-            float(np.sum((found[i * count + k].position - one) ** 2))
-            / float(np.sum(np.ptp(one, axis=0) ** 2))
-            for k, one in enumerate(measured)
-        )
-        for i in range(len(_SIZES))
-    ]
-    return math.log(_SIZES[int(np.argmin(costs))])
+    # A body goes the less far the larger C is, so that the squares have one valley.
+    while True:
+        beside = min((best - 1, best + 1), key=cost)
+        if not cost(beside) < cost(best):
+            return math.log(first) + best * math.log(_RATIO)
+        best = beside
 
 
 class Ellipses:
