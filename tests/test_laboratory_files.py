@@ -502,3 +502,23 @@ def test_files_that_are_hard_to_guess(write):
     found = identify.inspect_file(write(points))
     assert found.sections["file"]["thousands"] == "."
     assert found.columns[1].high == 3049.0
+
+
+@pytest.mark.parametrize("start", [0, 15, 30])
+def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start):
+    pandas = pytest.importorskip("pandas")
+    random = np.random.default_rng(2)
+    angles = np.deg2rad(np.repeat([start + 30 * k for k in range(6)] * 3, 200))
+    speed = np.tile(np.repeat([10.0, -10.0], 100), 18)
+    slip = np.stack([np.cos(angles), np.sin(angles)], axis=-1) * np.sign(speed)[:, None]
+    moved = np.abs(speed)[:, None] * slip + 1e-3 * random.normal(size=slip.shape)
+    force = -lab.LAW.force(slip, normal_force=lab.LOAD) + 0.01 * random.normal(size=slip.shape)
+    columns = {"t": np.arange(len(slip)) * 1e-3, "mx": moved[:, 0], "my": moved[:, 1]}
+    columns |= {"Fx": force[:, 0], "Fy": force[:, 1]}
+    columns["Fz"] = lab.LOAD + 0.01 * random.normal(size=len(slip))
+    _, sections = plane("velocity")
+    data = identify.load(pandas.DataFrame(columns), sections)
+    for number in range(data.turns):
+        assert np.ptp(data.phi[data.turn == number]) < np.deg2rad(0.1)
+    fit = identify.fit_law(data, reservoir="circle", direction="ellipse")
+    assert fit.defects["lack of fit"].matters
