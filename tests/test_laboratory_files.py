@@ -522,3 +522,22 @@ def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start):
         assert np.ptp(data.phi[data.turn == number]) < np.deg2rad(0.1)
     fit = identify.fit_law(data, reservoir="circle", direction="ellipse")
     assert fit.defects["lack of fit"].matters
+
+
+def test_numbers_written_in_cells_need_no_delimiter(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("openpyxl")
+    names = ["Zeit [s]", "Winkel [deg]", "Ft [N]", "Fr [N]", "Fn [N]"]
+    table = lab.table(RUN)[::8] * [1.0, 180.0 / np.pi, 1.0, 1.0, 1.0]
+    cells = [[lab.number(value, decimal=",") for value in row] for row in table]
+    frame = pandas.DataFrame(cells, columns=names)
+    frame.to_excel(tmp_path / "run.xlsx", index=False)
+    found = identify.inspect_file(tmp_path / "run.xlsx")
+    assert "delimiter" not in found.sections["file"]
+    found.write(tmp_path / "run.toml")
+    read = identify.load(tmp_path / "run.xlsx", tmp_path / "run.toml")
+    held = identify.load(frame, tmp_path / "run.toml")
+    np.testing.assert_allclose(read.force, held.force, atol=1e-12)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    with pytest.raises(AsperityError, match="must differ from the decimal mark"):
+        identify.load(tmp_path / "run.csv", tmp_path / "run.toml")
