@@ -541,3 +541,12 @@ def test_numbers_written_in_cells_need_no_delimiter(tmp_path):
     frame.to_csv(tmp_path / "run.csv", index=False)
     with pytest.raises(AsperityError, match="must differ from the decimal mark"):
         identify.load(tmp_path / "run.csv", tmp_path / "run.toml")
+
+
+def test_angles_of_the_wrong_sign_are_named_beside_the_radial_channel():
+    frames, sections = reciprocating(law=lab.TURNED)
+    angles = [-angle for angle in sections["run"]["angles"]]
+    changed = sections | {"run": {"angles": angles}}
+    fit = identify.fit_law(identify.load(frames, changed))
+    assert fit.mistake is not None
+    assert "the sign of the radial channel or the sign of the angles turned" in fit.mistake.words
