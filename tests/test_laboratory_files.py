@@ -550,3 +550,13 @@ def test_angles_of_the_wrong_sign_are_named_beside_the_radial_channel():
     fit = identify.fit_law(identify.load(frames, changed))
     assert fit.mistake is not None
     assert "the sign of the radial channel or the sign of the angles turned" in fit.mistake.words
+
+
+def test_columns_whose_units_do_not_fit_take_no_role(write):
+    names = ["T [°C]", "t [s]", "Winkel [deg]", "Reibungszahl [-]", "Reibkraft [N]"]
+    names += ["Querkraft [N]", "Normalkraft [N]"]
+    rows = [[23, 0.1 * k, 5 * k, 0.5, 4 + k % 7, k % 5, 9 + k % 3] for k in range(60)]
+    lines = [";".join(map(str, row)) for row in [names, *rows]]
+    found = identify.inspect_file(write("\n".join(lines)))
+    roles = ["", "time", "angle", "", "tangential", "radial", "normal"]
+    assert [one.role for one in found.columns] == roles
