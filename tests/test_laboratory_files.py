@@ -502,3 +502,61 @@ def test_files_that_are_hard_to_guess(write):
     found = identify.inspect_file(write(points))
     assert found.sections["file"]["thousands"] == "."
     assert found.columns[1].high == 3049.0
+
+
+@pytest.mark.parametrize("start", [0, 15, 30])
+def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start):
+    pandas = pytest.importorskip("pandas")
+    random = np.random.default_rng(2)
+    angles = np.deg2rad(np.repeat([start + 30 * k for k in range(6)] * 3, 200))
+    speed = np.tile(np.repeat([10.0, -10.0], 100), 18)
+    slip = np.stack([np.cos(angles), np.sin(angles)], axis=-1) * np.sign(speed)[:, None]
+    moved = np.abs(speed)[:, None] * slip + 1e-3 * random.normal(size=slip.shape)
+    force = -lab.LAW.force(slip, normal_force=lab.LOAD) + 0.01 * random.normal(size=slip.shape)
+    columns = {"t": np.arange(len(slip)) * 1e-3, "mx": moved[:, 0], "my": moved[:, 1]}
+    columns |= {"Fx": force[:, 0], "Fy": force[:, 1]}
+    columns["Fz"] = lab.LOAD + 0.01 * random.normal(size=len(slip))
+    _, sections = plane("velocity")
+    data = identify.load(pandas.DataFrame(columns), sections)
+    for number in range(data.turns):
+        assert np.ptp(data.phi[data.turn == number]) < np.deg2rad(0.1)
+    fit = identify.fit_law(data, reservoir="circle", direction="ellipse")
+    assert fit.defects["lack of fit"].matters
+
+
+def test_numbers_written_in_cells_need_no_delimiter(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("openpyxl")
+    names = ["Zeit [s]", "Winkel [deg]", "Ft [N]", "Fr [N]", "Fn [N]"]
+    table = lab.table(RUN)[::8] * [1.0, 180.0 / np.pi, 1.0, 1.0, 1.0]
+    cells = [[lab.number(value, decimal=",") for value in row] for row in table]
+    frame = pandas.DataFrame(cells, columns=names)
+    frame.to_excel(tmp_path / "run.xlsx", index=False)
+    found = identify.inspect_file(tmp_path / "run.xlsx")
+    assert "delimiter" not in found.sections["file"]
+    found.write(tmp_path / "run.toml")
+    read = identify.load(tmp_path / "run.xlsx", tmp_path / "run.toml")
+    held = identify.load(frame, tmp_path / "run.toml")
+    np.testing.assert_allclose(read.force, held.force, atol=1e-12)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    with pytest.raises(AsperityError, match="must differ from the decimal mark"):
+        identify.load(tmp_path / "run.csv", tmp_path / "run.toml")
+
+
+def test_angles_of_the_wrong_sign_are_named_beside_the_radial_channel():
+    frames, sections = reciprocating(law=lab.TURNED)
+    angles = [-angle for angle in sections["run"]["angles"]]
+    changed = sections | {"run": {"angles": angles}}
+    fit = identify.fit_law(identify.load(frames, changed))
+    assert fit.mistake is not None
+    assert "the sign of the radial channel or the sign of the angles turned" in fit.mistake.words
+
+
+def test_columns_whose_units_do_not_fit_take_no_role(write):
+    names = ["T [°C]", "t [s]", "Winkel [deg]", "Reibungszahl [-]", "Reibkraft [N]"]
+    names += ["Querkraft [N]", "Normalkraft [N]"]
+    rows = [[23, 0.1 * k, 5 * k, 0.5, 4 + k % 7, k % 5, 9 + k % 3] for k in range(60)]
+    lines = [";".join(map(str, row)) for row in [names, *rows]]
+    found = identify.inspect_file(write("\n".join(lines)))
+    roles = ["", "time", "angle", "", "tangential", "radial", "normal"]
+    assert [one.role for one in found.columns] == roles

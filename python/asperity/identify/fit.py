@@ -28,6 +28,7 @@ from asperity.identify.fitting.data.samples import (
     Samples,
     channels_turn,
     frozen,
+    is_angled,
     runs_of,
     samples_of,
 )
@@ -356,7 +357,9 @@ class Fit(SavedResult, Value):
             return None
         means = grouped(weighty(self._samples, self.loss), 1).bins(width=_WIDTH)
         turning = channels_turn(self.data)
-        return mistake(self._family, means, found.size, turning=turning)
+        return mistake(
+            self._family, means, found.size, turning=turning, angled=is_angled(self.data)
+        )
 
     @cached_property
     def associativity(self) -> Associativity:

@@ -93,6 +93,7 @@ def _of_velocity(run: Recording, velocity: Array) -> Strokes:
     slides = speed > _SLOW * usual
     turned = np.arctan2(velocity[:, 1], velocity[:, 0])
     number = _stretches(slides, _corners(turned, slides))
+    turned = _unwrapped(turned, number)
     going_round = _going_round(turned, number)
     if going_round is not None:
         number = going_round
@@ -121,6 +122,12 @@ def _stretches(slides: NDArray[np.bool_], corner: NDArray[np.bool_]) -> NDArray[
     return number
 
 
+def _unwrapped(turned: Array, number: NDArray[np.int32]) -> Array:
+    """Return directions that do not jump by whole turns within a stretch."""
+    edges = np.flatnonzero(np.diff(number)) + 1
+    return np.concatenate([np.unwrap(part) for part in np.split(turned, edges)])
+
+
 def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] | None:
     """Return numbers of whole turns of the direction if one stretch makes most of the record."""
     if number.max() < 0:
@@ -129,7 +136,7 @@ def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] 
     rows = np.flatnonzero(number == longest)
     if rows.size < 0.5 * number.size:
         return None
-    angle = np.unwrap(turned[rows])
+    angle = turned[rows]
     way = float(angle[-1] - angle[0])
     complete = math.floor(abs(way) * rows.size / (rows.size - 1) / _TURN + 1e-9)
     if not complete:

@@ -327,8 +327,12 @@ def _plain(name: str) -> str:
 def _roles(names: Sequence[str], units: Sequence[str], values: Array) -> dict[int, str]:
     """Return what the columns seem to be, by their number."""
     roles: dict[int, str] = {}
-    for at, name in enumerate(names):
-        kind = _KINDS.get(_unit(units[at]), "")
+    # Units that fit say more than names. Where there is one that is none of ours, as of a
+    # temperature or of a coefficient of friction, the name misleads.
+    with_unit = [at for at in range(len(names)) if _unit(units[at])]
+    without = [at for at in range(len(names)) if not units[at]]
+    for at in (*with_unit, *without):
+        name, kind = names[at], _KINDS.get(_unit(units[at]), "")
         for role, words in _WORDS.items():
             if role in roles.values() or not re.fullmatch(words, _plain(name)):
                 continue

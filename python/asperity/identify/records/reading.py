@@ -112,7 +112,8 @@ def read_csv(
         run: windows of time, each a run: pairs of start and end in the unit of the time column, or
             texts for a clock; None for those of the file. By default a file is one run.
         angles: how the surface lies, one number or one for each file in the unit of the angle,
-            where a stage moves; by default 0.
+            where a stage moves: from e₁ of the surface to the axis of the stage, so that a surface
+            turned counter-clockwise under the stage by α has the angle −α; by default 0.
         loaded: False for records without load, where the disk may rest and no unit is checked.
         check_units: whether implausible magnitudes are refused.
         on_defect: ``"raise"``, or ``"split"``: the record is cut at its defects, and pieces

@@ -65,8 +65,6 @@ class Format:
             not isinstance(self.delimiter, str) or len(self.delimiter) != 1
         ):
             raise ParameterError("delimiter", f"must be one character, got {self.delimiter!r}")
-        if self.delimiter == self.decimal:
-            raise ParameterError("delimiter", "must differ from the decimal mark")
         if self.names is not None and arrays.count(self.names, "names") > self.header:
             raise ParameterError("names", f"must be one of the {self.header} header lines")
         if self.thousands is not None:
@@ -143,6 +141,9 @@ def read_table(
     place = Path(path)  # type: ignore[arg-type]
     if place.suffix.lower() in SPREADSHEETS:
         return _of_spreadsheet(place, columns, form, clocked)
+    # Cells of spreadsheets and of tables in memory are parted already.
+    if form.delimiter == form.decimal:
+        raise ParameterError("delimiter", "must differ from the decimal mark")
     try:
         with _text(place, form) as file:
             names = _names(file, form, place)

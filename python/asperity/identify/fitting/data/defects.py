@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -72,19 +73,37 @@ def means_of_strokes(samples: Samples) -> tuple[Array, Array] | None:
     for turn in range(samples.turns):
         rows = [np.arange(a, b) for a, b, number in samples.runs if number == turn]
         at = np.concatenate(rows)
-        along = samples.phi[at]
-        if np.ptp(along) > _STROKE:
+        # Angles of one direction may differ by whole turns, as they do on both sides of π.
+        off = _wrapped(samples.phi[at] - samples.phi[at[0]])
+        if np.ptp(off) > _STROKE:
             return None
         load = samples.normal[at]
-        phi[turn] = along.mean()
+        phi[turn] = samples.phi[at[0]] + off.mean()
         force[turn] = load @ samples.force[at] / (load @ load)
-    _, direction = np.unique(np.rint(phi % (2.0 * np.pi) / _STROKE), return_inverse=True)
+    direction = _directions(phi)
     repeats = int(np.bincount(direction).min())
     if repeats < 2:
         return None
     order = [np.flatnonzero(direction == one)[:repeats] for one in range(direction.max() + 1)]
     chosen = np.stack(order, axis=1)
     return phi[chosen], force[chosen]
+
+
+def _wrapped(angle: Array) -> Array:
+    return angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))
+
+
+def _directions(phi: Array) -> NDArray[np.intp]:
+    """Return which strokes have one direction: gaps part them, wherever on the circle they are."""
+    angle = phi % (2.0 * np.pi)
+    order = np.argsort(angle)
+    after_gap = np.diff(angle[order], prepend=angle[order[-1]] - 2.0 * np.pi) > _STROKE
+    group = np.cumsum(after_gap)
+    # What comes before the first gap goes on from the last group, across the end of the circle.
+    group[group == 0] = group[-1]
+    direction = np.empty(phi.size, dtype=np.intp)
+    direction[order] = group - group.min()
+    return direction
 
 
 def asymmetry(phi: Array, force: Array) -> Defect:

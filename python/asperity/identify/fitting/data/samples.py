@@ -137,6 +137,14 @@ def channels_turn(data: Any) -> bool:
     return all(getattr(run, "velocity", None) is None for run in raw.recordings)
 
 
+def is_angled(data: Any) -> bool:
+    """Return whether angles say how the surface lay under a stage."""
+    raw = getattr(data, "raw", None)
+    return raw is not None and any(
+        run.velocity is not None and bool(run.angle.any()) for run in raw.recordings
+    )
+
+
 def runs_of(samples: Samples, data: Any) -> NDArray[np.intp]:
     """Return the number of the run of each turn; arrays are one run, and so are pieces of one."""
     result = np.zeros(samples.turns, dtype=np.intp)

@@ -11,7 +11,7 @@ from asperity._base.arrays import Array
 from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, along_sliding
 from asperity.identify.fitting.data.coverage import coverage
-from asperity.identify.fitting.data.samples import channels_turn
+from asperity.identify.fitting.data.samples import channels_turn, is_angled
 from asperity.identify.fitting.least_squares.normal_equations import Family
 from asperity.identify.fitting.least_squares.starts import fit_bins, start
 
@@ -49,6 +49,10 @@ _OF_CHANNELS = (
         ((0.0, -1.0), (-1.0, 0.0)),
     ),
 )
+# Angles of the wrong sign that say how the surface lay under a stage give the mirror image of a
+# law with the force across turned, so that nothing tells them from a wrong radial channel.
+_RADIAL = _OF_CHANNELS[0][0]
+_RADIAL_OR_ANGLES = "the sign of the radial channel or the sign of the angles turned"
 # Likewise of components in the frame of the surface.
 _OF_COMPONENTS = (
     ("the sign of the first component turned", ((-1.0, 0.0), (0.0, 1.0))),
@@ -62,7 +66,9 @@ _EXPLAINED, _CLOSE = 0.5, 0.1
 _AS_GOOD = 1.5
 
 
-def mistake(family: Family, bins: Bins, misfit: float | None, *, turning: bool) -> Mistake | None:
+def mistake(
+    family: Family, bins: Bins, misfit: float | None, *, turning: bool, angled: bool = False
+) -> Mistake | None:
     """Return what explains that mean forces are as far from the model as they are.
 
     Args:
@@ -71,9 +77,13 @@ def mistake(family: Family, bins: Bins, misfit: float | None, *, turning: bool) 
         misfit: of the models, relative to the force; None where forces do not oppose sliding.
         turning: whether the channels turn with the direction of sliding, as on a rotating disk;
             else the forces may as well be given by components.
+        angled: whether angles say how the surface lay under a stage.
     """
     cases = [
-        (words, _changed(bins, np.array(matrix), of_channels=True))
+        (
+            _RADIAL_OR_ANGLES if angled and words == _RADIAL else words,
+            _changed(bins, np.array(matrix), of_channels=True),
+        )
         for words, matrix in _OF_CHANNELS
     ]
     if not turning:
@@ -119,5 +129,5 @@ def _misfit(family: Family, bins: Bins) -> float | None:
 
 def sense_explained(family: Family, bins: Bins, data: Any) -> str | None:
     """Return with which mistake undone forces that do not oppose sliding would."""
-    found = mistake(family, bins, None, turning=channels_turn(data))
+    found = mistake(family, bins, None, turning=channels_turn(data), angled=is_angled(data))
     return None if found is None else found.words
