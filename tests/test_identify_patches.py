@@ -485,5 +485,97 @@ def test_arguments_are_refused_by_name():
     )
 
 
+def test_a_comparison_does_not_depend_on_the_order_of_its_models():
+    """The angle is that of the pairs: a model of the ground turns whatever the first one is."""
+    law, _ = TRUTHS["ellipsoid"]
+    random = np.random.default_rng(4)
+    twist, angle = twists(random, 100), random.uniform(0.0, 2.0 * np.pi, 100)
+    wrench = in_ground(-law.force(in_ground(twist, angle)), -angle)
+    models = {"body": {}, "ground": {"frame": "ground"}}
+    for names in (("body", "ground"), ("ground", "body")):
+        found = compare_patches(
+            wrench, twist, models={name: models[name] for name in names}, angle=angle
+        )
+        rms = {one.name: one.rms for one in found.candidates}
+        assert rms["ground"] < 1e-6
+        assert rms["body"] > 0.05
+    with pytest.raises(asp.ParameterError, match="angle: must be given"):
+        fit_patch(wrench, twist).compare({"ground": EllipsoidPatch(frame="ground")})
+
+
+@pytest.mark.parametrize(
+    "name", ["length", "loss", "normal_force", "blocks", "confidence", "angle"]
+)
+def test_options_of_a_model_that_all_models_share_are_refused(name):
+    random = np.random.default_rng(0)
+    twist = random.normal(size=(60, 3))
+    wrench = -TRUTHS["area"][0].force(twist)
+    for key, words in ((name, "is for all models"), ("reservior", "is no option")):
+        with pytest.raises(asp.ParameterError, match=f"models: .*{key}.*'second' {words}"):
+            compare_patches(wrench, twist, models={"first": {}, "second": {key: 1}})
+    with pytest.raises(asp.ParameterError, match="models: 'second' must be"):
+        compare_patches(wrench, twist, models={"first": {}, "second": "contensou"})
+
+
+def test_loads_are_shares_of_the_normal_force():
+    law = asp.FrictionLaw.associated(supports())
+    twist = np.random.default_rng(0).normal(size=(60, 3))
+    options = {"reservoir": "supports", "places": PLACES, "normal_force": LOADS.sum()}
+    for scale in (1.0, 100.0):
+        fit = fit_patch(-law.force(twist), twist, loads=scale * LOADS, **options)
+        assert fit.parameters["mu"].value == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_block_is_left_out_as_a_whole():
+    random = np.random.default_rng(0)
+    twist = random.normal(size=(60, 3))
+    wrench = -TRUTHS["area"][0].force(twist)
+    table = pushes(asp.FrictionLaw.isotropic(0.3), 0, n=60)
+    for labels in (np.arange(60) % 7, np.repeat([5, 3, 9], [40, 13, 7]), np.arange(60) < 59):
+        fits = (
+            fit_patch(wrench, twist, blocks=labels),
+            fit_supports(table, TRIANGLE, weight=WEIGHT, blocks=labels),
+        )
+        for fit in fits:
+            parts = [set(fit.folds[fit.blocks == one]) for one in np.unique(fit.blocks)]
+            assert {len(part) for part in parts} == {1}
+            assert set(fit.folds) == set(range(fit.folds.max() + 1))
+            assert fit.folds.max() >= 1
+
+
+def test_wrenches_and_lengths_of_zero_are_refused_by_name():
+    twist = np.random.default_rng(0).normal(size=(60, 3))
+    for options in ({}, {"reservoir": "contensou"}, {"reservoir": "supports", "points": 3}):
+        with pytest.raises(asp.FitError, match="wrench: must not vanish in all pairs"):
+            fit_patch(np.zeros((60, 3)), twist, **options)
+    table = pushes(asp.FrictionLaw.isotropic(0.3), 0)
+    with pytest.raises(asp.ParameterError, match="length: must be given"):
+        fit_supports(table, [[0.0, 0.0]], loads=[WEIGHT])
+
+
+def test_what_a_single_block_tells_is_not_told():
+    """Without that block nothing is known of it, so that its scatter over blocks is unknown."""
+    random = np.random.default_rng(0)
+    twist = random.normal(size=(200, 3))
+    twist[10:, 2] = 0.0
+    wrench = -TRUTHS["area"][0].force(twist)
+    wrench += 0.01 * random.normal(size=wrench.shape)
+    fit = fit_patch(wrench, twist, reservoir="contensou")
+    assert not fit.parameters["radius"].identifiable
+    assert fit.parameters["mu"].identifiable
+    assert fit.parameters["centre.1"].identifiable
+    assert "radius" in " ".join(fit.warnings)
+
+
+def test_load_and_centre_are_told_by_pure_translation():
+    random = np.random.default_rng(0)
+    twist = np.column_stack([random.normal(size=(200, 2)), np.zeros(200)])
+    wrench = -asp.FrictionLaw.associated(supports()).force(twist)
+    wrench += 0.01 * random.normal(size=wrench.shape)
+    found = fit_patch(wrench, twist, reservoir="supports", points=3).parameters
+    told = {name for name, one in found.items() if one.identifiable}
+    assert told == {"load", "centre.1", "centre.2"}
+
+
 def test_public_names_are_in_the_room():
     assert {"PatchFit", "SupportsFit", "PatchComparison"} <= set(identify.__all__)

@@ -184,6 +184,8 @@ def compared(
     found = {}
     for name, model in models.items():
         pairs.check(model.size)
+        if model.frame == "ground" and pairs.angle is None:
+            raise ParameterError("angle", f"must be given: {name!r} is a model of the ground")
         if known is not None and model in known:
             found[name] = known[model]
         else:

@@ -68,8 +68,8 @@ def fit_patch(
         direction: None for the associated law D = C; ``"ellipsoid"`` for an ellipsoid D.
         points: how many support points.
         places: where they are, in the unit of ``length``, ``(K, 2)``; by default they are fitted.
-        loads: shares of the normal force, ``(K,)``; by default μN of each point is fitted, with
-            ``loads`` one μ.
+        loads: of the points, ``(K,)``, of which the shares of their sum matter: ``normal_force``
+            is the whole load. By default μN of each point is fitted, with ``loads`` one μ.
         friction: at the support points, or in the round area: ``"isotropic"`` or ``"ellipse"``,
             with the same ellipse everywhere.
         pressure: of the round area, as for `CoulombContensou`.
@@ -110,18 +110,23 @@ def fit_patch(
     turned = None if angle is None else arrays.array(angle, "angle", (len(forces),))
     if frame == "ground" and turned is None:
         raise ParameterError("angle", 'must be given with frame="ground"')
+    shares = None if loads is None else _positive(loads, "loads")
+    if shares is not None:
+        # The largest is divided out first, so that the sum stays within the range of numbers.
+        shares = shares / shares.max()
+        shares = shares / shares.sum()
     model = _model(
         reservoir,
         direction,
         points=points,
         places=None if places is None else arrays.array(places, "places", (None, 2)) / lever,
-        loads=None if loads is None else _positive(loads, "loads"),
+        loads=shares,
         friction=friction,
         pressure=pressure,
         point_radius=point_radius,
         frame=frame,
     )
-    pairs = Pairs(forces / normal, motions, angle=turned if frame == "ground" else None)
+    pairs = Pairs(forces / normal, motions, angle=turned)
     labels = _labels(blocks, len(pairs))
     level = arrays.fraction(confidence, "confidence")
     arrays.choice(loss, "loss", ("soft_l1", "linear"))
@@ -135,7 +140,7 @@ def fit_patch(
         found=found,
         loss=loss,
         blocks=labels,
-        folds=_contiguous(len(pairs), _FOLDS),
+        folds=_folds(labels),
         length=lever,
         confidence=level,
     )
@@ -207,7 +212,11 @@ def compare_patches(
         twist: likewise.
         models: options of `fit_patch` that choose a model, by the name it shall have; by default
             ellipsoids, associated and extended, a round area, and 3 and 5 support points.
-        options: of `fit_patch` that all models have in common.
+        options: of `fit_patch` that all models have in common; ``angle``, ``normal_force``,
+            ``length``, ``loss``, ``blocks`` and ``confidence`` can be given here only.
+
+    Raises:
+        ParameterError: if a model has an option that does not choose it.
 
     >>> import numpy as np
     >>> import asperity as asp
@@ -224,10 +233,44 @@ def compare_patches(
     """
     if models is None:
         return fit_patch(wrench, twist, **options).comparison
+    for name, one in models.items():
+        _check_options(name, one)
     fits = {name: fit_patch(wrench, twist, **{**options, **one}) for name, one in models.items()}
     if not fits:
         raise ParameterError("models", "must name at least one model")
     return next(iter(fits.values())).compare({name: fit.model for name, fit in fits.items()})
+
+
+# Options of `fit_patch` that choose a model, and those that say what is compared and how.
+_CHOOSING = (
+    "reservoir",
+    "direction",
+    "points",
+    "places",
+    "loads",
+    "friction",
+    "pressure",
+    "point_radius",
+    "frame",
+)
+_COMMON = ("angle", "normal_force", "length", "loss", "blocks", "confidence")
+
+
+def _check_options(name: str, options: Any) -> None:
+    """Refuse options of one model by which it would be fitted to other pairs than the rest."""
+    if not isinstance(options, Mapping):
+        raise ParameterError("models", f"{name!r} must be options of a model, got {options!r}")
+    for key in options:
+        if key in _COMMON:
+            raise ParameterError(
+                "models",
+                f"{key!r} of {name!r} is for all models: give it to compare_patches itself",
+            )
+        if key not in _CHOOSING:
+            raise ParameterError(
+                "models",
+                f"{key!r} of {name!r} is no option: those of a model are {', '.join(_CHOOSING)}",
+            )
 
 
 def fit_supports(
@@ -305,6 +348,8 @@ def fit_supports(
         if len(force) != count:
             raise DimensionError("loads", f"must be {count} numbers, got {len(force)}")
     spread = float(np.sqrt(np.mean([(one**2).sum(axis=1).mean() for one in at])))
+    if length is None and not spread > 0.0:
+        raise ParameterError("length", "must be given: all points are at the centre of mass")
     lever = spread if length is None else arrays.positive(length, "length")
     rows = np.concatenate(logs)
     turned = rows[:, 2]
@@ -346,7 +391,7 @@ def fit_supports(
         found=found,
         loss=loss,
         blocks=labels,
-        folds=folds if several else _contiguous(len(pairs), _FOLDS),
+        folds=folds if several else _folds(labels),
         length=lever,
         confidence=level,
     )
@@ -406,6 +451,20 @@ def _positive(values: Any, name: str) -> Array:
 
 def _contiguous(count: int, parts: int) -> Labels:
     return np.arange(count) * parts // count
+
+
+def _folds(labels: Labels) -> Labels:
+    """Return parts of whole blocks in the order in which they begin, of nearly equal size.
+
+    Pairs of one block are not independent: it must not be on both sides when a part is left out.
+    """
+    first, sizes = np.unique(labels, return_index=True, return_counts=True)[1:]
+    order = np.argsort(first)
+    middle = np.empty(len(order))
+    middle[order] = np.cumsum(sizes[order]) - 0.5 * sizes[order]
+    parts = np.floor(middle * _FOLDS / len(labels))
+    # A block that is larger than a part leaves gaps.
+    return np.unique(parts[labels], return_inverse=True)[1]
 
 
 def _labels(blocks: Any, count: int) -> Labels:

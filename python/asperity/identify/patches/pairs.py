@@ -20,8 +20,8 @@ class Pairs(Value):
     Args:
         wrench: (F₁, F₂, τ/ℓ), per unit normal force or in newtons, shape ``(n, 3)``.
         twist: (v₁, v₂, ω ℓ), of any scale, shape ``(n, 3)``.
-        angle: of the body's axes from those of the ground in rad, shape ``(n,)``; None where the
-            law is one of the body.
+        angle: of the body's axes from those of the ground in rad, shape ``(n,)``; None if it is
+            not known, where laws of the body alone can be fitted.
         places: of known support points over ℓ, shape ``(n, K, 2)``; None if they are not known.
         loads: normal forces of these, shape ``(n, K)``; likewise.
     """
@@ -93,6 +93,8 @@ class Pairs(Value):
             raise FitError(
                 f"wrench: {len(self)} pairs do not tell {parameters} parameters, record more"
             )
+        if not (self.wrench**2).any():
+            raise FitError("wrench: must not vanish in all pairs: no law follows from it")
         power = (self.wrench * self.twist).sum(axis=1)
         against = float((power < 0.0).mean())
         if against > _MOST_POWER_AGAINST:

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -24,7 +24,7 @@ from asperity.identify.patches.models import (
     Reported,
 )
 from asperity.identify.patches.pairs import Pairs
-from asperity.identify.patches.solving import Found, Labels, LossName, covariance_of, scores
+from asperity.identify.patches.solving import Found, Labels, LossName, Spread, covariance_of, scores
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
@@ -110,13 +110,13 @@ class BlockFit(TableResult, Value):
         return self.found.scale
 
     @cached_property
-    def _errors(self) -> tuple[Array, NDArray[np.bool_]]:
+    def _errors(self) -> Spread:
         return covariance_of(scores(self.model, self.pairs, self.found, self.blocks))
 
     @property
     def covariance(self) -> Array:
         """Covariance of the coordinates from the scatter of the blocks, ``(k, k)``."""
-        return self._errors[0]
+        return self._errors.covariance
 
     @cached_property
     def parameters(self) -> dict[str, Estimate]:
@@ -140,9 +140,9 @@ class BlockFit(TableResult, Value):
             ]
         quantile = float(t.ppf(0.5 + 0.5 * self.confidence, int(self.blocks.max())))
         errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", by, self.covariance, by), 0.0))
-        blind = [bool((np.abs(row[self._errors[1]]) > 1e-9).any()) for row in by]
+        blind = [not self._errors.tells(row) for row in by]
         return {
-            one.name: self._estimate(one, float(error), quantile, bool(untold))
+            one.name: self._estimate(one, float(error), quantile, untold)
             for one, error, untold in zip(reported, errors, blind, strict=True)
         }
 

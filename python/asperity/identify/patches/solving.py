@@ -38,7 +38,7 @@ _RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
 _LARGEST = 1e140
 # Eigenvalues of the scaled normal equations below this share say nothing.
 _RANK = 1e-10
-# A coordinate is not told if it has a larger part in a direction without curvature.
+# A parameter is not told if a larger part of its derivative is in a direction without curvature.
 _PART = 1e-3
 
 
@@ -244,27 +244,50 @@ def scores(model: PatchModel, pairs: Pairs, found: Found, blocks: Labels) -> Sco
     return Scores(gradient, matrix, single)
 
 
-def covariance_of(known: Scores) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the covariance of the coordinates from blocks left out, and which it does not tell.
+class Spread(NamedTuple):
+    """What blocks that are left out in turn say of the errors of coordinates.
+
+    Attributes:
+        covariance: of the coordinates, ``(k, k)``.
+        sizes: of derivatives of the wrench by coordinates, which make these comparable, ``(k,)``.
+        untold: unit directions of scaled coordinates without curvature in all pairs, or in those
+            that are left without some block, ``(k, m)``.
+    """
+
+    covariance: Array
+    sizes: Array
+    untold: Array
+
+    def tells(self, slope: Array) -> bool:
+        """Return whether the data tell a parameter that has this derivative by coordinates."""
+        scaled = slope / self.sizes
+        scaled /= np.abs(scaled).max(initial=0.0) or 1.0
+        return bool((np.abs(scaled @ self.untold) <= _PART * np.linalg.norm(scaled)).all())
+
+
+def covariance_of(known: Scores) -> Spread:
+    """Return the covariance of the coordinates from blocks left out, and what it does not tell.
 
     Residuals of one push are not independent. Without block b the coordinates would be off by
     (H − H_b)⁻¹ g_b to first order; the jackknife of these is nearly unbiased with few blocks,
-    where the sandwich of scores is too small.
+    where the sandwich of scores is too small. A direction that one block alone tells is lost
+    without it: its jackknife deviation would be 0 where nothing is known, so it is not told.
     """
     count = len(known.gradient)
     H = known.matrix.sum(axis=0)
     sizes = np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(H / np.outer(sizes, sizes))
-    blind = values < _RANK * values.max(initial=1.0)
-    untold: NDArray[np.bool_] = (np.abs(vectors[:, blind]) > _PART).any(axis=1)
-    moved = np.array(
-        [
-            _solved((H - one) / np.outer(sizes, sizes), g / sizes) / sizes
-            for one, g in zip(known.matrix, known.gradient, strict=True)
-        ]
-    )
+    scale = np.outer(sizes, sizes)
+    values, vectors = np.linalg.eigh(H / scale)
+    least = _RANK * values.max(initial=1.0)
+    untold = [vectors[:, values < least]]
+    moved = np.empty_like(known.gradient)
+    for b, (one, g) in enumerate(zip(known.matrix, known.gradient, strict=True)):
+        rest = (H - one) / scale
+        moved[b] = _solved(rest, g / sizes) / sizes
+        values, vectors = np.linalg.eigh(rest)
+        untold.append(vectors[:, values < least])
     away = moved - moved.mean(axis=0)
-    return (count - 1.0) / count * away.T @ away, untold
+    return Spread((count - 1.0) / count * away.T @ away, sizes, np.concatenate(untold, axis=1))
 
 
 def _solved(matrix: Array, gradient: Array) -> Array:
