@@ -504,24 +504,48 @@ def test_files_that_are_hard_to_guess(write):
     assert found.columns[1].high == 3049.0
 
 
-@pytest.mark.parametrize("start", [0, 15, 30])
-def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start):
+def straight_strokes(directions, *, start=0, motion_noise=1e-4):
+    """Return processed data of strokes there and back, three in each direction, 10 mm/s fast.
+
+    Args:
+        directions: how many there are over half a circle.
+        start: the first of them in degrees.
+        motion_noise: of the velocity, as a part of it.
+    """
     pandas = pytest.importorskip("pandas")
     random = np.random.default_rng(2)
-    angles = np.deg2rad(np.repeat([start + 30 * k for k in range(6)] * 3, 200))
-    speed = np.tile(np.repeat([10.0, -10.0], 100), 18)
+    step = 180 / directions
+    angles = np.deg2rad(np.repeat([start + step * k for k in range(directions)] * 3, 200))
+    speed = np.tile(np.repeat([10.0, -10.0], 100), 3 * directions)
     slip = np.stack([np.cos(angles), np.sin(angles)], axis=-1) * np.sign(speed)[:, None]
-    moved = np.abs(speed)[:, None] * slip + 1e-3 * random.normal(size=slip.shape)
+    # The pin rests for a moment where it turns back.
+    moves = np.arange(len(slip)) % 100 >= 2
+    moved = 10.0 * (moves[:, None] * slip + motion_noise * random.normal(size=slip.shape))
     force = -lab.LAW.force(slip, normal_force=lab.LOAD) + 0.01 * random.normal(size=slip.shape)
     columns = {"t": np.arange(len(slip)) * 1e-3, "mx": moved[:, 0], "my": moved[:, 1]}
     columns |= {"Fx": force[:, 0], "Fy": force[:, 1]}
     columns["Fz"] = lab.LOAD + 0.01 * random.normal(size=len(slip))
     _, sections = plane("velocity")
-    data = identify.load(pandas.DataFrame(columns), sections)
+    return identify.load(pandas.DataFrame(columns), sections)
+
+
+@pytest.mark.parametrize("start", [0, 15, 30])
+@pytest.mark.parametrize("motion_noise", [1e-4, 0.01])
+def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start, motion_noise):
+    data = straight_strokes(6, start=start, motion_noise=motion_noise)
     for number in range(data.turns):
         assert np.ptp(data.phi[data.turn == number]) < np.deg2rad(0.1)
     fit = identify.fit_law(data, reservoir="circle", direction="ellipse")
     assert fit.defects["lack of fit"].matters
+
+
+def test_noise_of_the_motion_is_no_direction_of_sliding():
+    options = {"reservoir": "ellipse", "direction": "ellipse"}
+    with pytest.raises(FitError, match="forces in 4 sliding directions"):
+        identify.fit_law(straight_strokes(2, motion_noise=0.01), **options)
+    fit = identify.fit_law(straight_strokes(12, motion_noise=0.01), **options)
+    assert len(fit.coverage.phi) == 24
+    assert not fit.gaps
 
 
 def test_numbers_written_in_cells_need_no_delimiter(tmp_path):

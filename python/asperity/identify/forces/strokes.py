@@ -25,6 +25,10 @@ _USUAL = 0.9
 # as slowly as a disk does makes turns, not strokes.
 _CORNER = math.radians(20.0)
 _FEWEST = 8
+# A stroke whose direction stays within this angle is straight: that of its fifths, in which noise
+# of the motion is small.
+_STRAIGHT = math.radians(2.0)
+_FIFTHS = 5
 # A turn that lacks more than this angle is no complete one.
 _LACKING = math.radians(5.0)
 
@@ -97,7 +101,30 @@ def _of_velocity(run: Recording, velocity: Array) -> Strokes:
     going_round = _going_round(turned, number)
     if going_round is not None:
         number = going_round
+    else:
+        turned = _straightened(turned, number, velocity)
     return _checked(run, number, turned)
+
+
+def _straightened(turned: Array, number: NDArray[np.int32], velocity: Array) -> Array:
+    """Return directions that are the same all along a straight stroke.
+
+    What the velocity does beside it there is noise of the motion. Taken for directions of sliding,
+    it would seem to tell how the force changes with the direction, and bias the law.
+    """
+    straight = turned.copy()
+    edges = np.flatnonzero(np.diff(number)) + 1
+    for rows in np.split(np.arange(number.size), edges):
+        if number[rows[0]] < 0:
+            continue
+        along = velocity[rows].mean(axis=0)
+        parts = np.stack([velocity[part].mean(axis=0) for part in np.array_split(rows, _FIFTHS)])
+        off = np.arctan2(along[0] * parts[:, 1] - along[1] * parts[:, 0], parts @ along)
+        if np.ptp(off) <= _STRAIGHT:
+            way = math.atan2(along[1], along[0])
+            # In the whole turn that the directions of the samples are in.
+            straight[rows] = way + _TURN * np.rint((turned[rows[0]] - way) / _TURN)
+    return straight
 
 
 def _corners(turned: Array, slides: NDArray[np.bool_]) -> NDArray[np.bool_]:
