@@ -49,6 +49,7 @@ bench: $(VENV)/.optimised
 	$(BIN)/python benches/python_patches.py
 	$(BIN)/python benches/python_tracking.py
 	$(BIN)/python benches/python_ensembles.py
+	$(BIN)/python benches/python_islands.py
 	$(BIN)/python benches/python_sweep.py
 
 # Time and memory of the default solver, from 10 to 10⁵ contacts.

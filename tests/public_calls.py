@@ -410,6 +410,7 @@ class Call:
 RESULTS = {
     "Certificate",
     "ContactSolution",
+    "Island",
     "LocalSolution",
     "Stage",
     "Equilibrium",

@@ -56,9 +56,9 @@ PAIRS = {
 
 RESULTS = {
     "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "Ensemble",
-    "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Labels", "LimitCycle",
-    "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison", "Stability", "Stage",
-    "SweepStatus", "Trajectory",
+    "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Island", "Labels",
+    "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
+    "Stability", "Stage", "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
     "identify.IdentifiedLaw", "identify.PatchCandidate", "identify.PatchComparison",

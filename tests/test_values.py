@@ -70,6 +70,7 @@ VALUES = [
     PROBLEM.solve(),
     PROBLEM.solve().certificate,
     asp.Stage("newton", 7, 6, 1e-9),
+    asp.Island((0, 2), asp.Status.CONVERGED, 1e-12, 3),
     asp.Infeasibility(
         kind="closing",
         contact=1,

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 9] = [
+const SOLVER: [(&str, &[&str]); 10] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasibility", &["measure", "one_contact"]),
@@ -15,8 +15,9 @@ const SOLVER: [(&str, &[&str]); 9] = [
     ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
     ("findings", &["measure", "infeasibility", "report", "method"]),
     ("auto", &["infeasibility", "newton_matrix", "report", "method"]),
+    ("islands", &["measure", "infeasibility", "report", "method"]),
     // What users call stands above the solver.
-    ("solution", &["measure", "infeasibility", "report", "Solver", "Workspace"]),
+    ("solution", &["measure", "infeasibility", "islands", "report", "Solver", "Workspace"]),
 ];
 
 /// The rooms of the event-driven integrator; each may use those before it.

@@ -2,7 +2,7 @@
 
 from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
 from asperity.contact.problem import ContactProblem
-from asperity.contact.solution import ContactSolution, LocalSolution, Stage
+from asperity.contact.solution import ContactSolution, Island, LocalSolution, Stage
 
 __all__ = [
     "Certificate",
@@ -10,6 +10,7 @@ __all__ = [
     "ContactSolution",
     "Infeasibility",
     "InfeasibleCase",
+    "Island",
     "LocalSolution",
     "Stage",
 ]

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array, sparray, spmatrix
 
 Measure = Literal["contact", "global"]
+_FEW = 4
+"""Contacts of problems that are shown with all their numbers."""
 
 
 class ContactProblem(Value):
@@ -117,6 +119,13 @@ class ContactProblem(Value):
             self.initial_velocity,
         )
         self._keep(_core=core)
+
+    def __repr__(self) -> str:
+        contacts = len(self.laws)
+        if contacts <= _FEW:
+            return super().__repr__()
+        rows, bodies = self.free_velocity.size, "" if self.mass is None else ", of bodies"
+        return f"<ContactProblem: {contacts} contacts, {rows} rows{bodies}>"
 
     @classmethod
     def from_bodies(

@@ -42,6 +42,23 @@ class Stage(Record):
     residual: float
 
 
+class Island(Record):
+    """Contacts that influence each other and no others, see `ContactSolution.islands`.
+
+    Attributes:
+        contacts: their numbers, ascending.
+        status: how the solve ended there.
+        residual: value there of the measure that decided.
+        iterations: sweeps or iterations there; 0 where the percussions to start from solved the
+            island already.
+    """
+
+    contacts: tuple[int, ...]
+    status: Status
+    residual: float
+    iterations: int
+
+
 class ContactSolution(TableResult, Value):
     """Outcome of `ContactProblem.solve`.
 
@@ -55,7 +72,10 @@ class ContactSolution(TableResult, Value):
         ambiguous_contacts: whether each contact had several solutions, the others held.
         worst_contact: contact with the largest residual.
         natural_map: `ContactProblem.natural_map` of `percussion`, of the whole problem.
-        stages: what each method of the solver did, in order.
+        stages: what each method of the solver did, in order; of islands that go through it side by
+            side the most iterations count, and all factorisations.
+        islands: contacts that influence each other, directly or by others, and how each of these
+            groups was solved.
         certificate: what is left of the contact laws, in physical units.
         infeasibility: the proof where the status is ``NO_SOLUTION``, else ``None``.
 
@@ -76,11 +96,14 @@ class ContactSolution(TableResult, Value):
         worst_contact: int,
         natural_map: float,
         stages: Sequence[Stage],
+        islands: Sequence[Island],
         certificate: Certificate,
         infeasibility: Infeasibility | None = None,
     ) -> None:
         for stage in stages:
             arrays.of_kind(stage, "stages", Stage, "a sequence of Stage")
+        for island in islands:
+            arrays.of_kind(island, "islands", Island, "a sequence of Island")
         arrays.of_kind(certificate, "certificate", Certificate, "a Certificate")
         arrays.of_kind(
             infeasibility, "infeasibility", Infeasibility | None, "an Infeasibility or None"
@@ -96,6 +119,7 @@ class ContactSolution(TableResult, Value):
             worst_contact=int(worst_contact),
             natural_map=float(natural_map),
             stages=tuple(stages),
+            islands=tuple(islands),
             certificate=certificate,
             infeasibility=infeasibility,
         )
@@ -156,6 +180,14 @@ class ContactSolution(TableResult, Value):
     def stages(self) -> tuple[Stage, ...]:
         """What each method of the solver did, in order."""
         return tuple(Stage(*stage) for stage in self._outcome.stages)
+
+    @cached_property
+    def islands(self) -> tuple[Island, ...]:
+        """How each group of contacts that influence each other was solved."""
+        return tuple(
+            Island(tuple(contacts), _STATUS[status], residual, iterations)
+            for contacts, status, residual, iterations in self._outcome.islands
+        )
 
     @cached_property
     def certificate(self) -> Certificate:

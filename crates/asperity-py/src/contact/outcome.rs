@@ -121,6 +121,16 @@ impl Outcome {
         stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
     }
 
+    /// Contacts, status, residual and iterations of every island.
+    #[getter]
+    fn islands(&self) -> Vec<(Vec<usize>, &'static str, f64, usize)> {
+        let islands = self.0.islands.iter().map(|island| {
+            let report = island.report;
+            (island.contacts.to_vec(), report.status.name(), report.residual, report.iterations)
+        });
+        islands.collect()
+    }
+
     #[getter]
     fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.0.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()

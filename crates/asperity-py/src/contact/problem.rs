@@ -1,9 +1,10 @@
 //! Contact problems and their solvers.
 
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
-use asperity::solver::{self, Certificate, Measure, Stop};
+use asperity::solver::{self, Certificate, Measure, Stop, Workspace};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,9 +17,12 @@ use crate::errors::{Failure, dimension, parameter};
 use crate::interrupt::asked;
 use crate::law::Law;
 
-/// A contact problem.
+/// A contact problem, and what the last solve of it has prepared.
 #[pyclass(frozen, module = "asperity._core")]
-pub struct Problem(pub ContactProblem);
+pub struct Problem {
+    pub problem: ContactProblem,
+    workspace: Mutex<Workspace>,
+}
 
 #[pymethods]
 impl Problem {
@@ -46,11 +50,12 @@ impl Problem {
         });
         let free = numbers(&free_velocity, "free_velocity")?.to_vec();
         let problem = ContactProblem::new(delassus.into_delassus(&sizes)?, free, contacts)?;
-        Ok(Self(problem.with_restitution(
+        let problem = problem.with_restitution(
             numbers(&normal_restitution, "normal_restitution")?,
             numbers(&tangential_restitution, "tangential_restitution")?,
             numbers(&initial_velocity, "initial_velocity")?,
-        )?))
+        )?;
+        Ok(Self { problem, workspace: Mutex::default() })
     }
 
     fn solve<'py>(
@@ -62,7 +67,7 @@ impl Problem {
         start: Option<(Numbers<'py>, Vec<i8>, Numbers<'py>)>,
         measure: &str,
     ) -> Result<Outcome, Failure> {
-        let problem = &self.0;
+        let problem = &self.problem;
         let measure = match measure {
             "contact" => Measure::Contact,
             "global" => Measure::Global,
@@ -82,15 +87,19 @@ impl Problem {
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
             let mut stop = Stop::at(tolerance).with_measure(measure).unless(cancelled);
             stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
-            problem.solve_from(&solver.0, stop, memory)
+            match self.workspace.try_lock() {
+                Ok(mut workspace) => problem.solve_in(&solver.0, stop, memory, &mut workspace),
+                // Another thread solves the same problem.
+                Err(_) => problem.solve_from(&solver.0, stop, memory),
+            }
         })?;
         Ok(Outcome(solution))
     }
 
     fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {
         let percussion = numbers(&percussion, "percussion")?;
-        let velocity = self.0.velocities(percussion)?;
-        Ok(solver::natural_map(&self.0, percussion, &velocity)?)
+        let velocity = self.problem.velocities(percussion)?;
+        Ok(solver::natural_map(&self.problem, percussion, &velocity)?)
     }
 
     fn certificate<'py>(
@@ -99,17 +108,17 @@ impl Problem {
         percussion: Numbers<'_>,
     ) -> Result<Bound<'py, PyDict>, Failure> {
         let percussion = numbers(&percussion, "percussion")?;
-        Ok(certified(py, &Certificate::new(&self.0, percussion)?)?)
+        Ok(certified(py, &Certificate::new(&self.problem, percussion)?)?)
     }
 
     fn spectrum(&self, py: Python<'_>) -> Result<(f64, f64), Failure> {
-        Ok(py.detach(|| self.0.delassus().spectrum())?)
+        Ok(py.detach(|| self.problem.delassus().spectrum())?)
     }
 
     fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
         let percussion = numbers(&percussion, "percussion")?;
-        let velocity = self.0.velocities(percussion)?;
-        let residual = solver::natural_residual(&self.0, percussion, &velocity)?;
+        let velocity = self.problem.velocities(percussion)?;
+        let residual = solver::natural_residual(&self.problem, percussion, &velocity)?;
         Ok((residual.value, residual.worst_contact))
     }
 
@@ -119,7 +128,7 @@ impl Problem {
         contact: usize,
         percussion: Numbers<'_>,
     ) -> Result<Vec<Bound<'py, PyDict>>, Failure> {
-        let found = solver::solutions(&self.0, contact, numbers(&percussion, "percussion")?)?;
+        let found = solver::solutions(&self.problem, contact, numbers(&percussion, "percussion")?)?;
         found
             .into_iter()
             .map(|solution| {

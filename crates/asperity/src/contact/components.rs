@@ -50,7 +50,7 @@ impl Components {
 }
 
 /// The members of every component, components in the order of their first members.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Members {
     /// Where the members of every component begin, and where the last ones end.
     starts: Vec<usize>,

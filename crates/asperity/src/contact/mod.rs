@@ -5,6 +5,7 @@ mod components;
 pub mod data;
 mod delassus;
 mod memory;
+mod part;
 mod problem;
 
 pub(crate) use components::{Components, Members};
@@ -12,4 +13,5 @@ pub use delassus::{
     BlockMatrix, Csr, Delassus, DelassusOperator, Factored, IntoDelassus, MatrixFree,
 };
 pub use memory::{ContactState, Memory, Phase};
+pub(crate) use part::{Part, put, take};
 pub use problem::{ContactProblem, ContactRows, NormalForce};

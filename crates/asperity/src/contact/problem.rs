@@ -234,6 +234,16 @@ impl ContactProblem {
         Ok(self)
     }
 
+    /// `b` and `e γ_B`, to be changed.
+    pub(super) fn velocities_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.free_velocity, &mut self.restitution)
+    }
+
+    /// The contacts, to be changed in their normal percussions.
+    pub(super) fn contacts_mut(&mut self) -> &mut [ContactRows] {
+        &mut self.contacts
+    }
+
     /// Whether no contact influences another.
     #[inline]
     pub(crate) fn is_uncoupled(&self) -> bool {

@@ -8,7 +8,8 @@
 use crate::contact::{ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
 use crate::solver::method::{
-    Admm, Buffers, Cones, Interior, Iterate, Progress, ProximalPoint, Sweeper, Task,
+    Admm, Buffers, Cones, Interior, Iterate, Progress, ProximalPoint, Rate, Sweeper, TRIAL_SWEEPS,
+    Task,
 };
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::{Ended, Method};
@@ -19,15 +20,6 @@ use crate::solver::report::{Ended, Method};
 // factorisations, and did so with every value that this file names. Numbers changed by up to 5 % where only the rounding of
 // factorisations did: what is less says that it hardly matters.
 
-/// Sweeps before the first judgement of their rate, and most sweeps at all: more of them may end what needs
-/// factorisations else, or be in vain. Of the first, half and double change the stored problems by two factorisations
-/// and a tenth of the iterations, of the second by one factorisation and none.
-pub(super) const TRIAL_SWEEPS: usize = 20;
-const MOST_SWEEPS: usize = 400;
-/// Further sweeps that are worth waiting for: they cost as much as some ten factorisations. On the stored problems half
-/// as many save 630 iterations and a hundred factorisations, twice as many cost 1130 iterations and save six; on the
-/// scenes of `benches/many_contacts.py` up to 1000 contacts they cost 27 of 206 factorisations, or save 34.
-const WORTHWHILE: f64 = 250.0;
 /// Newton iterations of a step of the first attempt: enough where `G` has full rank, and soon over where it has not.
 /// Half as many save 14 factorisations on the stored problems, twice as many cost 59.
 const ATTEMPT: usize = 6;
@@ -155,34 +147,22 @@ impl Methods {
     }
 }
 
-/// Sweeps while their rate promises an end.
+/// Sweeps while their rate promises an end; one is enough where sweeps were made before, which tells of contacts that have
+/// no solution.
 fn gauss_seidel(progress: &mut Progress<'_>) {
-    let (mut last, mut last_at, mut next) = (f64::INFINITY, 0, 1);
+    let mut rate = Rate::default();
     let mut k = 0;
-    while !progress.is_solved() && k < MOST_SWEEPS {
+    while !progress.is_solved() {
         progress.sweep();
         k += 1;
-        if k < next && !progress.task.stop.early() {
+        let ends = progress.task.swept || progress.task.stop.early();
+        if !ends && !rate.is_due(k) {
             continue;
         }
         let grade = progress.grade_sweeps();
-        if progress.task.stop.early() {
+        if ends || !rate.promises(k, grade, progress.task.stop.tolerance) {
             break;
         }
-        if k >= TRIAL_SWEEPS {
-            let rate = (grade / last).ln() / (k - last_at) as f64;
-            let left = (0.5 * progress.task.stop.tolerance / grade).ln() / rate;
-            // The comparisons also turn away NaN.
-            if !(rate < 0.0) || left > WORTHWHILE {
-                break;
-            }
-        }
-        (last, last_at) = (grade, k);
-        next = match k {
-            0..5 => k + 1,
-            5..20 => k + 5,
-            _ => k + k * 3 / 10,
-        };
     }
     progress.record(Method::GaussSeidel, k, 0);
 }

@@ -16,6 +16,7 @@
 mod auto;
 mod findings;
 mod infeasibility;
+mod islands;
 mod measure;
 mod method;
 mod newton_matrix;
@@ -24,6 +25,7 @@ mod report;
 mod solution;
 
 pub use infeasibility::{Case, CaseState, Infeasibility, InfeasibilityKind, Unsolvable};
+pub use islands::{Island, Islands};
 pub use measure::certificate::Certificate;
 pub use measure::natural_map::natural_map;
 pub use measure::natural_residual::{Residual, natural_residual};
@@ -37,13 +39,15 @@ pub use solution::Solution;
 use std::num::NonZeroU64;
 
 use crate::contact::{ContactProblem, ContactState, Memory};
-use auto::{Methods, TRIAL_SWEEPS};
+use auto::Methods;
+use islands::{Buffers, Found, Parts, Unsolved};
 use measure::growth::{self, Groups};
+use measure::natural_residual::Measured;
 use method::{
     Iterate, Order, Own, Plan, ProxIteration, Sweeper, Swept, Task, Threads, mark_ambiguous,
 };
 use one_contact::block::Block;
-use one_contact::solve::{OneContact, Policy, Settled};
+use one_contact::solve::{OneContact, Settled};
 use report::{Ended, Findings};
 
 /// A solver and its options.
@@ -136,6 +140,7 @@ pub struct Workspace {
     /// Percussions of a prox iteration.
     next: Vec<f64>,
     methods: Option<Box<Methods>>,
+    parts: Parts<Workspace>,
 }
 
 impl Workspace {
@@ -159,6 +164,21 @@ impl Workspace {
         &self.stages
     }
 
+    /// How every island was solved at the last call, which ended with `report` at these percussions.
+    fn islands(
+        &self,
+        problem: &ContactProblem,
+        stop: Stop<'_>,
+        percussion: &[f64],
+        report: &SolveReport,
+    ) -> Islands {
+        let measured = Measured { problem, percussion, velocity: &self.velocity };
+        let worst = |contacts: &[usize]| {
+            measure::natural_residual::residual_of(&measured, contacts.iter().copied())
+        };
+        self.parts.islands(self.sweeper.islands(), report, stop.tolerance, worst)
+    }
+
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
     #[inline(never)]
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
@@ -168,6 +188,7 @@ impl Workspace {
         self.ambiguous.resize(contacts, false);
         self.groups.resize(contacts);
         self.sweeper.prepare(problem);
+        self.parts.reset();
         if let Some(methods) = &mut self.methods {
             methods.reset();
         }
@@ -189,6 +210,7 @@ impl Workspace {
     pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
         self.prepared_for = problem.identity();
         self.sweeper.refresh(problem);
+        self.parts.refresh();
         if let Some(methods) = &mut self.methods {
             methods.reset();
         }
@@ -229,6 +251,21 @@ impl Workspace {
     #[inline]
     fn fits(&self, problem: &ContactProblem) -> bool {
         self.velocity.len() == problem.rows() && self.sweeper.contacts() == problem.contacts().len()
+    }
+}
+
+impl Buffers for Workspace {
+    fn prepare(&mut self, problem: &ContactProblem) {
+        self.prepare(problem);
+    }
+
+    fn refresh(&mut self, problem: &ContactProblem) {
+        self.refresh(problem);
+    }
+
+    fn found(&self) -> Found<'_> {
+        let Self { velocity, ambiguous, stages, infeasibility, .. } = self;
+        Found { velocity, ambiguous, stages, infeasibility: infeasibility.as_ref() }
     }
 }
 
@@ -290,16 +327,17 @@ impl Solver {
                 }
             }
         }
-        self.solve_many(problem, stop, before, memory, workspace)
+        self.solve_many(problem, stop, (before, false), memory, workspace)
     }
 
-    /// The same for any number of contacts, and where something is wrong.
+    /// The same for any number of contacts, and where something is wrong; what is remembered `before` may be what sweeps in
+    /// vain have led to.
     #[inline(never)]
     fn solve_many(
         &self,
         problem: &ContactProblem,
         stop: Stop<'_>,
-        before: &Memory,
+        (before, swept): (&Memory, bool),
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
@@ -308,13 +346,14 @@ impl Solver {
         }
         if !before.fits(problem) {
             let nothing = Memory::new(problem.rows(), problem.contacts().len());
-            return self.solve_many(problem, stop, &nothing, memory, workspace);
+            return self.solve_many(problem, stop, (&nothing, false), memory, workspace);
         }
         if problem.delassus().is_matrix_free() {
             match self {
                 Self::ProxJacobi { .. } => {}
                 Self::Auto { .. } => {
-                    return MATRIX_FREE.solve_many(problem, stop, before, memory, workspace);
+                    let start = (before, false);
+                    return MATRIX_FREE.solve_many(problem, stop, start, memory, workspace);
                 }
                 _ => return not_applicable(problem, stop, before, memory, workspace),
             }
@@ -330,44 +369,59 @@ impl Solver {
             }
             _ => Threads::NONE,
         };
-        let task = Task { problem, stop, history: &before.states, threads };
+        let task = Task { problem, stop, history: &before.states, threads, swept };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, .. } = workspace;
-        let Workspace { sweeper, groups, next, methods, .. } = workspace;
+        let Workspace { sweeper, groups, next, methods, parts, .. } = workspace;
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
+        parts.forget_reports();
         let once = self.sweeps_once(problem);
-        let (mut iterations, mut ended, mut residual) = if once {
+        let mut found = None;
+        if once {
             let swept = sweeper.solve_uncoupled(&task, &mut iterate);
             let residual = swept.measure(&task, &mut iterate);
             // Most steps end here: what follows looks for what is wrong.
             if swept.is_clear() && residual.value <= stop.tolerance {
                 return workspace.solved(residual, 1, swept.ambiguous);
             }
-            (1, swept.ended, residual)
+            found = Some((1, swept.ended, residual));
         } else {
             forget_runaways(&task, &mut iterate, groups);
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
             sweeper.renew_efforts();
-            let plan = self.plan(&stop, sweeper.islands());
-            let swept = plan.map(|plan| sweeper.solve_islands(&task, &mut iterate, plan));
-            match (self, swept) {
-                (_, Some(swept)) if self.is_solved(&swept, &stop) => {
-                    return workspace.solved(swept.residual(), swept.sweeps, swept.ambiguous);
+        }
+        let ends_early = matches!(found, Some((_, Ended::TimeLimit, _)));
+        match *self {
+            Self::Auto { interior_point, threads }
+                if sweeper.islands().count() > 1 && !ends_early =>
+            {
+                // Sweeps promise nothing more, if there were any.
+                let swept = stop.measure == Measure::Contact;
+                let solve = |island: Unsolved<'_, Workspace>, stop: Stop<'_>, threads| {
+                    let Unsolved { problem, before, memory, buffers } = island;
+                    let solver = Self::Auto { interior_point, threads };
+                    solver.solve_many(problem, stop, (before, swept), memory, buffers)
+                };
+                if let Some(report) = parts.solve(&task, &mut iterate, sweeper, threads, solve) {
+                    return report;
                 }
-                (Self::Exact { .. }, Some(swept)) => {
-                    (swept.sweeps, swept.ended, swept.measure(&task, &mut iterate))
-                }
-                (_, swept) => {
-                    if let Some(swept) = swept {
-                        let residual = swept.measure(&task, &mut iterate);
-                        iterate.stages.push(Stage::of(Method::GaussSeidel, swept.sweeps, residual));
-                        iterate.states.copy_from_slice(task.history);
-                    }
-                    self.run(&task, &mut iterate, sweeper, methods, next)
-                }
+                found = None;
             }
+            Self::Exact { max_sweeps } if !once && stop.measure == Measure::Contact => {
+                let swept = parts.sweep(&task, &mut iterate, sweeper, max_sweeps);
+                let residual = swept.measure(&task, &mut iterate);
+                if swept.is_clear() && residual.value <= stop.tolerance {
+                    return workspace.solved(residual, swept.sweeps, swept.ambiguous);
+                }
+                found = Some((swept.sweeps, swept.ended, residual));
+            }
+            _ => {}
+        }
+        let (mut iterations, mut ended, mut residual) = match found {
+            Some(found) => found,
+            None => self.run(&task, &mut iterate, sweeper, methods, next),
         };
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
@@ -398,35 +452,15 @@ impl Solver {
         if let Some(method) = method {
             iterate.stages.push(Stage::of(method, iterations, residual));
         }
-        SolveReport::new(ended, iterations, residual, findings, stop.tolerance)
+        let report = SolveReport::new(ended, iterations, residual, findings, stop.tolerance);
+        parts.correct(sweeper.islands(), &report);
+        report
     }
 
     /// Whether one sweep ends the work: no contact influences another.
     #[inline]
     fn sweeps_once(&self, problem: &ContactProblem) -> bool {
         matches!(self, Self::Exact { .. } | Self::Auto { .. }) && problem.is_uncoupled()
-    }
-
-    /// How islands are swept, by solvers that begin with sweeps and where the measure is one of contacts; one island alone
-    /// is left to the methods of [`Solver::Auto`].
-    fn plan(&self, stop: &Stop<'_>, islands: usize) -> Option<Plan> {
-        match *self {
-            _ if stop.measure != Measure::Contact => None,
-            Self::Exact { max_sweeps } => Some(Plan::exact(stop, max_sweeps)),
-            Self::Auto { .. } if islands > 1 => Some(Plan {
-                policy: Policy::FirstFound,
-                goal: 0.5 * stop.tolerance,
-                max_sweeps: TRIAL_SWEEPS,
-            }),
-            _ => None,
-        }
-    }
-
-    /// Whether sweeps have solved the problem; which of several solutions continues the states of contacts, the first that
-    /// is found does not tell.
-    fn is_solved(&self, swept: &Swept, stop: &Stop<'_>) -> bool {
-        let decided = matches!(self, Self::Exact { .. }) || !swept.ambiguous;
-        decided && swept.is_clear() && swept.residual().value <= stop.tolerance
     }
 
     /// The method of a solver that has one and does not record what it does.

@@ -1,6 +1,7 @@
 //! What a solve returns where nothing is carried over to the next one.
 
 use super::infeasibility::Infeasibility;
+use super::islands::Islands;
 use super::measure::certificate::Certificate;
 use super::measure::natural_residual::Measured;
 use super::measure::stop::Stop;
@@ -24,8 +25,10 @@ pub struct Solution {
     pub ambiguous: Vec<bool>,
     /// How the solver ended.
     pub report: SolveReport,
-    /// What the solver's methods did.
+    /// What the solver's methods did; islands go through them side by side, the one with the most iterations counts.
     pub stages: Vec<Stage>,
+    /// The islands and how each of them was solved.
+    pub islands: Islands,
     /// The proof, where there is no solution.
     pub infeasibility: Option<Infeasibility>,
     /// The violations of the laws, found from problem and percussions alone.
@@ -73,21 +76,34 @@ impl ContactProblem {
 
     /// Solves the problem from remembered percussions and states, which decide between several solutions. A memory of
     /// another size is forgotten.
-    pub fn solve_from(&self, solver: &Solver, stop: Stop<'_>, mut memory: Memory) -> Solution {
-        let mut workspace = Workspace::default();
-        let report = solver.solve(self, stop, &mut memory, &mut workspace);
+    pub fn solve_from(&self, solver: &Solver, stop: Stop<'_>, memory: Memory) -> Solution {
+        self.solve_in(solver, stop, memory, &mut Workspace::default())
+    }
+
+    /// The same in a workspace: that of the last solve of this problem has its analysis and its buffers, which makes the
+    /// next one cheaper and changes no bit of it.
+    pub fn solve_in(
+        &self,
+        solver: &Solver,
+        stop: Stop<'_>,
+        mut memory: Memory,
+        workspace: &mut Workspace,
+    ) -> Solution {
+        let report = solver.solve(self, stop, &mut memory, workspace);
+        let islands = workspace.islands(self, stop, &memory.percussion, &report);
         let Memory { percussion, states } = memory;
-        let Workspace { velocity, ambiguous, stages, infeasibility, .. } = workspace;
+        let velocity = workspace.velocity().to_vec();
         let measured = Measured { problem: self, percussion: &percussion, velocity: &velocity };
         let certificate = Certificate::of(&measured);
         Solution {
             percussion,
             velocity,
             states,
-            ambiguous,
+            ambiguous: workspace.ambiguous().to_vec(),
             report,
-            stages,
-            infeasibility,
+            stages: workspace.stages().to_vec(),
+            islands,
+            infeasibility: workspace.infeasibility().cloned(),
             certificate,
         }
     }

@@ -1,5 +1,7 @@
 //! Sparse Delassus operators: one block row per contact.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use super::Csr;
@@ -142,14 +144,38 @@ impl BlockMatrix {
         Ok(blocks)
     }
 
-    /// All blocks of a dense matrix for contacts with `sizes` rows.
+    /// The blocks of a dense matrix that are not zero, for contacts with `sizes` rows.
     ///
     /// # Errors
     ///
     /// [`ArgumentError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
     pub fn from_dense(matrix: &DMatrix<f64>, sizes: &[usize]) -> Result<Self, ArgumentError> {
         check_shape(sizes, matrix.shape())?;
-        Ok(Self::full(sizes, |i, j| matrix[(i, j)]))
+        let mut first = 0;
+        let places: Vec<Range<usize>> = sizes
+            .iter()
+            .map(|size| {
+                first += size;
+                first - size..first
+            })
+            .collect();
+        // Contacts whose block is zero do not influence each other.
+        let meets = |i: &Range<usize>, j: &Range<usize>| {
+            i.clone().any(|row| j.clone().any(|column| matrix[(row, column)] != 0.0))
+        };
+        let row = |i| (0..sizes.len()).filter(|&j| meets(i, &places[j])).collect();
+        let neighbours: Vec<Vec<usize>> = places.iter().map(row).collect();
+        let mut blocks = Self::with_pattern(sizes, &neighbours);
+        for (i, rows) in places.iter().enumerate() {
+            for k in 0..blocks.neighbours(i).len() {
+                let (j, block) = blocks.block_mut(i, k);
+                let (columns, width) = (&places[j], sizes[j]);
+                for (at, value) in block.iter_mut().enumerate() {
+                    *value = matrix[(rows.start + at / width, columns.start + at % width)];
+                }
+            }
+        }
+        Ok(blocks)
     }
 
     /// All blocks of the matrix with these entries; rows and columns are those of contacts with `sizes` rows.
@@ -165,6 +191,28 @@ impl BlockMatrix {
             }
         }
         blocks
+    }
+
+    /// The blocks between some contacts, ascending, which meet no others.
+    pub(crate) fn part(&self, contacts: &[usize]) -> Self {
+        let place = |j: &usize| contacts.partition_point(|contact| contact < j);
+        let sizes: Vec<usize> = contacts.iter().map(|&i| self.size(i)).collect();
+        let mut part = Self::default();
+        part.reset(&sizes, contacts.iter().map(|&i| self.neighbours(i).iter().map(place)));
+        self.copy_part(contacts, &mut part);
+        part
+    }
+
+    /// Copies the entries of the blocks between some contacts to a matrix that was made as their part.
+    pub(crate) fn copy_part(&self, contacts: &[usize], part: &mut Self) {
+        let mut at = 0;
+        for &i in contacts {
+            // The blocks of a row follow each other.
+            let first = self.places[self.starts[i]];
+            let past = self.places.get(self.starts[i + 1]).copied().unwrap_or(self.values.len());
+            part.values[at..at + past - first].copy_from_slice(&self.values[first..past]);
+            at += past - first;
+        }
     }
 
     /// Number of block rows.

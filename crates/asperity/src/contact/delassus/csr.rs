@@ -69,6 +69,33 @@ impl Csr {
         Self::new(argument, matrix.nrows(), matrix.ncols(), starts, indices, values)
     }
 
+    /// Some rows of the matrix, without the columns that are not among `columns`, ascending.
+    pub(super) fn part(&self, rows: &[usize], columns: &[usize]) -> Self {
+        let mut part = Self { rows: rows.len(), columns: columns.len(), ..Self::default() };
+        part.starts.push(0);
+        for &i in rows {
+            let (indices, values) = self.row(i);
+            for (j, value) in indices.iter().zip(values) {
+                if let Ok(place) = columns.binary_search(j) {
+                    part.indices.push(place);
+                    part.values.push(*value);
+                }
+            }
+            part.starts.push(part.indices.len());
+        }
+        part
+    }
+
+    /// Copies the entries of rows that have no others to a matrix that was made as their part.
+    pub(super) fn copy_part(&self, rows: &[usize], part: &mut Self) {
+        let mut at = 0;
+        for &i in rows {
+            let (_, values) = self.row(i);
+            part.values[at..at + values.len()].copy_from_slice(values);
+            at += values.len();
+        }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows

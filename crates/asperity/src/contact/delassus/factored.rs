@@ -1,9 +1,11 @@
 //! Delassus operators that know where they come from.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::blocks::rows_of;
-use super::{BlockMatrix, Csr};
+use super::{BlockMatrix, Csr, Selection};
 use crate::argument::{ArgumentError, length, refuse};
 use crate::contact::components::Components;
 
@@ -59,6 +61,34 @@ impl Factored {
     /// `G`.
     pub fn blocks(&self) -> &BlockMatrix {
         &self.blocks
+    }
+
+    /// The operator of some contacts, which meet no others.
+    pub(super) fn part(&self, members: &Selection) -> Self {
+        let Selection { contacts, rows, dofs } = members;
+        Self {
+            mass: self.mass.part(dofs, dofs),
+            directions: self.directions.part(rows, dofs),
+            blocks: self.blocks.part(contacts),
+        }
+    }
+
+    /// Copies the entries to an operator that was made as a part of this one.
+    pub(super) fn copy_part(&self, members: &Selection, part: &mut Self) {
+        self.mass.copy_part(&members.dofs, &mut part.mass);
+        self.directions.copy_part(&members.rows, &mut part.directions);
+        self.blocks.copy_part(&members.contacts, &mut part.blocks);
+    }
+
+    /// The velocities that act on some rows or that `M` couples with them, ascending.
+    pub(super) fn dofs_of(&self, rows: &[usize]) -> Vec<usize> {
+        let touched = rows.iter().flat_map(|&row| self.directions.row(row).0);
+        let mut dofs: BTreeSet<usize> = touched.copied().collect();
+        let mut next: Vec<usize> = dofs.iter().copied().collect();
+        while let Some(dof) = next.pop() {
+            next.extend(self.mass.row(dof).0.iter().filter(|&&other| dofs.insert(other)));
+        }
+        dofs.into_iter().collect()
     }
 
     /// All parts, to be refilled: `M`, `Wᵀ` and `G`.

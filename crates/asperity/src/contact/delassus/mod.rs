@@ -66,6 +66,14 @@ impl From<MatrixFree> for Delassus {
     }
 }
 
+/// Contacts that meet no others, with their rows and with the velocities that act on them where these are known.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Selection {
+    pub(super) contacts: Vec<usize>,
+    pub(super) rows: Vec<usize>,
+    pub(super) dofs: Vec<usize>,
+}
+
 /// A Delassus operator `G`, not necessarily symmetric.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -89,6 +97,36 @@ impl Delassus {
                 Self::Blocks(probe(operator.as_ref(), &sizes, operator.rows(), |_| all.clone()))
             }
             _ => self.clone(),
+        }
+    }
+
+    /// Some contacts, ascending, which meet no others.
+    pub(super) fn select(&self, contacts: &[usize]) -> Selection {
+        let offsets = self.blocks().offsets();
+        let rows: Vec<usize> = contacts.iter().flat_map(|&i| offsets[i]..offsets[i + 1]).collect();
+        let dofs = match self {
+            Self::Factored(factored) => factored.dofs_of(&rows),
+            Self::Blocks(_) | Self::MatrixFree(_) => Vec::new(),
+        };
+        Selection { contacts: contacts.to_vec(), rows, dofs }
+    }
+
+    /// The operator of some contacts; of a matrix-free one its diagonal blocks.
+    pub(super) fn part(&self, members: &Selection) -> Self {
+        match self {
+            Self::Factored(factored) => Self::Factored(factored.part(members)),
+            Self::Blocks(_) | Self::MatrixFree(_) => {
+                Self::Blocks(self.blocks().part(&members.contacts))
+            }
+        }
+    }
+
+    /// Copies the entries to an operator that was made as a part of this one.
+    pub(super) fn copy_part(&self, members: &Selection, part: &mut Self) {
+        match (self, part) {
+            (Self::Factored(factored), Self::Factored(part)) => factored.copy_part(members, part),
+            (_, Self::Blocks(part)) => self.blocks().copy_part(&members.contacts, part),
+            _ => {}
         }
     }
 

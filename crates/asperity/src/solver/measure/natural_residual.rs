@@ -107,9 +107,18 @@ pub fn natural_residual(
 
 /// See [`natural_residual`].
 pub(crate) fn residual(measured: &Measured<'_>) -> Residual {
+    residual_of(measured, 0..measured.problem.contacts().len())
+}
+
+/// The same of some contacts only.
+pub(crate) fn residual_of(
+    measured: &Measured<'_>,
+    contacts: impl IntoIterator<Item = usize>,
+) -> Residual {
     let Measured { problem, percussion, velocity } = *measured;
     let (mut worst, mut worst_contact) = (-1.0, 0);
-    for (i, contact) in problem.contacts().iter().enumerate() {
+    for i in contacts {
+        let contact = &problem.contacts()[i];
         let defect = measured.defect(contact, problem.rho(i));
         let relative = relative(defect, || scale(problem, i, percussion, velocity));
         if is_worse(relative, worst) {

@@ -79,6 +79,11 @@ impl<'a> Progress<'a> {
             sweeps,
         };
         progress.grade_sweeps();
+        if progress.grade.is_infinite() {
+            // Percussions that run away are no start for anything; none at all are.
+            progress.iterate.percussion.fill(0.0);
+            progress.grade_sweeps();
+        }
         progress
     }
 

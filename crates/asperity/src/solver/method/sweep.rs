@@ -42,6 +42,10 @@ impl Sweeper {
         for i in 0..contacts {
             problem.delassus().blocks().neighbours(i).iter().for_each(|&j| connected.join(i, j));
         }
+        // Which contacts a matrix-free operator connects is not known.
+        if problem.delassus().is_matrix_free() {
+            (0..contacts).for_each(|i| connected.join(0, i));
+        }
         self.islands.update(&mut connected);
         self.refresh(problem);
     }

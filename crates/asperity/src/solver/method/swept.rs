@@ -23,7 +23,7 @@ pub(crate) struct Swept {
 
 impl Swept {
     /// Of no contacts.
-    pub(super) const NOTHING: Self = Self {
+    pub(crate) const NOTHING: Self = Self {
         sweeps: 0,
         ended: Ended::Done,
         defect: -1.0,
@@ -34,7 +34,7 @@ impl Swept {
 
     /// With further contacts.
     #[inline(always)]
-    pub(super) fn and(self, other: Self) -> Self {
+    pub(crate) fn and(self, other: Self) -> Self {
         // Of equals the first contact counts.
         let other_is_worse = if other.defect == self.defect {
             other.worst_contact < self.worst_contact

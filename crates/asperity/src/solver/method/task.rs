@@ -16,6 +16,8 @@ pub(crate) struct Task<'a> {
     /// States before the step, which decide between several solutions.
     pub(crate) history: &'a [ContactState],
     pub(crate) threads: &'a Threads,
+    /// Whether sweeps have led to the percussions to start from, and promise nothing more.
+    pub(crate) swept: bool,
 }
 
 /// What every method changes.

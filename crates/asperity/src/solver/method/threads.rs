@@ -14,9 +14,14 @@ impl Threads {
     /// No other threads.
     pub(crate) const NONE: &'static Self = &Self(None);
 
-    /// At most `count` threads for so many contacts, not more than the machine has.
+    /// At most `count` threads for loops over so many contacts, not more than the machine has.
     pub(crate) fn new(count: usize, contacts: usize) -> Self {
-        if count <= 1 || contacts <= LEAF {
+        if contacts <= LEAF { Self(None) } else { Self::of(count) }
+    }
+
+    /// At most `count` threads, not more than the machine has.
+    pub(crate) fn of(count: usize) -> Self {
+        if count <= 1 {
             return Self(None);
         }
         let available = std::thread::available_parallelism().map_or(1, |n| n.get());
@@ -35,6 +40,19 @@ impl Threads {
             Some(pool) => pool::install(pool, work),
             None => work(),
         }
+    }
+
+    /// Calls `work` with all items, one by one in the pool, while this thread calls `meanwhile` every few
+    /// milliseconds; false if there is no pool, and nothing was done.
+    pub(crate) fn share<T: Send>(
+        &self,
+        items: &mut [T],
+        work: impl Fn(&mut T) + Sync,
+        meanwhile: impl Fn(),
+    ) -> bool {
+        let Some(pool) = &self.0 else { return false };
+        pool::share(pool, items, work, meanwhile);
+        true
     }
 }
 
@@ -60,12 +78,16 @@ pub(crate) fn each<B: Default>(
 
 #[cfg(feature = "parallel")]
 mod pool {
-    use std::sync::{Arc, Mutex};
+    use std::sync::{Arc, Mutex, mpsc};
+    use std::time::Duration;
 
     pub(crate) use rayon::join;
     use rayon::{ThreadPool, ThreadPoolBuilder};
 
     pub(super) type Pool = Arc<ThreadPool>;
+
+    /// How often a thread that waits for others looks after something else.
+    const PATIENCE: Duration = Duration::from_millis(5);
 
     /// Pools of this process, by their number of threads; a forked child must not use its parent's.
     static POOLS: Mutex<Vec<(u32, usize, Pool)>> = Mutex::new(Vec::new());
@@ -86,6 +108,30 @@ mod pool {
     pub(super) fn install<T: Send>(pool: &Pool, work: impl FnOnce() -> T + Send) -> T {
         pool.install(work)
     }
+
+    pub(super) fn share<T: Send>(
+        pool: &Pool,
+        items: &mut [T],
+        work: impl Fn(&mut T) + Sync,
+        meanwhile: impl Fn(),
+    ) {
+        let (under_way, done) = mpsc::channel::<()>();
+        pool.in_place_scope(|scope| {
+            let work = &work;
+            for item in items {
+                let own = under_way.clone();
+                scope.spawn(move |_| {
+                    work(item);
+                    drop(own);
+                });
+            }
+            drop(under_way);
+            // Nothing is ever sent: the channel closes when the last one is done.
+            while done.recv_timeout(PATIENCE) == Err(mpsc::RecvTimeoutError::Timeout) {
+                meanwhile();
+            }
+        });
+    }
 }
 
 #[cfg(not(feature = "parallel"))]
@@ -98,6 +144,15 @@ mod pool {
     }
 
     pub(super) fn install<T>(pool: &Pool, _work: impl FnOnce() -> T) -> T {
+        match *pool {}
+    }
+
+    pub(super) fn share<T>(
+        pool: &Pool,
+        _items: &mut [T],
+        _work: impl Fn(&mut T),
+        _meanwhile: impl Fn(),
+    ) {
         match *pool {}
     }
 

@@ -4,10 +4,11 @@
 //! What an island does depends on nothing else, and its data stay in the cache of the processor while it is swept; all
 //! contacts together would be fetched from memory in every sweep, until the slowest island has converged.
 
+use super::rate::{MOST_SWEEPS, Rate};
 use super::sweep::{BATCH, Sweeper, mark_ambiguous};
 use super::swept::Swept;
 use super::task::{Iterate, Task};
-use crate::contact::ContactProblem;
+use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::Size;
 use crate::solver::measure::natural_residual::Measured;
 use crate::solver::measure::own::measure_coupled;
@@ -33,47 +34,56 @@ impl Plan {
         let goal = f64::max(0.1 * stop.tolerance, 4.0 * f64::EPSILON);
         Self { policy: Policy::Prove, goal, max_sweeps }
     }
+
+    /// Sweeps while their rate promises an end, which other methods bring about else.
+    pub(crate) fn trial(stop: &Stop<'_>) -> Self {
+        let goal = 0.5 * stop.tolerance;
+        Self { policy: Policy::FirstFound, goal, max_sweeps: MOST_SWEEPS }
+    }
 }
 
 impl Sweeper {
-    /// Number of islands.
+    /// The islands of the problem.
     #[inline]
-    pub(crate) fn islands(&self) -> usize {
-        self.islands.count()
+    pub(crate) fn islands(&self) -> &Members {
+        &self.islands
     }
 
-    /// Sweeps island by island. Afterwards velocities belong to the percussions and states to what the contacts do,
-    /// unless the stop has ended it early; contacts are marked as ambiguous.
+    /// Sweeps island by island; `swept` receives what they have come to, of fewer islands if the stop has ended it early.
+    /// Afterwards velocities belong to the percussions and states to what the contacts do, and contacts are marked as
+    /// ambiguous.
     pub(crate) fn solve_islands(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         plan: Plan,
-    ) -> Swept {
+        swept: &mut Vec<Swept>,
+    ) {
         let islands = std::mem::take(&mut self.islands);
         let side_by_side = task.threads.serve(task.problem.contacts().len());
-        let (mut swept, mut visited) = (Swept::NOTHING, 0);
+        let mut visited = 0;
+        swept.clear();
         for island in 0..islands.count() {
             let members = islands.of(island);
-            let own = self.solve_island(task, iterate, plan, (members, &mut visited));
-            swept = swept.and(own);
-            if swept.ended == Ended::TimeLimit {
+            let mut own = self.solve_island(task, iterate, plan, (members, &mut visited));
+            if own.ended != Ended::TimeLimit && !side_by_side && members.len() > 1 {
+                for &i in members {
+                    iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
+                    own.ambiguous |= iterate.ambiguous[i];
+                }
+            }
+            swept.push(own);
+            if own.ended == Ended::TimeLimit {
                 break;
             }
-            if side_by_side || members.len() == 1 {
-                continue;
-            }
-            for &i in members {
-                iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
-                swept.ambiguous |= iterate.ambiguous[i];
+        }
+        if side_by_side && swept.len() == islands.count() {
+            mark_ambiguous(task, iterate, self);
+            for (island, swept) in swept.iter_mut().enumerate() {
+                swept.ambiguous |= islands.of(island).iter().any(|&i| iterate.ambiguous[i]);
             }
         }
         self.islands = islands;
-        if side_by_side && swept.ended != Ended::TimeLimit {
-            mark_ambiguous(task, iterate, self);
-            swept.ambiguous = iterate.ambiguous.contains(&true);
-        }
-        swept
     }
 
     /// Sweeps over the contacts of one island; `visited` counts contacts since the last look at the clock.
@@ -94,10 +104,14 @@ impl Sweeper {
             }
             _ => measure(task.problem, iterate, members),
         };
-        let mut sweeps = 0;
+        let (mut sweeps, mut rate) = (0, Rate::default());
         // The comparison also finds what is not a number.
         while !(swept.defect <= goal) {
-            if sweeps == plan.max_sweeps || alone && sweeps == 1 {
+            let in_vain = policy == Policy::FirstFound
+                && sweeps > 0
+                && rate.is_due(sweeps)
+                && !rate.promises(sweeps, swept.defect.sqrt(), task.stop.tolerance);
+            if sweeps == plan.max_sweeps || alone && sweeps == 1 || in_vain {
                 let ended = if alone && sweeps == 1 { Ended::Done } else { Ended::MaxIterations };
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
                 break;

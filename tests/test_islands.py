@@ -1,0 +1,206 @@
+"""Islands: contacts that influence each other and no others are solved as if nothing else were there."""
+
+import itertools
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import Status, problems
+from asperity.contact.grading import proves_no_solution
+from scipy.sparse import block_diag
+
+DISK = asp.FrictionLaw.isotropic(0.5)
+ELLIPSES = asp.FrictionLaw(asp.Ellipse(0.6, 0.3, angle=0.4), asp.Ellipse(0.3, 0.6))
+# Painlevé's paradox: friction draws the contact into the floor whatever it does.
+PARADOX = asp.ContactProblem(
+    [[1.0, 2.0], [2.0, 3.0]],
+    free_velocity=[-1.0, 5.0],
+    laws=asp.FrictionLaw.isotropic(1.0, dimension=1),
+)
+
+
+def side_by_side(parts):
+    """Return one problem of several: bodies where all parts have them, else their operators."""
+    free = np.concatenate([part.free_velocity for part in parts])
+    laws = [law for part in parts for law in part.laws]
+    options = {
+        "free_velocity": free,
+        "laws": laws,
+        "normal_force": [force for part in parts for force in part.normal_force],
+    }
+    if all(part.mass is not None for part in parts):
+        mass = block_diag([part.mass for part in parts], format="csr")
+        directions = block_diag([part.directions for part in parts], format="csr")
+        return asp.ContactProblem.from_bodies(mass, directions=directions, **options)
+    operators = [part.delassus for part in parts]
+    return asp.ContactProblem(block_diag(operators, format="csr"), **options)
+
+
+def shuffled(problem, order):
+    """Return a problem with its contacts in another order, and the rows in that order."""
+    sizes = [3 if force is None else 2 for force in problem.normal_force]
+    first = np.concatenate([[0], np.cumsum(sizes)])
+    rows = np.concatenate([np.arange(first[i], first[i] + sizes[i]) for i in order])
+    operator = problem.delassus.tocsr()[rows][:, rows]
+    force = [problem.normal_force[i] for i in order]
+    laws = [problem.laws[i] for i in order]
+    free = problem.free_velocity[rows]
+    shuffled = asp.ContactProblem(operator, free_velocity=free, laws=laws, normal_force=force)
+    return shuffled, rows
+
+
+def scenes():
+    """Return problems of one island each that sweeps solve, and some that take more."""
+    return [
+        problems.wall(3, columns=2, push=1.1, law=DISK),
+        problems.stack(3, law=ELLIPSES),
+        problems.wall(4, columns=3, push=1.0, law=ELLIPSES),
+        problems.arch(5, law=asp.FrictionLaw.isotropic(0.9)),
+        problems.sliders(3, law=ELLIPSES),
+        problems.columns(1, height=4, law=DISK),
+    ]
+
+
+def ranges(parts):
+    """Return the contacts of each part, and its rows."""
+    contacts = np.cumsum([0] + [len(part.laws) for part in parts])
+    rows = np.cumsum([0] + [part.free_velocity.size for part in parts])
+    return list(itertools.pairwise(contacts)), list(itertools.pairwise(rows))
+
+
+@pytest.mark.parametrize("measure", ["contact", "global"])
+def test_islands_are_solved_as_problems_of_their_own(measure):
+    parts = scenes()
+    solution = side_by_side(parts).solve(measure=measure)
+    assert solution.converged
+    contacts, rows = ranges(parts)
+    for part, (first, past), (start, stop) in zip(parts, contacts, rows, strict=True):
+        own = [island for island in solution.islands if first <= island.contacts[0] < past]
+        assert sorted(i for island in own for i in island.contacts) == list(range(first, past))
+        assert all(island.status is Status.CONVERGED for island in own)
+        percussion = solution.percussion[start:stop]
+        assert part.residual(percussion) <= (1e-10 if measure == "contact" else 1e-8)
+        alone = part.solve(measure=measure)
+        np.testing.assert_allclose(solution.velocity[start:stop], alone.velocity, atol=1e-7)
+
+
+def test_an_island_does_not_depend_on_others_to_the_bit():
+    wall, others = problems.wall(4, columns=3, push=1.0, law=ELLIPSES), scenes()
+    size = wall.free_velocity.size
+    first = side_by_side([wall, *others[:2]]).solve().percussion[:size]
+    second = side_by_side([wall, *others[2:]]).solve().percussion[:size]
+    assert (first == second).all()
+    last = side_by_side([*others[3:], wall]).solve().percussion[-size:]
+    assert (first == last).all()
+
+
+@pytest.mark.parametrize("measure", ["contact", "global"])
+def test_threads_and_the_order_of_islands_change_no_bit(measure):
+    problem = side_by_side(scenes() + [problems.wall(5, columns=4, push=1.0, law=DISK)] * 2)
+    one = problem.solve(measure=measure)
+    for threads in (2, 3):
+        other = problem.solve(asp.Auto(threads=threads), measure=measure)
+        assert (other.percussion == one.percussion).all()
+        assert other.islands == one.islands
+        assert other.stages == one.stages
+    # Islands interleave, but the contacts of each keep their order.
+    random = np.random.default_rng(3)
+    numbers = [list(island.contacts) for island in problem.solve().islands]
+    turn = random.permutation([k for k, own in enumerate(numbers) for _ in own])
+    queues = [iter(own) for own in numbers]
+    mixed, rows = shuffled(problem, [next(queues[k]) for k in turn])
+    plain, _ = shuffled(problem, range(len(problem.laws)))
+    found = mixed.solve(measure=measure)
+    assert (found.percussion == plain.solve(measure=measure).percussion[rows]).all()
+    assert len(found.islands) == len(one.islands)
+
+
+@pytest.mark.parametrize("solver", [asp.Auto(), asp.Exact(), asp.Auto(threads=2)], ids=repr)
+def test_an_island_without_solution_says_so_beside_others_that_are_solved(solver):
+    table = problems.table(3, law=DISK)
+    parts = [problems.stack(2, law=DISK), PARADOX, table]
+    solution = side_by_side(parts).solve(solver, on_failure="record")
+    assert solution.status is Status.NO_SOLUTION
+    contacts, rows = ranges(parts)
+    bad = contacts[1][0]
+    for island in solution.islands:
+        assert (island.status is Status.NO_SOLUTION) == (island.contacts == (bad,))
+    assert solution.infeasibility.contact == solution.worst_contact == bad
+    assert proves_no_solution(side_by_side(parts), solution.infeasibility)
+    assert table.residual(solution.percussion[slice(*rows[2])]) <= 1e-10
+
+
+def test_islands_that_are_solved_already_are_kept():
+    parts = [problems.wall(4, columns=3, push=1.0 + 0.1 * k, law=ELLIPSES) for k in range(4)]
+    problem = side_by_side(parts)
+    solution = problem.solve()
+    again = problem.solve(start=solution)
+    assert [island.iterations for island in again.islands] == [0, 0, 0, 0]
+    assert (again.percussion == solution.percussion).all()
+    free = np.array(problem.free_velocity)
+    _, rows = ranges(parts)
+    free[slice(*rows[2])] *= 1.2
+    pushed = problem.replace(free_velocity=free).solve(start=solution)
+    assert [island.iterations > 0 for island in pushed.islands] == [False, False, True, False]
+    assert pushed.converged
+
+
+def test_a_limit_of_time_is_told_island_by_island():
+    problem = side_by_side([problems.wall(5, columns=4, push=1.0, law=DISK)] * 3)
+    for solver in (asp.Auto(), asp.Auto(threads=2)):
+        solution = problem.solve(solver, time_limit=1e-9, on_failure="record")
+        assert solution.status is Status.TIME_LIMIT
+        assert {island.status for island in solution.islands} == {Status.TIME_LIMIT}
+        assert solution.residual == problem.residual(solution.percussion)
+
+
+@pytest.mark.parametrize(
+    "solver", [asp.SemismoothNewton(), asp.InteriorPoint(), asp.ProxJacobi()], ids=repr
+)
+def test_solvers_of_all_contacts_together_are_graded_island_by_island(solver):
+    parts = [problems.stack(2, law=DISK), problems.sliders(2, law=DISK)]
+    solution = side_by_side(parts).solve(solver, on_failure="record", tolerance=1e-8)
+    contacts = [island.contacts for island in solution.islands]
+    assert contacts == [tuple(range(8)), (8,), (9,)]
+    for island in solution.islands:
+        assert (island.status is Status.CONVERGED) == (island.residual <= 1e-8)
+
+
+def test_solving_again_changes_no_bit():
+    """A problem keeps its analysis between solves, whatever was solved with it before."""
+    kept = side_by_side(scenes())
+    solvers = [asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint(), asp.Exact(), asp.Auto()]
+    for solver in solvers:
+        for measure in ("contact", "global"):
+            options = {"measure": measure, "on_failure": "record", "tolerance": 1e-8}
+            fresh = kept.replace().solve(solver, **options)
+            again = kept.solve(solver, **options)
+            assert (again.percussion == fresh.percussion).all()
+            assert again.stages == fresh.stages
+            assert again.islands == fresh.islands
+            warm = kept.solve(solver, start=fresh, **options)
+            assert (
+                warm.percussion == kept.replace().solve(solver, start=fresh, **options).percussion
+            ).all()
+
+
+def test_piles_step_side_by_side_as_each_alone():
+    def balls(piles):
+        bodies, pairs = [], []
+        for k in range(piles):
+            for j in range(3):
+                spot = (0.7 * k, 0.0, 0.1 + 0.2 * j)
+                push = (0.4 * (k + 1), 0.1, 0.0) if j == 2 else (0.0, 0.0, 0.0)
+                bodies.append(asp.Body.ball(1.0, radius=0.1, position=spot, velocity=push))
+                pairs.append(
+                    asp.SpherePlane(3 * k, radius=0.1, plane=asp.Plane(), law=ELLIPSES)
+                    if j == 0
+                    else asp.SphereSphere(
+                        3 * k + j - 1, radius=0.1, other=3 * k + j, other_radius=0.1, law=DISK
+                    )
+                )
+        return asp.simulate(asp.RigidBodies(bodies, pairs=pairs), dt=1e-3, t_end=0.05)
+
+    together, fewer = balls(3), balls(2)
+    assert (together.u[:, : fewer.u.shape[1]] == fewer.u).all()
+    np.testing.assert_allclose(together.u[:, :18], balls(1).u, atol=1e-8)
