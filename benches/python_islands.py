@@ -40,6 +40,20 @@ def side_by_side(parts: list[asp.ContactProblem]) -> asp.ContactProblem:
     )
 
 
+def compared(parts: list[asp.ContactProblem], yard: asp.ContactProblem, measure: Any) -> str:
+    """Return the time of all islands over that of single ones, on one thread and on two."""
+    one, two = asp.Auto(), asp.Auto(threads=2)
+
+    def solving(problem: asp.ContactProblem, solver: asp.Auto) -> Callable[[], Any]:
+        return lambda: problem.solve(solver, measure=measure)
+
+    ratios = []
+    for solver, clock in ((one, time.process_time), (two, time.perf_counter)):
+        single = sum(timed(solving(part, one), clock) for part in parts)
+        ratios.append(timed(solving(yard, solver), clock) / single)
+    return f"{ratios[0]:5.2f}, on two threads {ratios[1]:5.2f}"
+
+
 def walls() -> None:
     """Compare walls side by side with the sum of single ones."""
     random = np.random.default_rng(0)
@@ -49,13 +63,7 @@ def walls() -> None:
         f"{WALLS} walls of {len(parts[0].laws)} contacts, their time over the sum of single ones:"
     )
     for measure in ("contact", "global"):
-        options: Any = {"measure": measure}
-        cpu, clock = time.process_time, time.perf_counter
-        single = sum(timed(lambda part=part: part.solve(**options), cpu) for part in parts)
-        alone = sum(timed(lambda part=part: part.solve(**options), clock) for part in parts)
-        one = timed(lambda: yard.solve(**options), cpu)
-        two = timed(lambda: yard.solve(asp.Auto(threads=2), **options), clock)
-        print(f"  measure {measure:8} {one / single:5.2f}, on two threads {two / alone:5.2f}")
+        print(f"  measure {measure:8} {compared(parts, yard, measure)}")
     solution = yard.solve()
     kept = timed(lambda: yard.solve(start=solution), time.process_time)
     solved = timed(yard.solve, time.process_time)

@@ -1,4 +1,4 @@
-"""Islands: contacts that influence each other and no others are solved as if nothing else were there."""
+"""Islands: contacts that influence each other are solved as if there were no others."""
 
 import itertools
 
