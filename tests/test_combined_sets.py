@@ -32,6 +32,16 @@ def test_support_of_a_sum_is_the_sum_and_of_an_intersection_is_less(rng):
     assert ((A & B).support(y) < 0.99 * bound).any()
 
 
+def test_gauges_of_rounded_boxes_keep_all_digits_at_their_edges(rng):
+    # Across an edge the gauge is a search with a kink, along it the same search is round.
+    lower, upper, radius = [-5.6, -26.9, -5.6], [26.9, 0.01, 0.01], 0.02
+    rounded = asp.Box(lower=lower, upper=upper) + asp.Ball(radius)
+    x = random_directions(rng, 2000, 3)
+    points = x / rounded.gauge(x)[:, None]
+    distance = np.linalg.norm(points - np.clip(points, lower, upper), axis=1)
+    np.testing.assert_allclose(distance, radius, rtol=0.0, atol=1e-13)
+
+
 def test_sum_holds_exactly_the_sums(rng):
     a, b = (one.boundary(300)[rng.integers(300, size=400)] for one in (A, PENTAGON))
     total = A + PENTAGON

@@ -1,10 +1,13 @@
 """Limit cycles by shooting, against SciPy, time stepping and closed forms; bifurcation diagrams."""
 
+import os
+
 import asperity as asp
 import numpy as np
 import pytest
 from asperity.errors import NoCycleError
 from asperity.status import Phase
+from children import run_interrupted
 from scipy_belt import Belt
 
 DIRECTION = np.deg2rad(50.0)
@@ -287,3 +290,36 @@ def test_every_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, s
 def test_a_cycle_that_grows_too_slowly_is_refused_for_this_reason(phi, speed):
     with pytest.raises(NoCycleError, match="per turn"):
         asp.limit_cycle(belt(np.deg2rad(phi), speed))
+
+
+INTERRUPTED = """
+import asperity as asp
+import numpy as np
+law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+def family(phi):
+    direction = [np.cos(phi), np.sin(phi)]
+    return asp.MassOnBelt(
+        1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=direction
+    )
+told = []
+def report(done, whole):
+    # Half of it are the equilibria.
+    if done > whole / 2 and not told:
+        told.append(done)
+        print("ready", flush=True)
+try:
+    asp.bifurcation_diagram(
+        family, parameter="phi", values=np.linspace(0.7, 1.2, 2000), threads=2, progress=report
+    )
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+    raise SystemExit(42)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
+def test_ctrl_c_ends_a_bifurcation_diagram_at_once():
+    found = run_interrupted(INTERRUPTED)
+    assert found.lines == ["interrupted"]
+    assert found.code == 42
+    assert found.seconds < 1.0

@@ -341,6 +341,74 @@ def test_a_falling_factor_still_costs_one_solve():
     assert motion.iterations.max() == 1
 
 
+def test_a_step_whose_factors_are_not_found_gives_up_before_long():
+    """Eight directions of friction on three velocities, two contacts with flat sides.
+
+    In the sixth step every factor that is tried leaves a problem of thousands of iterations.
+    """
+    rate = Stribeck(
+        0.8042755126953125,
+        ratio=0.7794647216796875,
+        shape="hyperbolic",
+        exponent=7.326021081465797,
+        viscous=0.05417327880859375,
+    )
+    laws = [
+        asp.FrictionLaw(
+            asp.Superellipsoid([56.23413251903491, 0.04762735300523933, 0.01], exponent=1.0),
+            asp.Ball(0.009786606894657367),
+        ),
+        asp.FrictionLaw(
+            asp.Box(
+                lower=[-13.228816615648402, -12.97837189926098], upper=[13.228816615648402] * 2
+            ),
+            asp.Box(lower=[-1.7640910479125431] * 2, upper=[13.2288166156484, 0.07150050052954164]),
+            rate=rate,
+        ),
+        asp.FrictionLaw(
+            asp.Box(
+                lower=[-13.228816615648402, -13.228816615648402, -0.059947488920294126],
+                upper=[13.213951694331437, 99.20212976395713, 99.98594712341624],
+            ),
+            asp.Box(
+                lower=[-0.03372516643136681, -0.059896960595114464, -0.059947488920294126],
+                upper=[0.05996434116581489, 6.216101058455589e-6, 5.997276906503546e-6],
+            ),
+        ),
+    ]
+    near_one = 0.999969482421875
+    directions = [
+        [
+            [-1.0, -0.55242919921875, -0.09075927734375],
+            [0.5, 0.875, -0.748931884765625],
+            [0.722686767578125, -0.610321044921875, -0.13934326171875],
+        ],
+        [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
+        [[-0.875, near_one, near_one], [near_one] * 3, [near_one] * 3],
+    ]
+    belts = [
+        [-0.0826719912883803, 0.31622776601683794, 0.0],
+        [-13.228816615648402] * 2,
+        [-99.98594712341624, 0.0, -99.98594712341624],
+    ]
+    loads = [0.5623413251903491, 13.228816615648402, 13.228816615648402]
+    contacts = [
+        asp.Contact(law, direction=direction, velocity=belt, normal_force=load)
+        for law, direction, belt, load in zip(laws, directions, belts, loads, strict=True)
+    ]
+    system = asp.LinearSystem(
+        [0.01, 0.01, 0.01778279410038923],
+        force=[1.7782794100389228, 56.23413251903491, 0.6583873005701364],
+        contacts=contacts,
+    )
+    dt = 0.12945582061432676
+    motion = asp.simulate(
+        system, dt=dt, t_end=6 * dt, q0=[0.0] * 3, u0=[0.0] * 3, on_failure="record"
+    )
+    assert motion.steps == 6
+    assert 0 < motion.iterations.max() < 20_000
+
+
 @pytest.mark.parametrize("solver", [asp.Exact(), asp.ProxJacobi(), asp.ProxGaussSeidel()])
 def test_friction_that_underflows_lets_slide(solver):
     law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.01))

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from queue import Empty, SimpleQueue
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +13,7 @@ from asperity._base.arrays import Array
 from asperity._base.pool import one_of_many
 from asperity._base.progress import Progress, reporter
 from asperity._base.result import NO_UNIT
+from asperity._base.threads import GivenUp, Stop, Work
 from asperity.cycles import LimitCycle, limit_cycle
 from asperity.ensemble import running
 from asperity.ensemble.members import Again, Members
@@ -26,13 +24,7 @@ from asperity.runs.model import labels_of
 from asperity.runs.section import Section
 from asperity.status import Phase
 
-# How often Ctrl-C is looked for in s.
-_ASK_EVERY = 0.05
 _FOUND, _NONE, _FAILED, _INTERRUPTED = range(4)
-
-
-class _GivenUp(Exception):
-    """A search was given up, as the others were."""
 
 
 class CycleEnsemble(AnyEnsemble):
@@ -144,20 +136,16 @@ def limit_cycle_many(
     options = {"section": section, "t_end": t_end, "tolerance": tolerance}
     again = Again(members, limit_cycle, options)
     number = running.threads(threads, members)
-    stop = threading.Event()
-
-    def stopping(*_: float) -> None:
-        if stop.is_set():
-            raise _GivenUp
+    stop = Stop()
 
     def search(member: int) -> LimitCycle:
         with one_of_many():
-            stopping()
-            return again.repeat(member, progress=stopping)
+            stop.ask()
+            return again.repeat(member, progress=stop.ask)
 
     found: dict[int, LimitCycle | Exception] = {}
     with reporter(progress, "search") as report:
-        searches = _Searches(search, len(members), stop)
+        searches = Work(search, len(members), stop)
         try:
             searches.begin(number)
             while len(found) < len(members):
@@ -180,59 +168,6 @@ def limit_cycle_many(
     return ensemble
 
 
-class _Searches:
-    """Searches in threads, which hand over what they find through queues.
-
-    Not futures: Ctrl-C while the main thread waits for many of these can leave one locked for
-    ever, and the thread that wants to set it would never end.
-    """
-
-    def __init__(
-        self, search: Callable[[int], LimitCycle], count: int, stop: threading.Event
-    ) -> None:
-        self._search, self._stop = search, stop
-        self._members: SimpleQueue[int] = SimpleQueue()
-        self._answers: SimpleQueue[tuple[int, LimitCycle | BaseException]] = SimpleQueue()
-        self._threads: list[threading.Thread] = []
-        for member in range(count):
-            self._members.put(member)
-
-    def begin(self, threads: int) -> None:
-        """Start so many threads."""
-        for _ in range(min(threads, self._members.qsize())):
-            self._threads.append(threading.Thread(target=self._serve, daemon=True))
-            self._threads[-1].start()
-
-    def answers(self) -> dict[int, LimitCycle | Exception]:
-        """Return what has been found since, after a while if there is nothing."""
-        found: dict[int, LimitCycle | Exception] = {}
-        with suppress(Empty):
-            member, answer = self._answers.get(timeout=_ASK_EVERY)
-            while True:
-                if not isinstance(answer, LimitCycle | Exception):
-                    raise answer
-                found[member] = answer
-                member, answer = self._answers.get_nowait()
-        return found
-
-    def end(self) -> None:
-        """Give up what is still searched for."""
-        self._stop.set()
-        for thread in self._threads:
-            thread.join()
-
-    def _serve(self) -> None:
-        with suppress(Empty):
-            while not self._stop.is_set():
-                member = self._members.get_nowait()
-                answer: LimitCycle | BaseException
-                try:
-                    answer = self._search(member)
-                except BaseException as error:
-                    answer = error
-                self._answers.put((member, answer))
-
-
 def _ensemble(
     members: Members, found: Mapping[int, LimitCycle | Exception], again: Again
 ) -> CycleEnsemble:
@@ -245,7 +180,7 @@ def _ensemble(
     }
     failures = []
     for member, cycle in sorted(found.items(), key=lambda pair: pair[0]):
-        if isinstance(cycle, _GivenUp):
+        if isinstance(cycle, GivenUp):
             continue
         if isinstance(cycle, Exception):
             endings[member] = _NONE if isinstance(cycle, NoCycleError) else _FAILED

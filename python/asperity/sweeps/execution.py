@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
+from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from asperity._base.progress import Report
 from asperity.errors import SweepError
 from asperity.sweeps.executors import Workers
 from asperity.sweeps.grid import Block, Grid, block_shape, index_in
+from asperity.sweeps.messenger import Messenger
 from asperity.sweeps.store import Store
 from asperity.sweeps.task import Answer, Call, Failure, compute
 
@@ -52,7 +53,8 @@ class Execution:
     ) -> None:
         self._store, self._grid, self._workers = store, grid, workers
         self._call, self._strict, self._report = workers.packed(call), strict, report
-        self._running: dict[Future[Any], Task] = {}
+        self._messenger = Messenger(workers)
+        self._running: dict[int, Task] = {}
         # Chunks that came back before it is known what the function returns: the first good result
         # of all says so, in the order of the points, whoever computes it.
         self._held: dict[int, tuple[Task, Answer]] = {}
@@ -66,76 +68,58 @@ class Execution:
                 breaks.
         """
         tasks = (Task(k, block, places) for k, (block, places) in enumerate(missing))
-        self._tell()
         try:
+            self._tell()
             self._go_through(tasks)
         except BaseException:
-            for future in self._running:
-                future.cancel()
-            self._workers.abort()
+            self._messenger.abort()
             raise
-        self._workers.end()
+        self._messenger.end()
 
     def _go_through(self, tasks: Iterator[Task]) -> None:
         while True:
-            lost = self._fill(tasks)
-            if not lost:
-                if not self._running:
-                    return
-                lost = self._collect()
-            if lost:
+            self._fill(tasks)
+            if not self._running:
+                return
+            if lost := self._collect():
                 # One of these tasks has ended its worker and so all others. Alone, it will again.
-                lost.extend(self._collect_all())
+                while self._running:
+                    lost.extend(self._collect())
                 for task in sorted(lost, key=lambda one: one.number):
                     self._alone(task)
 
-    def _fill(self, tasks: Iterator[Task]) -> list[Task]:
-        """Hand out tasks; return one that could not be."""
+    def _fill(self, tasks: Iterator[Task]) -> None:
+        """Hand out tasks."""
         while len(self._running) + len(self._held) < self._workers.in_flight:
             task = next(tasks, None)
             if task is None:
                 break
-            if not self._submit(task):
-                return [task]
-        return []
+            self._submit(task)
 
-    def _submit(self, task: Task) -> bool:
-        """Hand out a task, if there are workers who live."""
-        try:
-            future = self._workers.submit(
-                compute,
-                self._call,
-                self._grid.values(task.block),
-                task.places,
-                self._store.schema,
-                self._strict,
-            )
-        except BrokenExecutor:
-            return False
-        self._running[future] = task
-        return True
+    def _submit(self, task: Task) -> None:
+        self._running[task.number] = task
+        self._messenger.submit(
+            task.number,
+            compute,
+            self._call,
+            self._grid.values(task.block),
+            task.places,
+            self._store.schema,
+            self._strict,
+        )
 
     def _collect(self) -> list[Task]:
         """Wait for tasks and commit them; return those whose workers have died."""
-        ready, _ = wait(self._running, return_when=FIRST_COMPLETED)
-        in_order = sorted(ready, key=lambda future: self._running[future].number)
-        return [task for future in in_order for task in self._taken(future)]
+        ready = self._messenger.answers()
+        return [task for number in sorted(ready) for task in self._taken(number, *ready[number])]
 
-    def _collect_all(self) -> list[Task]:
-        wait(self._running)
-        return [task for future in list(self._running) for task in self._taken(future)]
-
-    def _taken(self, future: Future[Any]) -> list[Task]:
+    def _taken(self, number: int, answer: Any, error: BaseException | None) -> list[Task]:
         """Commit a task that has ended; return it if its worker has died."""
-        task = self._running.pop(future)
-        try:
-            error = future.exception()
-        except CancelledError as cancelled:
-            error = cancelled
+        task = self._running.pop(number)
         if isinstance(error, BrokenExecutor):
             return [task]
         if error is None:
-            self._take(task, future.result())
+            self._take(task, answer)
         elif type(error).__name__ in _OF_ONE_WORKER:
             self._give_up(task, error)
         else:
@@ -149,14 +133,11 @@ class Execution:
                 "the worker processes of the executor have died; what was done before is kept: "
                 "sweep again with another one, or give a function that returns executors"
             )
-        self._workers.renew()
-        if self._submit(task):
-            [future] = self._running
-            wait([future])
-            if not self._taken(future):
-                return
-        self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
-        self._workers.renew()
+        self._messenger.renew()
+        self._submit(task)
+        if self._collect():
+            self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
+            self._messenger.renew()
 
     def _give_up(self, task: Task, error: BaseException) -> None:
         count = math.prod(block_shape(task.block))

@@ -248,11 +248,61 @@ where
     loop {
         let next = by_ellipsoids(&centre, radius, &slope);
         if (next - centre).norm() < 0.5 * radius || radius > 1e12 {
-            let x = point(&next);
+            let x = onto_ridge(jet, point(&next), &y);
             return x / jet(&x).0;
         }
         (centre, radius) = (next, 8.0 * radius);
     }
+}
+
+/// A point near `x` with a smaller `f(x)/x·y`, on a ridge of `f` if there is one at `x`.
+///
+/// The gradients on both sides of a ridge are the ends of an edge, to which the point that is looked for is normal: it is
+/// that of the plane across the edge. Ellipsoids become thin across a ridge. What they leave of a distance from it counts to
+/// first order, as often as the edge is longer than the set is thick, and along it they come to no end.
+fn onto_ridge<const P: usize, F>(jet: &F, x: Vector<P>, y: &Vector<P>) -> Vector<P>
+where
+    F: Fn(&Vector<P>) -> (f64, Vector<P>) + ?Sized,
+{
+    // The ends of an edge are known the better the closer to the ridge they are asked for.
+    const WIDTHS: [f64; 3] = [1e-4, 1e-8, 1e-12];
+    // Length of an edge over the size of the set.
+    const EDGE: f64 = 1e-3;
+    let mut best = x;
+    let (value, mut here) = jet(&best);
+    let mut least = value / best.dot(y);
+    for width in WIDTHS {
+        let mut edge = Vector::<P>::zeros();
+        for axis in tangents(&best.normalize()) {
+            for step in [width * best.norm(), -width * best.norm()] {
+                let to = jet(&(best + axis * step)).1 - here;
+                if to.norm() > edge.norm() {
+                    edge = to;
+                }
+            }
+        }
+        // The comparison also turns away what is not a number.
+        if !(edge.norm() > EDGE * here.norm()) {
+            continue;
+        }
+        let [first, second] = tangents(&edge.normalize());
+        let planar = |t: &Vector<2>| {
+            let (value, gradient) = jet(&(first * t.x + second * t.y));
+            (value, Vector::<2>::new(first.dot(&gradient), second.dot(&gradient)))
+        };
+        let across = Vector::<2>::new(first.dot(y), second.dot(y));
+        if !(across.norm() > 0.0) {
+            continue;
+        }
+        let found = farthest_in_plane(&planar, &across);
+        let moved = first * found.x + second * found.y;
+        let (value, gradient) = jet(&moved);
+        let ratio = value / moved.dot(y);
+        if ratio > 0.0 && ratio < least {
+            (best, least, here) = (moved, ratio, gradient);
+        }
+    }
+    best
 }
 
 /// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from subgradients alone:

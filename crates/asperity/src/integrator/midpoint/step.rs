@@ -15,8 +15,8 @@ use crate::vectors::are_finite;
 // systems of up to four velocities and four contacts with Stribeck's law. Of the results these depend on none but on
 // `MOST_CORRECTIONS`.
 
-/// Solves after which the search for factors of the speed at the end of the step gives up. One or two do while
-/// contacts do not disturb each other. With half as many one of the 6000 steps is not solved, with this and more all are.
+/// Solves of ordinary cost after which the search for factors of the speed at the end of the step gives up. One or two do
+/// while contacts do not disturb each other. With half as many one of the 6000 steps is not solved, with this and more all are.
 const MOST_CORRECTIONS: usize = 120;
 /// Corrections after which solutions are looked for in which speed and factor of every contact agree by itself, and
 /// after which factors are kept within bounds. Half of a round has bounds; then it begins anew. All steps are solved
@@ -28,6 +28,9 @@ const ROUND: usize = 2 * WHOLE_CORRECTIONS;
 /// Residual that is asked for after a solve of the same step that did not come farther, over what that one has left: a
 /// solver goes through all that it can before it gives up, which a step would pay for with every correction.
 const LEFT_OVER: f64 = 2.0;
+/// Iterations of a solve that count as one correction: those that contacts without solutions at a factor in between, or
+/// with solutions that are hard to find, take for thousands of others are no reason to go on.
+const ORDINARY: usize = 100;
 
 impl Stepper<'_> {
     /// One step, whether or not its contact problem is solved to the tolerance: the report says how it was.
@@ -123,7 +126,7 @@ impl Stepper<'_> {
     fn solve_with_rising_factors(&mut self, stop: Stop<'_>) -> SolveReport {
         let Self { system, solver, closed, assembly, memory, before, workspace, .. } = self;
         memory.copy_from(before);
-        let (mut iterations, mut correction) = (0, 0);
+        let (mut iterations, mut correction, mut effort) = (0, 0, 0);
         let (mut settled, mut following) = (false, false);
         // What the solver has left over in this step though more was asked for.
         let mut attained: f64 = 0.0;
@@ -139,11 +142,12 @@ impl Stepper<'_> {
                 Some(report) => report,
                 None => solver.solve_prepared(&closed.problem, sharp, memory, workspace),
             };
+            effort += 1 + report.iterations / ORDINARY;
             iterations += report.iterations;
             report.iterations = iterations;
             let runs_away = matches!(report.status, Status::NoSolution | Status::Unbounded);
             let solved = !runs_away && report.residual <= stop.tolerance;
-            let ends = correction == MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask());
+            let ends = effort > MOST_CORRECTIONS || stop.cancelled.is_some_and(|ask| ask());
             if !solved {
                 if ends || !following && correction >= UNAIDED {
                     return report;

@@ -3,7 +3,7 @@
 use crate::integrator::event::collocation::radau::{STAGES, Tableau};
 use crate::integrator::event::collocation::step::Step;
 use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
-use crate::integrator::event::state::{EvaluationError, Scale, State};
+use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
 use crate::vectors::add;
 
 /// Most iterations: a step that needs more converges faster at a shorter length.
@@ -13,11 +13,36 @@ const ITERATIONS_WITH_POINTS: usize = 3 * ITERATIONS;
 /// Largest change of a point of *D* in one iteration, relative to its size.
 const LONGEST: f64 = 0.5;
 
+/// Part of the slowest slip that an error of a velocity may be: its direction is an angle of this size then.
+const TURN: f64 = 1e-6;
+
 /// When Newton's method has converged: the largest error that may be left, relative to the scale.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NewtonGoal {
-    pub(crate) tolerance: f64,
-    pub(crate) scale: Scale,
+    tolerance: f64,
+    scale: Scale,
+    /// A change, relative to the scale, that rounding of velocities may make of none.
+    rounding: f64,
+}
+
+impl NewtonGoal {
+    pub(crate) fn new(tolerance: f64, scale: Scale) -> Self {
+        Self { tolerance, scale, rounding: 0.0 }
+    }
+
+    /// The same where slips have directions that velocities of the size `slip` turn: where a slip comes to its end together
+    /// with its acceleration, the accelerations follow from its direction, which errors of velocities that are small beside
+    /// all others turn at will.
+    pub(crate) fn with_slip(self, slip: f64) -> Self {
+        let Self { tolerance, scale, .. } = self;
+        let wanted = TURN * slip;
+        if wanted >= tolerance * scale.u {
+            return self;
+        }
+        let rounding = ROUNDING * scale.u;
+        let u = wanted.max(rounding) / tolerance;
+        Self { tolerance, scale: Scale { u, ..scale }, rounding: rounding / u }
+    }
 }
 
 /// What is known of the sliding forces before a step.
@@ -66,7 +91,7 @@ impl Step {
         &mut self,
         dynamics: &mut Dynamics<'_>,
         start: &State,
-        NewtonGoal { tolerance, scale }: NewtonGoal,
+        NewtonGoal { tolerance, scale, rounding }: NewtonGoal,
     ) -> Result<bool, EvaluationError> {
         let (n, m) = (self.n, self.points.count());
         let mut last = f64::INFINITY;
@@ -94,7 +119,7 @@ impl Step {
             }
             let rate = if iteration == 0 { 1.0 } else { norm / last };
             let left = if rate < 1.0 { rate / (1.0 - rate) * norm } else { f64::INFINITY };
-            let near = left < tolerance || norm < 1e-3 * tolerance || norm == 0.0;
+            let near = left < tolerance || norm < (1e-3 * tolerance).max(rounding) || norm == 0.0;
             if near && turn < LONGEST {
                 self.stages(start);
                 return Ok(true);

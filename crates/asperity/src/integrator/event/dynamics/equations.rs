@@ -13,7 +13,7 @@ use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
 use crate::system::mass::MassFactors;
 use crate::system::{System, SystemError};
-use crate::vectors::dot;
+use crate::vectors::{dot, largest, norm};
 
 /// The equations of motion in the present mode, and what they gave where they were evaluated last.
 #[derive(Debug)]
@@ -166,6 +166,18 @@ impl<'a> Dynamics<'a> {
     /// `γ̈_N` or a component of `γ̇` with these accelerations.
     pub(crate) fn rate(&self, row: usize, acceleration: &[f64]) -> f64 {
         self.along(row, acceleration) + self.drift[row]
+    }
+
+    /// The least slip over the entries of the rows that make it: of the slipping contacts where the dynamics have been
+    /// evaluated, but for those that have just begun to slip.
+    pub(crate) fn slowest_slip(&self) -> f64 {
+        let size = |i: usize| {
+            let rows = ROWS * i + 1..=ROWS * i + self.contacts[i].p;
+            norm(&self.contacts[i].slip)
+                / rows.map(|row| largest(self.row(row))).fold(0.0, f64::max)
+        };
+        let slips = (0..self.contacts.len()).filter(|&i| self.contacts[i].mode == Phase::Slip);
+        slips.map(size).filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min)
     }
 
     /// Rows of a contact along which it can have forces of its own.

@@ -10,7 +10,7 @@ use crate::integrator::event::state::{
     CLOSED_GAP, EvaluationError, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY,
 };
 use crate::system::{SystemError, TimeDependence};
-use crate::vectors::largest;
+use crate::vectors::{largest, norm};
 
 impl Dynamics<'_> {
     /// Asks for the parts of functions of time, as seen from the coordinates and velocities of the system at which the
@@ -46,6 +46,24 @@ impl Dynamics<'_> {
             depends_on_time: true,
         };
         Ok(())
+    }
+
+    /// The part of its friction force that rounding of a slip changes: where direction sets are thin, the force turns within
+    /// the square of their ratio of axes, as an angle of the slip.
+    pub(crate) fn rounding_turns(&self, i: usize) -> f64 {
+        let contact = &self.contacts[i];
+        let mut turns: f64 = 0.0;
+        for r in 0..contact.p {
+            for sign in [-1.0, 1.0] {
+                let mut slip = contact.slip;
+                slip[r] += sign * f64::EPSILON * contact.size;
+                if let Some(there) = self.law(i).sliding(&slip) {
+                    let change: [f64; 3] = std::array::from_fn(|k| there[k] - contact.sliding[k]);
+                    turns = turns.max(norm(&change) / norm(&contact.sliding));
+                }
+            }
+        }
+        turns
     }
 
     /// The overlap of a contact that rounding explains.

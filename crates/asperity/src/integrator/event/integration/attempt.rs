@@ -93,7 +93,13 @@ impl Integration<'_> {
         self.state.t = t;
         self.state.q.copy_from_slice(step.end(&step.q));
         self.state.u.copy_from_slice(step.end(&step.u));
-        self.a0.copy_from_slice(&self.dynamics.acceleration);
+        // The end of a step is its last stage, whose acceleration is known as well as velocities are. Where a slip comes to
+        // its end with its acceleration, rounding of the slip turns the sliding force by more than the acceleration is.
+        if h > 0.0 {
+            self.a0.copy_from_slice(step.end(&step.a));
+        } else {
+            self.a0.copy_from_slice(&self.dynamics.acceleration);
+        }
         self.keep_sliding();
         self.slope = None;
         self.step_size.account_for(&mut self.dynamics, &self.state, h);

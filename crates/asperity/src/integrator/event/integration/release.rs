@@ -54,7 +54,7 @@ impl Integration<'_> {
             let changes = self.motion.events.len() > events;
             let unresolved =
                 || largest(&difference(&self.a0, &stuck)) <= RESOLVED * self.dynamics.load;
-            if changes && (last || !shared || !unresolved()) {
+            if changes && (last || !unresolved()) {
                 break;
             }
             // The load is not yet outside of the reservoir by more than rounding.

@@ -114,6 +114,7 @@ impl Integration<'_> {
             self.dynamics.drift_of_all(&self.state)?;
             self.stale = false;
         }
+        self.slowest_slip = self.dynamics.slowest_slip();
         let (h, wanted) = (self.length_of_attempt(left), self.step_size.h);
         if let Some(cause) = self.stagnation(h, progress) {
             return Ok(Some(Outcome::Stagnated { cause, contact: self.blocking_contact(cause) }));
@@ -123,7 +124,7 @@ impl Integration<'_> {
         }
         self.dynamics.creep = ROUNDING * self.dynamics.load * h * h;
         if self.linearised.is_none_or(|length| h > LENGTHENING * length) {
-            let scale = self.newton_goal(h, self.largest_acceleration(h)).scale;
+            let scale = self.newton_scale(h, self.largest_acceleration(h));
             self.dynamics.linearise(&self.state, h, scale)?;
             self.linearised = Some(h);
         }

@@ -8,6 +8,12 @@ use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
 use crate::vectors::{add, norm};
 
+/// Slip over the speed of a contact below which it is asked whether rounding turns its friction force: it does so of laws
+/// whose direction sets are three hundred times as long as wide.
+const NEARLY_ZERO: f64 = 1e-9;
+/// Part of the friction force that rounding of the slip may change while the slip still tells the force.
+const TURNED: f64 = 0.03;
+
 impl Integration<'_> {
     /// Takes the attempt, which ends at `t`.
     pub(crate) fn accept_step(&mut self, t: f64) -> Result<(), EvaluationError> {
@@ -102,6 +108,9 @@ impl Integration<'_> {
         }
         let rate = slip_rate(&self.dynamics, i, &self.a0);
         let rounding = ZERO_VELOCITY * contact.reference_speed();
-        rate < 0.0 && speed <= f64::max(rounding, -rate * shortest_step(self.state.t))
+        rate < 0.0
+            && (speed <= f64::max(rounding, -rate * shortest_step(self.state.t))
+                || (speed <= NEARLY_ZERO * contact.reference_speed()
+                    && self.dynamics.rounding_turns(i) > TURNED))
     }
 }

@@ -10,7 +10,7 @@ use crate::integrator::event::event_function::{NODES, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, Negligible, State, ZERO_VELOCITY};
+use crate::integrator::event::state::{EvaluationError, Negligible, Scale, State, ZERO_VELOCITY};
 use crate::integrator::observer::Observer;
 use crate::system::{Break, InitialState, System};
 use crate::vectors::largest;
@@ -32,6 +32,8 @@ pub(crate) struct Integration<'a> {
     /// Accelerations at the present state, and where a slip begins without a jump of them their rate.
     pub(crate) a0: Vec<f64>,
     pub(crate) slope: Option<Vec<f64>>,
+    /// The change of a velocity that turns the slowest of the slips at the present state by about one.
+    pub(crate) slowest_slip: f64,
     /// Forces of sliding contacts for unit normal force at the present state.
     pub(crate) sliding: Vec<[f64; 3]>,
     /// The present attempt, the step before, and steps from the same start to other times.
@@ -83,6 +85,7 @@ impl<'a> Integration<'a> {
             dynamics,
             a0: vec![0.0; n],
             slope: None,
+            slowest_slip: f64::INFINITY,
             sliding: vec![[0.0; 3]; contacts],
             step: Step::new(n),
             last: Step::new(n),
@@ -133,11 +136,16 @@ impl<'a> Integration<'a> {
         Accuracy { goal, load, reach }
     }
 
+    /// What errors that Newton's method leaves in a step of length `h` with accelerations up to `largest` are compared
+    /// with.
+    pub(crate) fn newton_scale(&self, h: f64, largest: f64) -> Scale {
+        self.step_size.scale(h, largest, self.accuracy(self.step_size.newton))
+    }
+
     /// What Newton's method aims at in a step of length `h` with accelerations up to `largest`.
     pub(crate) fn newton_goal(&self, h: f64, largest: f64) -> NewtonGoal {
-        let tolerance = self.step_size.newton;
-        let scale = self.step_size.scale(h, largest, self.accuracy(tolerance));
-        NewtonGoal { tolerance, scale }
+        let goal = NewtonGoal::new(self.step_size.newton, self.newton_scale(h, largest));
+        goal.with_slip(self.slowest_slip)
     }
 
     /// Keeps the sliding forces of the present state, at which the dynamics have been evaluated.
