@@ -160,3 +160,35 @@ def plane_path(
     force += noise * load * random.normal(size=force.shape) + np.array(zero[:2])
     normal = load + 0.002 * load * random.normal(size=time.size) + zero[2]
     return time, place, speed * slip, force, normal
+
+
+def back_and_forth(kind, *, length, speed, dwell, rate, repeats=4):
+    """Return time, place and velocity of a motion along a line that rests where it turns back.
+
+    Args:
+        kind: "sine", of which `speed` is the greatest, or "ramp", whose speed is constant.
+        length: of a stroke.
+        speed: of the motion.
+        dwell: time at rest at either end.
+        rate: of the samples.
+        repeats: strokes there and back.
+    """
+    lasts = (0.5 * np.pi if kind == "sine" else 1.0) * length / speed
+    samples = int((2 * repeats * (lasts + dwell) + dwell) * rate)
+    time = (np.arange(samples) + 0.37) / rate
+    stroke = np.floor((time - dwell) / (lasts + dwell)).astype(int)
+    share = np.clip((time - dwell - stroke * (lasts + dwell)) / lasts, 0.0, 1.0)
+    moves = (stroke >= 0) & (stroke < 2 * repeats) & (share > 0.0) & (share < 1.0)
+    place, velocity = share, np.full(samples, 1.0 / lasts)
+    if kind == "sine":
+        place = 0.5 - 0.5 * np.cos(np.pi * share)
+        velocity = 0.5 * np.pi / lasts * np.sin(np.pi * share)
+    back = stroke % 2 == 1
+    place = np.where((stroke < 0) | (stroke >= 2 * repeats), 0.0, np.where(back, 1 - place, place))
+    return time, length * place, length * np.where(moves, np.where(back, -velocity, velocity), 0.0)
+
+
+def encoded(place, *, step, noise=0.0, seed=0):
+    """Return what an encoder reads, with noise before its steps."""
+    read = place + noise * np.random.default_rng(seed).normal(size=place.shape)
+    return step * np.round(read / step) if step else read

@@ -15,16 +15,10 @@ from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.forces.turns import sense, turn_numbers
 from asperity.identify.records.record import BACKLASH, Recording
+from asperity.identify.records.slopes import WORST, slopes
+from asperity.identify.records.stretches import FEWEST, SLOW, stretches, usual_speed
 
 _TURN = 2.0 * math.pi
-# Slower than this part of the usual speed, the pin is about to stick or to turn back.
-_SLOW = 0.2
-# Of the speeds of a record, the one that is usual.
-_USUAL = 0.9
-# A stroke that goes on while it changes its direction by more than this is another one. What turns
-# as slowly as a disk does makes turns, not strokes.
-_CORNER = math.radians(20.0)
-_FEWEST = 8
 # A stroke whose direction stays within this angle is straight: that of its fifths, in which noise
 # of the motion is small.
 _STRAIGHT = math.radians(2.0)
@@ -90,13 +84,10 @@ def strokes_of(run: Recording) -> Strokes:
 
 def _of_velocity(run: Recording, velocity: Array) -> Strokes:
     """Return the strokes of a stage, or the turns of one whose direction goes round."""
-    speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    usual = float(np.quantile(speed, _USUAL))
-    if usual == 0.0:
+    if not velocity.any():
         raise RecordError(run.source, "the stage does not move")
-    slides = speed > _SLOW * usual
     turned = np.arctan2(velocity[:, 1], velocity[:, 0])
-    number = _stretches(slides, _corners(turned, slides))
+    number = stretches(velocity)
     turned = _unwrapped(turned, number)
     going_round = _going_round(turned, number)
     if going_round is not None:
@@ -127,28 +118,6 @@ def _straightened(turned: Array, number: NDArray[np.int32], velocity: Array) -> 
     return straight
 
 
-def _corners(turned: Array, slides: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return after which samples the direction jumps."""
-    step = np.diff(turned)
-    step -= _TURN * np.rint(step / _TURN)
-    return (np.abs(step) > _CORNER) & slides[1:] & slides[:-1]
-
-
-def _stretches(slides: NDArray[np.bool_], corner: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return numbers of the stretches of samples that slide; too short ones have none."""
-    ends = np.flatnonzero(np.diff(slides.astype(np.int8)) != 0) + 1
-    edges = np.union1d(ends, np.flatnonzero(corner) + 1)
-    first = np.concatenate([[0], edges]).astype(np.intp)
-    past = np.append(edges, slides.size).astype(np.intp)
-    number = np.full(slides.size, -1, dtype=np.int32)
-    count = 0
-    for start, stop in zip(first, past, strict=True):
-        if slides[start] and stop - start >= _FEWEST:
-            number[start:stop] = count
-            count += 1
-    return number
-
-
 def _unwrapped(turned: Array, number: NDArray[np.int32]) -> Array:
     """Return directions that do not jump by whole turns within a stretch."""
     edges = np.flatnonzero(np.diff(number)) + 1
@@ -165,7 +134,8 @@ def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] 
         return None
     angle = turned[rows]
     way = float(angle[-1] - angle[0])
-    complete = math.floor(abs(way) * rows.size / (rows.size - 1) / _TURN + 1e-9)
+    # Directions are known to a degree or so, and the last turn may seem to lack it.
+    complete = math.floor((abs(way) * rows.size / (rows.size - 1) + _LACKING) / _TURN)
     if not complete:
         return None
     ahead = np.floor((angle - angle[0]) * math.copysign(1.0, way) / _TURN + 1e-9)
@@ -179,18 +149,22 @@ def _of_oscillation(run: Recording) -> Strokes:
     way = _from_turn_to_turn(run.angle)
     number = np.full(len(run), -1, dtype=np.int32)
     turned = np.zeros(len(run))
-    rate = np.abs(np.gradient(run.angle))
-    slow = _SLOW * float(np.quantile(rate, _USUAL))
-    # A rate from differences is noisy: what is slow shows in means over part of a stroke.
-    shortest = int(np.diff(way).min())
-    window = max(1, shortest // 50)
-    slides = np.convolve(np.diff(run.angle, append=run.angle[-1]), np.ones(window) / window, "same")
+    found = slopes(run.angle[:, None], run.time)
+    if not found.error <= WORST:
+        raise RecordError(
+            run.source,
+            f"angle: its steps or noise of {math.degrees(max(found.step, found.noise)):.2g}° are "
+            "not small beside the strokes: angles in finer steps or longer strokes are needed",
+            ("columns",),
+        )
+    rate = found.velocity[:, 0]
+    slow = SLOW * usual_speed(np.abs(rate))
     count = 0
     for start, stop in pairwise(way.tolist()):
         sign = math.copysign(1.0, run.angle[stop - 1] - run.angle[start])
         turned[start:stop] = 0.0 if sign > 0.0 else math.pi
-        rows = start + np.flatnonzero(slides[start:stop] * sign > slow)
-        if rows.size < _FEWEST:
+        rows = start + np.flatnonzero(rate[start:stop] * sign > slow)
+        if rows.size < FEWEST:
             continue
         ahead = np.abs(run.angle[rows] - run.angle[rows[0]]) / _TURN
         whole = math.floor(float(ahead[-1]) * rows.size / (rows.size - 1) + 1e-9)
@@ -233,7 +207,7 @@ def _checked(run: Recording, number: NDArray[np.int32], turned: Array) -> Stroke
     if not count:
         raise RecordError(
             run.source,
-            f"has no stroke of {_FEWEST} samples or more: is the motion noise, or its unit wrong?",
+            f"has no stroke of {FEWEST} samples or more: is the motion noise, or its unit wrong?",
             ("columns", "units"),
         )
     turned.flags.writeable = number.flags.writeable = False

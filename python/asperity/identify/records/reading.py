@@ -459,7 +459,9 @@ class _Part:
             angle=turned,
             readings=readings,
             source=source,
-            velocity=velocity_of(series, rows, reader.motion) if moves else None,
+            velocity=velocity_of(series, rows, reader.motion, where=self.where, source=source)
+            if moves
+            else None,
         )
         if self.loaded:
             _refuse_constant(run, self.where)
