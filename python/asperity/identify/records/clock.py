@@ -14,15 +14,21 @@ from asperity._base.arrays import Array
 
 DAY = 86_400.0
 _CLOCK = re.compile(
-    r"(?:(?P<date>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})[T ]\s*)?"
+    r"(?:(?P<date>\d{1,4}[-./](?:\d{1,2}|[A-Za-zÄä]{3,4}\.?)[-./]\d{1,4})[T ]\s*)?"
     r"(?P<hour>\d{1,2}):(?P<minute>\d{2})(?::(?P<second>\d{2}(?:[.,:]\d+)?))?\s*(?P<half>[AaPp][Mm])?Z?"
 )
+# Durations as MATLAB writes them.
+_LASTING = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?) (?P<unit>sec|min|hr)")
+_LASTS = {"sec": 1.0, "min": 60.0, "hr": 3600.0}
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_GERMAN = {"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
 
 
 def seconds(text: str) -> float:
     """Return the seconds since midnight, or since 1970 where there is a date; NaN if it is none.
 
-    Dates are year-month-day, day.month.year or month/day/year.
+    Dates are year-month-day, day.month.year or month/day/year; a month may have its name. What
+    lasts "0.5 sec" is so long.
 
     >>> from asperity.identify.records.clock import seconds
     >>> seconds("12:00:00.123"), seconds("1:30 PM")
@@ -30,9 +36,13 @@ def seconds(text: str) -> float:
     >>> seconds("2026-11-23T12:00:00") - seconds("23.11.2026 11:59:00")
     60.0
     """
-    found = _CLOCK.fullmatch(text.strip().strip('"'))
+    plain = text.strip().strip('"')
+    found = _CLOCK.fullmatch(plain)
     if found is None:
-        return math.nan
+        lasting = _LASTING.fullmatch(plain)
+        if lasting is None:
+            return math.nan
+        return float(lasting["number"].replace(",", ".")) * _LASTS[lasting["unit"]]
     hour, half = int(found["hour"]), found["half"]
     if half is not None:
         hour = hour % 12 + 12 * (half.lower() == "pm")
@@ -45,10 +55,14 @@ def seconds(text: str) -> float:
 def _day(date: str) -> float:
     """Return the days since 1970."""
     mark = next(one for one in date if not one.isdigit())
-    parts = [int(one) for one in re.split(r"[-./]", date)]
+    texts = [one for one in re.split(r"[-./]", date) if one]
+    named = texts[1][0].isalpha()
+    if named:
+        texts[1] = str(_month(texts[1].lower()[:3]))
+    parts = [int(one) for one in texts]
     if parts[0] > 31:
         year, month, day = parts
-    elif mark == "/":
+    elif mark == "/" and not named:
         month, day, year = parts
     else:
         day, month, year = parts
@@ -56,6 +70,11 @@ def _day(date: str) -> float:
         return float(datetime.date(year, month, day).toordinal() - _EPOCH)
     except ValueError:
         return math.nan
+
+
+def _month(name: str) -> int:
+    """Return the number of a month, 0 if there is none of that name."""
+    return _MONTHS.index(name) + 1 if name in _MONTHS else _GERMAN.get(name, 0)
 
 
 _BEGIN = datetime.datetime(1970, 1, 1)

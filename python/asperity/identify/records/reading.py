@@ -317,7 +317,7 @@ class Reader:
         """Return the recordings in windows of one table, those with and those without load."""
         where = self.where(loaded=any(windows))
         clocked = self.named["time"].removeprefix("-") == _units.CLOCK
-        table = read_table(path, where, self.form, clocked="time" if clocked else None)
+        table = read_table(path, where, self.form, clocked=("time",) if clocked else ())
         if len(table.values) < 2:
             raise RecordError(table.source, "holds one sample only, a run needs two or more")
         series = self._series(table, where)
