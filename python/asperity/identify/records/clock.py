@@ -79,6 +79,8 @@ def _month(name: str) -> int:
 
 _BEGIN = datetime.datetime(1970, 1, 1)
 _EPOCH = _BEGIN.toordinal()
+UNDATED = 1000.0 * DAY
+"""Records whose times have no date end before this."""
 
 
 def of_cell(cell: Any) -> float:
@@ -89,6 +91,8 @@ def of_cell(cell: Any) -> float:
         return (cell.replace(tzinfo=None) - _BEGIN).total_seconds()
     if isinstance(cell, np.datetime64):
         return float((cell - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
+    if isinstance(cell, np.timedelta64):
+        return float(cell / np.timedelta64(1, "s"))
     if isinstance(cell, datetime.time):
         return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
     if isinstance(cell, datetime.timedelta):
@@ -102,3 +106,38 @@ def through_midnight(time: Array) -> Array:
     if not back.any():
         return time
     return time + DAY * np.concatenate([[0.0], np.cumsum(back)])
+
+
+def text(time: float) -> str:
+    """Return what a clock shows, with the date where there is one.
+
+    >>> from asperity.identify.records.clock import seconds, text
+    >>> text(86_397.5), text(seconds("23.11.2026 12:00:00"))
+    ('23:59:57.5', '2026-11-23 12:00:00')
+    """
+    if not math.isfinite(time):
+        return "no time"
+    day, rest = divmod(round(time, 6), DAY)
+    minutes, second = divmod(rest, 60.0)
+    hour, minute = divmod(int(minutes), 60)
+    shown = f"{hour:02d}:{minute:02d}:{second:09.6f}".rstrip("0").rstrip(".")
+    # What goes on after midnight has no date either.
+    if abs(time) < UNDATED:
+        return shown
+    return f"{datetime.date.fromordinal(int(day) + _EPOCH)} {shown}"
+
+
+def in_record(time: float, first: float, last: float, *, after: float = -math.inf) -> float:
+    """Return a time of day on the day on which it is in a record, or nearest to it.
+
+    Args:
+        time: since midnight.
+        first: of the record.
+        last: of the record.
+        after: what it is not before.
+    """
+    days = np.arange(first // DAY - 1.0, last // DAY + 2.0)
+    found = time + DAY * days
+    found = found[found >= after] if (found >= after).any() else found
+    away = np.maximum(np.maximum(first - found, found - last), 0.0)
+    return float(found[away.argmin()])

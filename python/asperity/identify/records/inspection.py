@@ -223,10 +223,10 @@ def inspect_file(path: PathLike, *, sheet: str | int | None = None) -> Inspectio
     ({'delimiter': ';', 'decimal': ',', 'header': 1}, {'time': 'ms', 'angle': 'deg'})
     """
     place = Path(path)
+    named = None if sheet is None else Format(sheet=sheet).sheet
     if place.suffix.lower() not in SPREADSHEETS:
         return _inspected(place, guess(place))
-    if sheet is not None:
-        named = Format(sheet=sheet).sheet
+    if named is not None:
         return _inspected(place, of_cells(cells_of(place, named), str(place), named))
     return _of_sheets(place)
 

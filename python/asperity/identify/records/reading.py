@@ -382,34 +382,66 @@ class _Part:
         time = self.series["time"]
         if window == (None, None):
             return slice(0, len(time))
-        low, high = self._time(window[0], -math.inf), self._time(window[1], math.inf)
+        low = self._time(window[0], -math.inf)
+        high = self._time(window[1], math.inf, after=low)
         inside = np.flatnonzero((time >= low) & (time <= high))
         if inside.size < 2:
-            scale = self.reader.scale["time"]
-            first, last = np.nanmin(time) / scale, np.nanmax(time) / scale
+            known = time[np.isfinite(time)]
+            told = (
+                f"its times go from {self._said(known.min())} to {self._said(known.max())}"
+                if known.size
+                else "it has no times"
+            )
             raise RecordError(
                 self.table.source,
-                f"has no samples from {window[0]} to {window[1]}: its times go from {first:.6g} to "
-                f"{last:.6g}",
+                f"has no samples from {window[0]} to {window[1]}: {told}",
                 ("run" if self.loaded else "no_load",),
             )
         return slice(int(inside[0]), int(inside[-1]) + 1)
 
-    def _time(self, value: float | str | None, missing: float) -> float:
-        """Return a time in s; of one without date the day is that of the first sample."""
+    @property
+    def _unit(self) -> str:
+        return f" {self.reader.named['time'].removeprefix('-')}"
+
+    @property
+    def _has_clock(self) -> bool:
+        return self.reader.named["time"].removeprefix("-") == _units.CLOCK
+
+    def _said(self, time: float) -> str:
+        """Return a time as the file has it."""
+        if self._has_clock:
+            return clock.text(time)
+        return f"{time / self.reader.scale['time']:.6g}"
+
+    def _time(
+        self, value: float | str | None, missing: float, *, after: float = -math.inf
+    ) -> float:
+        """Return a time in s; of one without date the day is that on which the record has it."""
         argument = "run" if self.loaded else "no_load"
         if value is None:
             return missing
-        is_clock = self.reader.named["time"] == _units.CLOCK
-        if isinstance(value, str) != is_clock:
-            words = "a time of day in quotes" if is_clock else "a number in the unit of the times"
+        if isinstance(value, str) != self._has_clock:
+            words = (
+                "a time of day in quotes"
+                if self._has_clock
+                else "a number in the unit of the times"
+            )
             raise ParameterError(argument, f"must have {words} for from and to, got {value!r}")
         if not isinstance(value, str):
             return arrays.number(value, argument) * self.reader.scale["time"]
-        found, first = clock.seconds(value), float(self.series["time"][0])
+        found = clock.seconds(value)
         if math.isnan(found):
             raise ParameterError(argument, f"must have times such as '12:00:05', got {value!r}")
-        return found + (first // clock.DAY * clock.DAY if found < clock.DAY <= first else 0.0)
+        time = self.series["time"]
+        known = time[np.isfinite(time)]
+        if not known.size or found >= clock.DAY:
+            dated = known.size and known.min() >= clock.UNDATED
+            if known.size and found >= clock.UNDATED and not dated:
+                raise ParameterError(
+                    argument, f"must have times without a date, like those read, got {value!r}"
+                )
+            return found
+        return clock.in_record(found, float(known.min()), float(known.max()), after=after)
 
     def recordings(self, rows: slice, *, whole: bool) -> list[Recording]:
         """Return the recordings between the defects of some rows."""
@@ -419,7 +451,8 @@ class _Part:
             series["normal"] = np.zeros(rows.stop - rows.start)
         source = table.source
         if not whole:
-            source = f"{source} from {series['time'][0]:.6g} to {series['time'][-1]:.6g} s"
+            first, last = (self._said(series["time"][at]) for at in (0, -1))
+            source = f"{source} from {first} to {last}" + ("" if self._has_clock else self._unit)
         defects = _defects(series, where)
         if defects and self.reader.on_defect == "raise":
             raise RecordError(

@@ -275,6 +275,10 @@ def _of_spreadsheet(
 def _of_frame(
     frame: Any, columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
 ) -> Table:
+    # What is an index is found by its name as well.
+    index = [name for name in frame.index.names if name in columns.values()]
+    given = {name: frame.index.get_level_values(name) for name in index if name not in frame}
+    frame = frame.assign(**given) if given else frame
     source, names = name_of(frame), [str(name) for name in frame.columns]
     wanted = [_position(column, names, source, form) for column in columns.values()]
     _refuse_twice(columns, wanted)
@@ -287,13 +291,44 @@ def _of_frame(
         column = frame.iloc[:, at].to_numpy()
         if column.dtype.kind in "iuf" and name not in clocked:
             series.append(column.astype(np.float64))
+        elif column.dtype.kind in "mM" and name not in clocked:
+            raise RecordError(
+                source,
+                f"column {names[at]!r} ({name}): holds times of day or durations: its unit is "
+                "'clock'",
+                ("units",),
+            )
         else:
             is_clock = name in clocked
             series.append(np.array([_cell(one, form, is_clock=is_clock) for one in column]))
+            if not is_clock:
+                _refuse_marks(source, f"{names[at]!r} ({name})", column, series[-1], form)
     values = np.stack(series, axis=-1).astype(np.float64)
     if not len(values):
         raise RecordError(source, "holds no numbers")
     return Table(source, form, values, np.arange(1, len(values) + 1, dtype=np.intp))
+
+
+def _refuse_marks(
+    source: str, name: str, cells: Sequence[Any], values: Array, form: Format
+) -> None:
+    """Refuse a column of numbers in words whose decimal mark or mark of groups is another one."""
+    for row in np.flatnonzero(np.isnan(values)).tolist():
+        cell = cells[row]
+        if not isinstance(cell, str):
+            continue
+        says = f"column {name}: line {row + 1} reads {cell!r}: "
+        other = Format(decimal="," if form.decimal == "." else ".")
+        if not math.isnan(number_in(cell, other)) and form.thousands != other.decimal:
+            raise RecordError(
+                source, f"{says}its decimal mark seems to be {other.decimal!r}", ("decimal",)
+            )
+        if form.thousands is None and _GROUPED.fullmatch(cell):
+            raise RecordError(
+                source,
+                f"{says}its digits stand in groups of three: say what parts them",
+                ("thousands",),
+            )
 
 
 def _cell(cell: Any, form: Format, *, is_clock: bool) -> float:
