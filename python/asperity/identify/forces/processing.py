@@ -17,7 +17,8 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.forces import filters, stated_errors
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.measured_sets import MeasuredSets
-from asperity.identify.forces.strokes import Axes, Strokes, joined, strokes_of
+from asperity.identify.forces.pieces import strokes_of_all
+from asperity.identify.forces.strokes import Axes, Strokes
 from asperity.identify.forces.turns import (
     TurnAverage,
     average_turns,
@@ -89,9 +90,10 @@ class ProcessedData(Value):
         zeros = zeros_of(raw)
         lengths = [len(r) for r in raw.recordings]
         starts = np.concatenate([[0], np.cumsum(lengths)])
-        for run in raw.recordings:
-            _refuse_rest(run)
-        strokes = joined(raw.recordings, [strokes_of(run) for run in raw.recordings])
+        strokes = strokes_of_all(raw.recordings)
+        for run, one in zip(raw.recordings, strokes, strict=True):
+            if isinstance(one.turned, float):
+                _refuse_rest(run)
         matrix = np.eye(3) if calibration is None else calibration.matrix
         weighed = (
             None
@@ -135,7 +137,7 @@ class ProcessedData(Value):
             self._forces(
                 number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
             )
-        _refuse_incomplete(self.raw, [one.count for one in strokes])
+        _refuse_incomplete(self.raw, strokes)
         _refuse_lost_contact(self.raw, self.run, out)
         for series in (out.phi, out.force, out.normal, out.turn):
             series.flags.writeable = False
@@ -425,17 +427,19 @@ class _Series:
 
 
 def _refuse_rest(run: Recording) -> None:
-    if run.velocity is None and abs(run.turns) < 1e-3 and not run.turns_back:
+    if abs(run.turns) < 1e-3:
         raise RecordError(run.source, "angle: the disk does not turn")
 
 
-def _refuse_incomplete(raw: RawData, found: Sequence[int]) -> None:
-    """Refuse files without a complete turn; `found` are the complete turns of each recording.
+def _refuse_incomplete(raw: RawData, strokes: Sequence[Strokes]) -> None:
+    """Refuse files of a disk without a complete turn.
 
     Pieces of a file that was cut at its defects count together.
     """
-    turns = dict(zip(map(id, raw.recordings), found, strict=True))
-    for run in raw.recordings:
+    turns = {id(run): one.count for run, one in zip(raw.recordings, strokes, strict=True)}
+    for run, one in zip(raw.recordings, strokes, strict=True):
+        if not isinstance(one.turned, float):
+            continue
         # A recording without a name is a file of its own.
         pieces = [one for one in raw.recordings if run.source and one.file == run.file] or [run]
         if not any(turns[id(piece)] for piece in pieces):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -23,8 +22,8 @@ _TURN = 2.0 * math.pi
 # of the motion is small.
 _STRAIGHT = math.radians(2.0)
 _FIFTHS = 5
-# A turn that lacks more than this angle is no complete one.
-_LACKING = math.radians(5.0)
+LACKING = math.radians(5.0)
+"""A turn that lacks more than this angle is no complete one."""
 
 
 class Axes(NamedTuple):
@@ -70,11 +69,16 @@ class Strokes:
     rate: float
 
 
-def strokes_of(run: Recording) -> Strokes:
-    """Return the turns of a disk that turns one way, else the strokes."""
+def strokes_of(run: Recording, *, swings: bool = False) -> Strokes:
+    """Return the turns of a disk that turns one way, else the strokes.
+
+    Args:
+        run: a recording.
+        swings: whether the disk turns back before or after it.
+    """
     if run.velocity is not None:
         return _of_velocity(run, run.velocity)
-    if run.turns_back:
+    if swings or run.turns_back:
         return _of_oscillation(run)
     sign = sense(run)
     number = turn_numbers(run, sign)
@@ -135,7 +139,7 @@ def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] 
     angle = turned[rows]
     way = float(angle[-1] - angle[0])
     # Directions are known to a degree or so, and the last turn may seem to lack it.
-    complete = math.floor((abs(way) * rows.size / (rows.size - 1) + _LACKING) / _TURN)
+    complete = math.floor((abs(way) * rows.size / (rows.size - 1) + LACKING) / _TURN)
     if not complete:
         return None
     ahead = np.floor((angle - angle[0]) * math.copysign(1.0, way) / _TURN + 1e-9)
@@ -212,58 +216,3 @@ def _checked(run: Recording, number: NDArray[np.int32], turned: Array) -> Stroke
         )
     turned.flags.writeable = number.flags.writeable = False
     return Strokes(number, count, turned, 0.5 * max(count, 1) / run.duration)
-
-
-def joined(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
-    """Let pieces that were cut from one file count its turns, not each its own.
-
-    A turn that a defect interrupts is complete if it lacks no more than a few degrees.
-    """
-    found, at = list(strokes), 0
-    while at < len(runs):
-        end = at + 1
-        while end < len(runs) and _goes_on(runs[end - 1], runs[end]):
-            end += 1
-        if end - at > 1:
-            found[at:end] = _renumbered(runs[at:end], strokes[at:end])
-        at = end
-    return found
-
-
-def _goes_on(before: Recording, run: Recording) -> bool:
-    """Return whether two recordings are neighbouring pieces of one file of a disk."""
-    return (
-        before.source != before.file == run.file != run.source
-        and before.velocity is None
-        and run.velocity is None
-        and not (before.turns_back or run.turns_back)
-        and before.turns * run.turns > 0.0
-        and run.time[0] > before.time[-1]
-        and (run.angle[0] - before.angle[-1]) * before.turns > 0.0
-    )
-
-
-def _renumbered(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
-    sign = math.copysign(1.0, runs[0].turns)
-    start = float(runs[0].angle[0])
-    last = runs[-1]
-    step = abs(float(last.angle[-1] - last.angle[0])) / (len(last) - 1)
-    whole = math.floor((sign * (float(last.angle[-1]) - start) + step) / _TURN + 1e-9)
-    lacks = np.zeros(max(whole, 1))
-    for before, after in pairwise(runs):
-        # Turns share what lies between the last sample before a defect and the first after it.
-        low, high = (sign * (one - start) for one in (before.angle[-1], after.angle[0]))
-        for turn in range(int(low // _TURN), int(high // _TURN) + 1):
-            if turn < lacks.size:
-                lacks[turn] += min(high, (turn + 1) * _TURN) - max(low, turn * _TURN)
-    number_of = np.full(lacks.size, -1, dtype=np.int32)
-    kept = np.flatnonzero((lacks < _LACKING) & (np.arange(lacks.size) < whole))
-    number_of[kept] = np.arange(kept.size)
-    found = []
-    for run, old in zip(runs, strokes, strict=True):
-        ahead = np.floor(sign * (run.angle - start) / _TURN + 1e-9).astype(np.int64)
-        inside = (ahead >= 0) & (ahead < lacks.size)
-        number = np.where(inside, number_of[np.clip(ahead, 0, lacks.size - 1)], -1)
-        count = int(kept.size) if run is runs[-1] else 0
-        found.append(Strokes(number.astype(np.int32), count, old.turned, old.rate))
-    return found

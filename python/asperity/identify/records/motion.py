@@ -12,6 +12,8 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.slopes import WORST, Slopes, slopes
 from asperity.identify.records.units import FORCES, MOTION, POSITIONS
 
+# Positions go on after no more than so many missing samples.
+_LONGEST = 100
 # How a stage may be said to move, by columns.
 _STAGES = (
     ("velocity",),
@@ -60,7 +62,6 @@ def force_columns(given: Collection[str], motion: Sequence[str]) -> tuple[str, s
 
 def velocity_of(
     series: Mapping[str, Array],
-    rows: slice,
     motion: Sequence[str],
     *,
     where: Mapping[str, str | int],
@@ -68,19 +69,50 @@ def velocity_of(
 ) -> Array:
     """Return the velocity of sliding along the channels in m/s, ``(n, 2)``.
 
+    What is missing in positions is filled by straight lines: rows without a number are to be left
+    out.
+
     Raises:
         RecordError: if positions are too coarse to tell it.
     """
-    parts = [series[name][rows] for name in motion]
-    if motion[0] in POSITIONS:
-        found = slopes(np.stack(parts, axis=-1), series["time"][rows])
-        if not found.error <= WORST and any(np.ptp(part) for part in parts):
+    parts = [series[name] for name in motion]
+    if motion[0] not in POSITIONS:
+        return np.stack([*parts, np.zeros_like(parts[0])][:2], axis=-1)
+    known = np.isfinite(series["time"]) & np.isfinite(parts).all(axis=0)
+    velocity = np.zeros((known.size, 2))
+    rows = np.flatnonzero(known)
+    if rows.size < 2:
+        return velocity
+    time, position = series["time"][rows], np.stack(parts, axis=-1)[rows]
+    step = float(np.median(np.diff(time)))
+    if not step > 0.0:
+        return velocity
+    cuts = np.flatnonzero(np.diff(time) > _LONGEST * step) + 1
+    tried = [
+        (one, _filled_slopes(position[one], time[one], step))
+        for one in np.split(np.arange(rows.size), cuts)
+        if one.size > 1
+    ]
+    longest = max((one.size for one, _ in tried), default=0)
+    for one, found in tried:
+        if found.error <= WORST:
+            velocity[rows[one]] = found.velocity
+        elif one.size == longest and np.ptp(position[one], axis=0).any():
             raise RecordError(source, _too_coarse(found, motion, where), ("columns",))
-        velocity = found.velocity
-    else:
-        velocity = np.stack([*parts, np.zeros_like(parts[0])][:2], axis=-1)
-    velocity.flags.writeable = False
     return velocity
+
+
+def _filled_slopes(position: Array, time: Array, step: float) -> Slopes:
+    """Return the velocities of positions of which some samples may be missing."""
+    # Times that are rounded do not rise by whole steps.
+    at = np.cumsum(np.concatenate([[0], np.maximum(np.rint(np.diff(time) / step), 1.0)]))
+    at = at.astype(np.intp)
+    if at[-1] == at.size - 1:
+        return slopes(position, time)
+    grid = np.arange(at[-1] + 1)
+    whole = np.stack([np.interp(grid, at, column) for column in position.T], axis=-1)
+    found = slopes(whole, time[0] + step * grid)
+    return found._replace(velocity=found.velocity[at])
 
 
 def _too_coarse(found: Slopes, motion: Sequence[str], where: Mapping[str, str | int]) -> str:

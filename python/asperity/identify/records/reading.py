@@ -460,6 +460,10 @@ class _Part:
             )
         for name, what, bad in defects:
             log.warning("%s: cut at %d defects: column %s %s", source, len(bad), name, what)
+        velocity = None
+        if self.loaded and self.reader.is_stage:
+            # Pieces do not tell as much of the motion as the whole.
+            velocity = velocity_of(series, self.reader.motion, where=where, source=source)
         found: list[Recording] = []
         for piece in _pieces(defects, rows.stop - rows.start):
             name = source
@@ -467,11 +471,26 @@ class _Part:
                 ends = np.array([rows.start + piece.start, rows.start + piece.stop - 1])
                 first, last = table.lines(ends)
                 name = f"{source}{PIECE}{first}-{last}"
-            found.append(self._recording(series, piece, name, found[-1] if found else None))
+            before = found[-1] if found else None
+            moved = None if velocity is None else velocity[piece]
+            found.append(self._recording(series, piece, name, before, moved))
+        if self.loaded and found:
+            _refuse_constant(found, source, where)
+            if self.reader.check_units:
+                units = {**self.reader.named, **self._units_of_channels()}
+                # A piece of what goes back and forth need not turn back.
+                swings = any(one.turns_back for one in found)
+                for one in found:
+                    _units.check_magnitudes(one, units, swings=swings)
         return found
 
     def _recording(
-        self, series: Mapping[str, Array], rows: slice, source: str, before: Recording | None
+        self,
+        series: Mapping[str, Array],
+        rows: slice,
+        source: str,
+        before: Recording | None,
+        velocity: Array | None,
     ) -> Recording:
         reader = self.reader
         angle, time = series["angle"][rows], np.array(series["time"][rows])
@@ -486,21 +505,7 @@ class _Part:
         turned = np.array(angle)
         for values in (time, turned, readings):
             values.flags.writeable = False
-        moves = self.loaded and reader.is_stage
-        run = Recording(
-            time,
-            angle=turned,
-            readings=readings,
-            source=source,
-            velocity=velocity_of(series, rows, reader.motion, where=self.where, source=source)
-            if moves
-            else None,
-        )
-        if self.loaded:
-            _refuse_constant(run, self.where)
-            if reader.check_units:
-                _units.check_magnitudes(run, {**reader.named, **self._units_of_channels()})
-        return run
+        return Recording(time, angle=turned, readings=readings, source=source, velocity=velocity)
 
     def _units_of_channels(self) -> dict[str, str]:
         reader = self.reader
@@ -623,16 +628,21 @@ def _pieces(defects: list[tuple[str, str, NDArray[np.intp]]], n: int) -> list[sl
     ]
 
 
-def _refuse_constant(run: Recording, where: Mapping[str, str | int]) -> None:
-    channels = dict(zip(CHANNELS, run.readings.T, strict=True))
-    named = {**channels, **dict(zip(_units.FORCES, run.readings.T, strict=False))}
-    if run.velocity is None:
-        named["angle"] = named["turn_rate"] = run.angle
-    for name, values in named.items():
-        if name in where and np.ptp(values) == 0.0:
+def _refuse_constant(
+    runs: Sequence[Recording], source: str, where: Mapping[str, str | int]
+) -> None:
+    """Refuse channels that are the same in all pieces of a record."""
+    readings = np.array([[one.readings.min(axis=0), one.readings.max(axis=0)] for one in runs])
+    spread = readings[:, 1].max(axis=0) - readings[:, 0].min(axis=0)
+    named = dict(zip((*CHANNELS, *_units.FORCES), (*spread, *spread[:2]), strict=True))
+    moves = [one.velocity for one in runs if one.velocity is not None]
+    if not moves:
+        angle = max(one.angle.max() for one in runs) - min(one.angle.min() for one in runs)
+        named["angle"] = named["turn_rate"] = angle
+    for name, change in named.items():
+        if name in where and change == 0.0:
             raise RecordError(
-                run.source,
-                f"column {where[name]!r} ({name}): does not change: is it connected?",
+                source, f"column {where[name]!r} ({name}): does not change: is it connected?"
             )
-    if run.velocity is not None and not run.velocity.any():
-        raise RecordError(run.source, "the stage does not move")
+    if moves and not any(one.any() for one in moves):
+        raise RecordError(source, "the stage does not move")

@@ -124,14 +124,20 @@ def check_wrapping(angle: Array, unit: str, factor: float, source: str) -> None:
     raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn", counted)
 
 
-def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
-    """Refuse a run whose magnitudes do not fit a tribometer: a unit is wrong then."""
-    source = run.source
+def check_magnitudes(run: Recording, units: Mapping[str, str], *, swings: bool = False) -> None:
+    """Refuse a run whose magnitudes do not fit a tribometer: a unit is wrong then.
+
+    Args:
+        run: of which the magnitudes are.
+        units: of its columns.
+        swings: whether the disk turns back before or after it.
+    """
+    source, swings = run.source, swings or run.turns_back
     _inside(run.sample_rate, _RATES, "Hz", source, "time: sample rate of")
     # What goes back and forth need not turn at all.
-    if run.velocity is None and not run.turns_back:
+    if run.velocity is None and not swings:
         _check_folding(run)
-    if run.velocity is None and not run.turns_back and run.turns != 0.0:
+    if run.velocity is None and not swings and run.turns != 0.0:
         _inside(run.turn_rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
         per_turn = len(run) / abs(run.turns)
         if abs(run.turns) > 1.0 and per_turn < _PER_TURN:
