@@ -11,7 +11,7 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.identify.forces.strokes import LACKING, Strokes, strokes_of
-from asperity.identify.records.record import Recording
+from asperity.identify.records.record import Recording, goes_back
 from asperity.identify.records.stretches import stretches
 
 _TURN = 2.0 * math.pi
@@ -22,10 +22,11 @@ _BEND = math.radians(20.0)
 
 
 def strokes_of_all(runs: Sequence[Recording]) -> list[Strokes]:
-    """Return the turns or strokes of recordings; pieces of one record count together.
+    """Return the turns or strokes of recordings, numbered over all of them.
 
-    A turn that a defect interrupts is complete if it lacks no more than a few degrees. A stroke
-    that goes on in the next recording, on the same clock, is one stroke.
+    Pieces of one record count together. A turn that a defect interrupts is complete if it lacks no
+    more than a few degrees. A stroke that goes on in the next recording, on the same clock, is one
+    stroke.
     """
     swinging = _swinging(runs)
     found: list[Strokes] = []
@@ -48,12 +49,21 @@ def strokes_of_all(runs: Sequence[Recording]) -> list[Strokes]:
             found += _renumbered(group, [strokes_of(run) for run in group])
         else:
             found += _shared(group, swings=kind == "swing")
-    return found
+    before = np.cumsum([0, *(one.count for one in found)])
+    return [
+        replace(one, number=np.where(one.number >= 0, one.number + first, -1).astype(np.int32))
+        for one, first in zip(found, before, strict=False)
+    ]
 
 
 def _swinging(runs: Sequence[Recording]) -> list[bool]:
     """Return of which recordings the disk turns back, or does so in other pieces of a record."""
+    pieces: dict[str, list[Recording]] = {}
+    for run in runs:
+        if run.velocity is None and run.source != run.file:
+            pieces.setdefault(run.file, []).append(run)
     back = {run.file for run in runs if run.velocity is None and run.turns_back}
+    back |= {file for file, some in pieces.items() if goes_back(some)}
     # Less than a turn, without a turn in all of its file, is a part of a stroke.
     turning = {run.file for run in runs if run.velocity is None and abs(run.turns) >= 1.0}
     return [

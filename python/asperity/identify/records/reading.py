@@ -478,10 +478,7 @@ class _Part:
             _refuse_constant(found, source, where)
             if self.reader.check_units:
                 units = {**self.reader.named, **self._units_of_channels()}
-                # A piece of what goes back and forth need not turn back.
-                swings = any(one.turns_back for one in found)
-                for one in found:
-                    _units.check_magnitudes(one, units, swings=swings)
+                _units.check_magnitudes(found, units)
         return found
 
     def _recording(
