@@ -204,6 +204,28 @@ def test_the_usual_speed_does_not_know_rests_and_outliers():
     speed[[50, 400]] = 500.0
     assert usual_speed(speed) == pytest.approx(2.0)
     assert usual_speed(np.zeros(5)) == 0.0
+    fast = np.append(speed, np.full(12, 20.0))
+    assert usual_speed(fast) == pytest.approx(2.0)
+
+
+def test_fast_moves_to_the_next_stroke_do_not_hide_the_strokes():
+    angles = np.arange(8) * np.pi / 8 + 0.1
+    ways = 10e-3 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    segments = np.stack([ways, np.zeros_like(ways), -ways, np.zeros_like(ways)], axis=1)
+    speeds = np.tile([2e-3, 1.0, 40e-3, 1.0], 8)
+    lasts = np.where(np.arange(32) % 2 == 0, 10e-3 / speeds, 0.3)
+    ends = np.cumsum(lasts)
+    time = (np.arange(int(ends[-1] * 200.0)) + 0.4) / 200.0
+    number = np.searchsorted(ends, time, side="right")
+    parts = segments.reshape(-1, 2)
+    begin = np.concatenate([np.zeros((1, 2)), np.cumsum(parts, axis=0)])
+    share = 1.0 - (ends[number] - time) / lasts[number]
+    place = begin[number] + share[:, None] * parts[number]
+    velocity = (parts / lasts[:, None])[number]
+    for step in (0.0, 5 * MICRO):
+        data = identify.load(*in_the_plane(time, lab.encoded(place, step=step), velocity))
+        assert data.turns == 16
+        assert errors_of_direction(data, velocity).max() < 0.5
 
 
 def test_noise_makes_no_ends_and_no_corners():

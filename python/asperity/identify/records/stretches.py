@@ -17,10 +17,11 @@ SLOW = 0.2
 
 # Slower than this part, it has stopped: between the two, noise is no end of a stretch.
 _STILL = 0.1
-# Of the speeds while it slides, the one that is usual.
-_USUAL = 0.9
-# Speeds above this quantile are outliers.
-_CLIPPED = 0.999
+# Of the speeds while it slides, the one that is usual: faster moves to a place are less than the
+# rest of the time.
+_USUAL = 0.75
+# Speeds above this quantile are outliers; those below this part of the fastest are noise of a rest.
+_CLIPPED, _RESTS = 0.999, 0.02
 # Samples that tell the usual speed.
 _MOST = 100_000
 # A stretch that goes on while it changes its direction by more than this is another one.
@@ -38,12 +39,20 @@ def usual_speed(speed: Array) -> float:
     """
     some = np.sort(speed[:: max(1, speed.size // _MOST)])
     some = np.minimum(some, np.quantile(some, _CLIPPED, method="higher"))
-    # Noise of a rest has many samples, but hardly any power.
-    power = np.cumsum(some**2)
-    if not power[-1] > 0.0:
+    if not some[-1] > 0.0:
         return 0.0
-    middle = float(some[np.searchsorted(power, 0.5 * power[-1])])
-    return float(np.quantile(some[some > SLOW * middle], _USUAL))
+    # Noise of a rest has many samples, but hardly any power; fast moves have much power, but
+    # hardly any samples, and less of the way than the strokes.
+    fastest = _middle(some, some**2)
+    moving = some[some > _RESTS * fastest]
+    middle = _middle(moving, moving)
+    return float(np.quantile(moving[moving > SLOW * middle], _USUAL))
+
+
+def _middle(rising: Array, weights: Array) -> float:
+    """Return the median of rising numbers by their weights."""
+    share = np.cumsum(weights)
+    return float(rising[np.searchsorted(share, 0.5 * share[-1])])
 
 
 def stretches(velocity: Array) -> NDArray[np.int32]:
