@@ -149,3 +149,52 @@ def test_durations_and_names_of_months():
     assert clock.seconds("05-Mär-2026 00:00:00") == clock.seconds("05.03.2026 00:00:00")
     assert np.isnan(clock.seconds("23-Foo-2026 12:00:00"))
     assert np.isnan(clock.seconds("1.5 parsec"))
+
+
+def test_one_axis_that_moves_is_a_line(tmp_path):
+    time, place, velocity = lab.back_and_forth(
+        "sine", length=10e-3, speed=10e-3, dwell=0.2, rate=200.0, repeats=5
+    )
+    random = np.random.default_rng(1)
+    along, across = 4.0 * np.sign(velocity), 0.2 * np.sign(velocity)
+    noise = 0.01 * random.normal(size=(3, time.size))
+    columns = np.stack([time, 1e3 * place, along + noise[0], across + noise[1], -9.3 + noise[2]])
+    body = [",".join(f"{x:.4f}" for x in row) for row in columns.T]
+    path = tmp_path / "run.csv"
+    names = "Timestamp(sec),Y Position(mm),Ff(N),Fy(N),Fz(N)"
+    path.write_text("\n".join(["Step 1", names, *body]))
+    found = identify.inspect_file(path)
+    roles = ["time", "position", "tangential", "radial", "normal"]
+    assert [one.role for one in found.columns] == roles
+    assert identify.load(path, found.sections).turns == 10
+    # Forces along x and y leave open which is across, and of which sign.
+    path.write_text("\n".join([names.replace("Ff", "Fx"), *body]))
+    assert "position" not in [one.role for one in identify.inspect_file(path).columns]
+
+
+def test_forces_in_the_weight_of_masses(tmp_path):
+    path = tmp_path / "run.csv"
+    columns = lab.in_degrees(RUN) / [1.0, 1.0, 9.80665e-3, 9.80665e-3, 9.80665]
+    body = [",".join(f"{x:.5f}" for x in row) for row in columns]
+    path.write_text("\n".join(["t [s],phi [deg],Ft [gf],Fr [gf],Fn [kgf]", *body]))
+    found = identify.inspect_file(path)
+    assert not found.notes
+    np.testing.assert_allclose(identify.load(path, found.sections).force, DATA.force, atol=1e-4)
+
+
+def test_times_that_are_rounded_have_no_gaps(tmp_path):
+    """Whole ms at 700 Hz are steps of one and of two."""
+    run = lab.run(sample_rate=700.0)
+    columns = lab.table(run)
+    columns[:, 0] = np.floor(1e3 * columns[:, 0])
+    path = tmp_path / "run.csv"
+    body = [",".join(f"{x:.6f}" for x in row) for row in columns]
+    path.write_text("\n".join(["time,angle,tangential,radial,normal", *body]))
+    with pytest.raises(RecordError, match=r"rounded or out of order after .*see sample_rate"):
+        identify.read_csv(path, units={"time": "ms"})
+    lost = np.delete(np.arange(len(columns)), [700, 1100, 1500])
+    columns[:, 0] = 1e3 * lab.table(run)[:, 0]
+    body = [",".join(f"{x:.6f}" for x in columns[at]) for at in lost]
+    path.write_text("\n".join(["time,angle,tangential,radial,normal", *body]))
+    with pytest.raises(RecordError, match=r"sampling gap after lines 701, 1100, 1499"):
+        identify.read_csv(path, units={"time": "ms"})

@@ -49,6 +49,7 @@ _UNITS = {
     "turn/s": "turn/s", "1/s": "turn/s", "hz": "turn/s", "deg/s": "deg/s", "°/s": "deg/s",
     "rad/s": "rad/s",
     "n": "N", "newton": "N", "newtons": "N", "volt": "V", "volts": "V",
+    "gf": "gf", "kgf": "kgf", "kp": "kgf", "lbf": "lbf",
     "mn": "mN", "cn": "cN", "kn": "kN", "v": "V", "mv": "mV",
     "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um",
     "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
@@ -67,8 +68,8 @@ _WORDS = {
     r"normal force|normal load",
     "velocity_x": r"vx|v x|velocity x|geschwindigkeit x|speed x",
     "velocity_y": r"vy|v y|velocity y|geschwindigkeit y|speed y",
-    "position_x": r"x|sx|pos x|position x|weg x|x pos",
-    "position_y": r"y|sy|pos y|position y|weg y|y pos",
+    "position_x": r"x|sx|pos x|position x|weg x|x pos|x position",
+    "position_y": r"y|sy|pos y|position y|weg y|y pos|y position",
     "force_x": r"fx|f x|kraft x|force x",
     "force_y": r"fy|f y|kraft y|force y",
     "velocity": r"v|velocity|speed|geschwindigkeit|sliding speed|sliding velocity",
@@ -80,7 +81,8 @@ _KINDS = {
     "rpm": "turn_rate", "turn/s": "turn_rate", "deg/s": "turn_rate", "rad/s": "turn_rate",
     "m": "position", "mm": "position", "cm": "position", "um": "position",
     "m/s": "velocity", "mm/s": "velocity", "cm/s": "velocity", "um/s": "velocity",
-    "N": "force", "mN": "force", "cN": "force", "kN": "force", "V": "force", "mV": "force",
+    "N": "force", "mN": "force", "cN": "force", "kN": "force", "gf": "force",
+    "kgf": "force", "lbf": "force", "V": "force", "mV": "force",
 }  # fmt: skip
 
 
@@ -408,11 +410,22 @@ def _consistent(roles: dict[int, str]) -> dict[int, str]:
     if pair is not None and set(FORCES) <= found:
         kept = {*pair, "time", "angle", "normal", *FORCES}
     else:
-        # Forces along x and y of a pin on a disk are those along it and across.
-        names = dict(zip(FORCES, CHANNELS[:2], strict=True))
-        if not found & set(CHANNELS[:2]):
-            roles = {at: names.get(role, role) for at, role in roles.items()}
-            found = set(roles.values())
+        # Forces along x and y of a pin on a disk are those along it and across; one of them beside
+        # a friction force is that across.
+        given = [role for role in FORCES if role in found]
+        missing = [role for role in CHANNELS[:2] if role not in found]
+        names: dict[str, str] = {}
+        if len(missing) == 2 or len(given) == len(missing):
+            names = dict(zip(FORCES if len(missing) == 2 else given, missing, strict=True))
+        # One axis that moves is the line along which the stage goes. Beside forces along x and y,
+        # one along y would need a force across of another sign.
+        for kind in ("velocity", "position"):
+            alone = [role for role in (f"{kind}_x", f"{kind}_y") if role in found]
+            along = not alone or alone[0].endswith("x") or len(missing) < 2
+            if len(alone) == 1 and kind not in found and along:
+                names[alone[0]] = kind
+        roles = {at: names.get(role, role) for at, role in roles.items()}
+        found = set(roles.values())
         motion = next(
             (one for one in ("angle", "turn_rate", "velocity", "position") if one in found), ""
         )

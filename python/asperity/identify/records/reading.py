@@ -48,6 +48,9 @@ _TURN = 2.0 * math.pi
 _REPEATED, _CROWDED = 8, 10.0
 # A quiet channel with fewer levels than this may stay at one of them.
 _LEVELS = 16.0
+# So many long steps with short ones beside them, whose mean is the usual one up to this part, are
+# those of a time that is rounded.
+_SEVERAL, _EVEN = 3, 0.1
 _ROUNDED = "rounded or out of order after"
 _FORM = tuple(Format.__dataclass_fields__)
 # What stands for a column that is not there.
@@ -93,9 +96,9 @@ def read_csv(
             ``force_y`` for the channels; an ``angle`` then says how the surface lies.
         units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
             angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, mN, cN, kN,
-            or readings V, mV, raw for the calibration to turn into N; velocities m/s, cm/s, mm/s,
-            um/s; positions m, cm, mm, um. A leading minus turns the sign. Default: s, rad, turn/s,
-            N, m/s, m. The angle may be wrapped.
+            gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N; velocities m/s,
+            cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the sign. Default: s,
+            rad, turn/s, N, m/s, m. The angle may be wrapped.
         delimiter: between columns; None or a blank for any white space.
         decimal: ``"."`` or ``","``.
         header: number of lines before the numbers.
@@ -538,6 +541,8 @@ def _defects(
         # Time that is rounded too coarsely repeats itself everywhere.
         return [*found, ("time", _ROUNDED, halts)]
     gaps = gap_rows(known)
+    if gaps.size and _is_rounded(known, gaps):
+        return [*found, ("time", _ROUNDED, gaps)]
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
     broken = {name for name, *_ in found}
@@ -548,6 +553,16 @@ def _defects(
         if clipped.size:
             found.append((name, "clipped in", clipped))
     return found
+
+
+def _is_rounded(time: Array, gaps: NDArray[np.intp]) -> bool:
+    """Return whether most of the long steps have a short one beside them that makes up for them."""
+    steps = np.diff(time)
+    usual = float(np.nanmean(steps))
+    padded = np.concatenate([[np.inf], steps, [np.inf]])
+    beside = np.minimum(padded[gaps], padded[gaps + 2])
+    makes_up = np.abs(0.5 * (steps[gaps] + beside) - usual) < _EVEN * usual
+    return bool(gaps.size >= _SEVERAL and makes_up.mean() > 0.5)
 
 
 def _clipped(values: Array) -> NDArray[np.intp]:

@@ -13,7 +13,11 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.record import CHANNELS, Recording, goes_back
 
 _TURN = 2.0 * math.pi
-_FORCES = {"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3}
+_GRAVITY, _POUND = 9.80665, 0.45359237
+_FORCES = {
+    **{"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3},
+    **{"gf": 1e-3 * _GRAVITY, "kgf": _GRAVITY, "lbf": _POUND * _GRAVITY},
+}
 _READINGS = {**_FORCES, "V": 1.0, "mV": 1e-3, "raw": 1.0}
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
 _SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
