@@ -96,6 +96,22 @@ def test_strokes_go_on_in_the_next_file_and_in_the_next_window(name):
         assert identify.load(frame, sections | {"run": window}).turns == turns
 
 
+def test_pieces_that_only_rest_are_left_out():
+    """Behind a long interruption, a piece may hold no stroke at all."""
+    frame, sections = stroke_record()
+    frame = noisy(frame)
+    rest = frame.iloc[:60].copy()
+    rest["t"] += 100.0 + frame["t"].iloc[-1]
+    whole = pandas.concat([frame, rest], ignore_index=True)
+    data = identify.load(whole, sections | SPLIT)
+    assert len(data.raw.recordings) == 2
+    assert data.turns == 12
+    assert (data.turn[-60:] == -1).all()
+    rest["s"] = 0.0
+    with pytest.raises(AsperityError, match="the stage does not move"):
+        identify.load(rest, sections)
+
+
 def test_a_stroke_of_another_time_or_direction_is_another_one():
     frame, sections = stroke_record()
     frame = noisy(frame)
@@ -159,6 +175,32 @@ def test_strokes_without_load_are_left_out(options, caplog):
     for name, value in {"reservoir.a": 0.54, "reservoir.b": 0.46, "direction.ratio": 1.5}.items():
         off = 0.012 if "zero" in options and name != "direction.ratio" else 0.002
         assert fit.parameters[name].value == pytest.approx(value, rel=off)
+
+
+def test_pieces_in_which_the_pin_is_lifted_all_the_time_have_no_stroke():
+    frames, sections = lifted([0.0])
+    bad = frames[0].copy()
+    bad.loc[np.arange(150, len(bad), 400), "Ft"] = np.nan
+    whole = identify.load(frames, sections)
+    cut = identify.load(bad, sections | SPLIT)
+    assert len(cut.raw.recordings) > 8
+    assert (cut.turns, cut.lifted) == (whole.turns, whole.lifted) == (4, 4)
+
+
+def test_lifting_between_strokes_does_not_reach_into_them():
+    """The way back may be too fast to be a stroke."""
+    frames, sections = lifted([0.0, 1.0])
+    # Of the 62 samples on the way back, four are left.
+    for at, whole in enumerate(frames):
+        frame = whole.iloc[::8].reset_index(drop=True)
+        back = np.flatnonzero((np.gradient(frame["s"]) < -1e-5) & (frame["Fn"] < 2.0))
+        kept = np.setdiff1d(np.arange(len(frame)), back[np.arange(back.size) % 16 > 0])
+        frames[at] = frame.iloc[kept].reset_index(drop=True)
+        frames[at]["t"] = 16e-3 * np.arange(len(kept))
+    data = identify.load(frames, sections)
+    assert (data.turns, data.lifted) == (8, 0)
+    used = data.turn >= 0
+    assert np.ptp(data.normal_force[used]) < 0.2
 
 
 def test_what_pulls_is_not_lifted():

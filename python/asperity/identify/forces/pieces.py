@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.errors import RecordError
 from asperity.identify.forces.strokes import LACKING, Strokes, strokes_of
 from asperity.identify.records.record import Recording, goes_back
 from asperity.identify.records.stretches import stretches
@@ -30,6 +31,7 @@ def strokes_of_all(runs: Sequence[Recording]) -> list[Strokes]:
     """
     swinging = _swinging(runs)
     found: list[Strokes] = []
+    refused: dict[str, RecordError] = {}
     while len(found) < len(runs):
         at = len(found)
         kind = _kind(runs, at, swinging)
@@ -43,17 +45,56 @@ def strokes_of_all(runs: Sequence[Recording]) -> list[Strokes]:
         ):
             end += 1
         group = runs[at:end]
-        if len(group) == 1:
-            found.append(strokes_of(runs[at], swings=kind == "swing"))
-        elif kind == "disk":
-            found += _renumbered(group, [strokes_of(run) for run in group])
-        else:
+        if kind == "disk":
+            alone = [strokes_of(run) for run in group]
+            found += alone if len(group) == 1 else _renumbered(group, alone)
+            continue
+        try:
             found += _shared(group, swings=kind == "swing")
+        except RecordError as error:
+            # A piece may have no stroke where others have some.
+            refused.setdefault(group[0].file, error)
+            found += [_without(run) for run in group]
+    _refuse_without(runs, found, refused)
+    found = _paced(runs, found)
     before = np.cumsum([0, *(one.count for one in found)])
     return [
         replace(one, number=np.where(one.number >= 0, one.number + first, -1).astype(np.int32))
         for one, first in zip(found, before, strict=False)
     ]
+
+
+def _without(run: Recording) -> Strokes:
+    """Return that a recording has no stroke."""
+    return Strokes(np.full(len(run), -1, dtype=np.int32), 0, np.zeros(len(run)), 0.5 / run.duration)
+
+
+def _refuse_without(
+    runs: Sequence[Recording], found: Sequence[Strokes], refused: dict[str, RecordError]
+) -> None:
+    """Refuse files of which no piece has a stroke."""
+    for run, one in zip(runs, found, strict=True):
+        if one.number.max() >= 0:
+            refused.pop(run.file, None)
+    for error in refused.values():
+        raise error
+
+
+def _paced(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
+    """Return strokes whose rate is that of all pieces of a file: a piece may be short."""
+    found = list(strokes)
+    for file in {run.file for run in runs if run.source != run.file}:
+        at = [
+            k
+            for k, run in enumerate(runs)
+            if run.file == file and isinstance(strokes[k].turned, np.ndarray)
+        ]
+        if at:
+            lasts = sum(runs[k].duration for k in at)
+            rate = 0.5 * max(sum(strokes[k].count for k in at), 1) / lasts
+            for k in at:
+                found[k] = replace(strokes[k], rate=rate)
+    return found
 
 
 def _swinging(runs: Sequence[Recording]) -> list[bool]:
@@ -125,6 +166,8 @@ def _gap(before: Recording, run: Recording) -> float:
 
 def _shared(runs: Sequence[Recording], *, swings: bool) -> list[Strokes]:
     """Return the strokes of a record that was cut, as if its gaps were filled by straight lines."""
+    if len(runs) == 1:
+        return [strokes_of(runs[0], swings=swings)]
     step = 1.0 / runs[0].sample_rate
     times, rows = [runs[0].time], [np.arange(len(runs[0]))]
     past = len(runs[0])

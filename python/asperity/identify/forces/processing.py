@@ -122,7 +122,7 @@ class ProcessedData(Value):
             _turned=tuple(one.turned for one in strokes),
         )
         _refuse_incomplete(raw, strokes)
-        loaded = loaded_strokes(strokes, self._pressing)
+        loaded = loaded_strokes(raw.recordings, strokes, self._pressing)
         if loaded.lifted:
             log.warning(
                 "%d of %d strokes are left out: there the pin is lifted, λ_N is near zero",
