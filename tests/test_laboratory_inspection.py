@@ -8,7 +8,7 @@ from asperity.commands.main import main
 from asperity.errors import AsperityError, RecordError
 from asperity.identify.records import clock
 
-RUN = lab.run(sample_rate=500.0)
+RUN = lab.run(sample_rate=250.0)
 DATA = identify.process(identify.RawData([RUN]))
 
 # What is left to be said of each file, begins of sentences.
@@ -49,13 +49,13 @@ def test_inspection_alone_reads_files_of_programs(name, tmp_path):
     angle = next(one for one in found.columns if one.role == "angle")
     highest = {"counts": 4092.0, "": 20.1}.get(angle.unit, 359.8)
     assert angle.low == 0.0
-    assert angle.high == pytest.approx(highest, abs=1.0)
+    assert angle.high == pytest.approx(highest, rel=3e-3)
 
 
 def test_lines_of_parts_are_those_of_the_file(tmp_path):
     path = tmp_path / "run.lvm"
     lines = lab.labview_measurement(RUN, parts=4).splitlines()
-    at = next(at for at, line in enumerate(lines) if at > 2000 and line.startswith("3.99"))
+    at = next(at for at, line in enumerate(lines) if at > 900 and line.startswith("3.99"))
     lines[at] = lines[at].replace(lines[at].split("\t")[2], "NaN")
     path.write_text("\n".join(lines))
     found = identify.inspect_file(path)
@@ -91,7 +91,7 @@ def book(path, *, info=True):
     """Write a workbook whose data, with a rest of the disk first, are on its second sheet."""
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("openpyxl")
-    raw = lab.machine(no_load_time=6.0, zero=0.02, sample_rate=500.0).record()
+    raw = lab.machine(no_load_time=6.0, zero=0.02, sample_rate=350.0).record()
     parts = [lab.table(one) for one in (raw.no_load[0], raw.recordings[0])]
     columns = np.vstack(parts)
     columns[:, 0] -= columns[0, 0]
@@ -115,7 +115,7 @@ def test_ranges_of_spreadsheets_are_those_of_all_lines(tmp_path):
     assert found.sections["file"]["counts_per_turn"] == 4096
     assert "sheet" not in found.sections["file"]
     assert found.columns[0].high == pytest.approx(columns[-1, 0])
-    assert found.columns[1].high == pytest.approx(4092, abs=4)
+    assert found.columns[1].high == pytest.approx(4092, abs=12)
 
 
 def test_the_sheet_with_the_data_is_found_and_named(tmp_path, capsys):
