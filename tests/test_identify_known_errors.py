@@ -100,11 +100,10 @@ def test_a_stated_error_does_what_it_says():
     gains = summed(
         moved(lambda r, k=k: r * (1.0 + np.eye(3)[k] * gain[k])) - base for k in range(3)
     )
-    names = slice(0, 3)
-    for found, expected in ((stated.zero, zeros), (stated.calibration, gains)):
-        np.testing.assert_allclose(
-            np.sqrt(np.diag(found))[names], np.sqrt(np.diag(expected))[names], rtol=0.05
-        )
+    # The angle of D moves from one sample near its axes to the next; gains do not turn C at all.
+    for found, expected, count in ((stated.zero, zeros, 6), (stated.calibration, gains, 3)):
+        errors = (np.sqrt(np.diag(one))[:count] for one in (found, expected))
+        np.testing.assert_allclose(*errors, rtol=0.05)
 
 
 def test_the_error_of_a_given_normal_force_is_the_third_gain():

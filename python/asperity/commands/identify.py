@@ -58,6 +58,12 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "seems to read it, to be looked over: to the file of --config, by default beside FILE "
         "with the ending .toml; a file that is there stays as it is",
     )
+    parser.add_argument(
+        "--sheet",
+        metavar="NAME",
+        help="sheet of a spreadsheet to --inspect, its name or its number from 0; by default that "
+        "which seems to hold the data. The configuration that is written names it",
+    )
     for name, meaning in (
         ("reservoir", "force reservoir C"),
         ("direction", "direction set D"),
@@ -89,6 +95,8 @@ def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
     if options.inspect is not None:
         return _inspect(options)
+    if options.sheet is not None:
+        raise ParameterError("sheet", "is for --inspect; the configuration has it in [file]")
     for name, what in (
         ("paths", "names no file"),
         ("config", "must be given: --inspect FILE writes one"),
@@ -121,9 +129,19 @@ def _inspect(options: argparse.Namespace) -> int:
 
     if options.paths or options.out is not None:
         raise ParameterError("inspect", "takes one file, and no DATA and no --out beside it")
-    found = inspect_file(options.inspect)
+    found = inspect_file(options.inspect, sheet=_sheet(options.inspect, options.sheet))
     print(found.summary())
     target = options.config or options.inspect.with_suffix(".toml")
     found.write(target)
     print(f"\nconfiguration to look over in {target}")
     return DOUBTFUL if found.notes else SUCCESS
+
+
+def _sheet(path: Path, given: str | None) -> str | int | None:
+    """Return a sheet of a spreadsheet by its name, or by its number if none has it as a name."""
+    if given is None or not given.isdigit():
+        return given
+    from asperity.identify.records.text_table import SPREADSHEETS, sheets_of
+
+    named = path.suffix.lower() in SPREADSHEETS and given in sheets_of(path)
+    return given if named else int(given)

@@ -71,7 +71,7 @@ class Identification:
         """Return a few lines of text: the data, their defects, Table 1 of [WL19], the law."""
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
         parts += [SETS, UNITS_AND_SCALE]
-        names, force = self.fit.parameters, float(self.data.normal_force.mean())
+        names, force = self.fit.parameters, self.data.usual_load
         if {"reservoir.a", "reservoir.b"} <= set(names):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
             parts.append(f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N")
@@ -105,10 +105,12 @@ class Identification:
                 "data",
                 f"{data.used} of {len(data.phi)} samples in {data.turns} "
                 f"{'turns' if data.goes_round else 'strokes'}, "
-                f"{len(raw.recordings)} runs",
+                f"{len(raw.recordings)} runs"
+                + f"; {data.lifted} strokes without load left out"
+                * (data.lifted > 0),
             ),
             ("directions", str(self.fit.coverage)),
-            ("normal force", f"{data.normal_force.mean():.4g} N"),
+            ("normal force", f"{data.usual_load:.4g} N"),
             ("calibration", condition),
             ("zero", records),
         ]

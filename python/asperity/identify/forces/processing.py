@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.log import log
 from asperity._base.value import Value
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.forces import filters, stated_errors
 from asperity.identify.forces.averaged import Averaged
+from asperity.identify.forces.lifted import loaded_strokes
 from asperity.identify.forces.measured_sets import MeasuredSets
-from asperity.identify.forces.strokes import Axes, Strokes, joined, strokes_of
+from asperity.identify.forces.pieces import strokes_of_all
+from asperity.identify.forces.strokes import Axes, Strokes
 from asperity.identify.forces.turns import (
     TurnAverage,
     average_turns,
@@ -44,6 +47,7 @@ class ProcessedData(Value):
         normal_force: λ_N in N after the low-pass filter, shape ``(n,)``.
         turn: number of the turn of each sample, from 0 over all runs; −1 outside complete turns.
             Where the pin goes back and forth or along lines, of the stroke; −1 between strokes.
+        lifted: number of strokes that are left out, as the pin is lifted in them.
         run: first sample of each run and the number of samples, shape ``(m + 1,)``.
         matrix: T, shape ``(3, 3)``.
         zero: mean reading without load in the middle of the runs, shape ``(3,)``.
@@ -63,6 +67,7 @@ class ProcessedData(Value):
     force: Array
     normal_force: Array
     turn: NDArray[np.int32]
+    lifted: int
     run: tuple[int, ...]
     matrix: Array
     zero: Array
@@ -71,6 +76,7 @@ class ProcessedData(Value):
     cut_off_frequency: tuple[float | None, ...]
     _zeros: tuple[Zero, ...]
     _turned: tuple[Array | float, ...]
+    _pressed: tuple[tuple[slice, ...] | None, ...]
 
     def __init__(
         self,
@@ -89,9 +95,10 @@ class ProcessedData(Value):
         zeros = zeros_of(raw)
         lengths = [len(r) for r in raw.recordings]
         starts = np.concatenate([[0], np.cumsum(lengths)])
-        for run in raw.recordings:
-            _refuse_rest(run)
-        strokes = joined(raw.recordings, [strokes_of(run) for run in raw.recordings])
+        strokes = strokes_of_all(raw.recordings)
+        for run, one in zip(raw.recordings, strokes, strict=True):
+            if isinstance(one.turned, float):
+                _refuse_rest(run)
         matrix = np.eye(3) if calibration is None else calibration.matrix
         weighed = (
             None
@@ -114,19 +121,32 @@ class ProcessedData(Value):
             _zeros=zeros,
             _turned=tuple(one.turned for one in strokes),
         )
-        self._fill(self._sized(), strokes)
+        _refuse_incomplete(raw, strokes)
+        loaded = loaded_strokes(raw.recordings, strokes, self._pressing)
+        if loaded.lifted:
+            log.warning(
+                "%d of %d strokes are left out: there the pin is lifted, λ_N is near zero",
+                loaded.lifted,
+                1 + max(int(one.number.max()) for one in strokes),
+            )
+        self._keep(lifted=loaded.lifted, _pressed=loaded.pressed)
+        self._fill(self._sized(), loaded.strokes)
+
+    def _pressing(self, number: int) -> Array:
+        """Return what the readings of a run say of λ_N in N, not filtered."""
+        run, zero = self.raw.recordings[number], self._zeros[number]
+        later = run.time - zero.middle
+        offset, slope = float(self.matrix[2] @ zero.mean), float(self.matrix[2] @ zero.slope)
+        return np.asarray(run.readings @ self.matrix[2] - offset - slope * later)
 
     def _sized(self) -> _Series:
         n = self.run[-1]
         return _Series(np.empty(n), np.empty((n, 2)), np.empty(n), np.empty(n, dtype=np.int32))
 
     def _fill(self, out: _Series, strokes: Sequence[Strokes]) -> None:
-        before = 0
         for number, (run, one) in enumerate(zip(self.raw.recordings, strokes, strict=True)):
             rows = slice(self.run[number], self.run[number + 1])
             out.turn[rows] = one.number
-            out.turn[rows][one.number >= 0] += before
-            before += one.count
             if isinstance(one.turned, float):
                 np.add(run.angle, self.grid_angle + one.turned, out=out.phi[rows])
             else:
@@ -135,8 +155,7 @@ class ProcessedData(Value):
             self._forces(
                 number, self.matrix, self._zeros[number], out.force[rows], out.normal[rows]
             )
-        _refuse_incomplete(self.raw, [one.count for one in strokes])
-        _refuse_lost_contact(self.raw, self.run, out)
+        _refuse_lost_contact(self.raw, self.run, out, self._turned)
         for series in (out.phi, out.force, out.normal, out.turn):
             series.flags.writeable = False
         self._keep(phi=out.phi, force=out.force, normal_force=out.normal, turn=out.turn)
@@ -166,16 +185,27 @@ class ProcessedData(Value):
         run, frequency = self.raw.recordings[number], self.cut_off_frequency[number]
         if frequency is None:
             return signal
-        return filters.low_pass(
-            signal, sample_rate=run.sample_rate, cut_off=frequency, order=self.order
-        )
+        # Through lifting and putting down, a filter would spread them over the strokes beside them.
+        pressed = self._pressed[number]
+        smooth = np.array(signal)
+        for rows in (slice(None),) if pressed is None else pressed:
+            smooth[rows] = filters.low_pass(
+                signal[rows], sample_rate=run.sample_rate, cut_off=frequency, order=self.order
+            )
+        return smooth
 
     def __repr__(self) -> str:
         turns = f"{self.turns} {'turns' if self.goes_round else 'strokes'}"
+        turns += f" ({self.lifted} without load left out)" * (self.lifted > 0)
         return (
             f"<ProcessedData: {len(self.phi)} samples, {turns} of "
-            f"{len(self.raw.recordings)} runs, λ_N = {self.normal_force.mean():.4g} N>"
+            f"{len(self.raw.recordings)} runs, λ_N = {self.usual_load:.4g} N>"
         )
+
+    @property
+    def usual_load(self) -> float:
+        """Mean λ_N in N over complete turns, or strokes."""
+        return float(self.normal_force[self.turn >= 0].mean())
 
     @property
     def turns(self) -> int:
@@ -425,17 +455,19 @@ class _Series:
 
 
 def _refuse_rest(run: Recording) -> None:
-    if run.velocity is None and abs(run.turns) < 1e-3 and not run.turns_back:
+    if abs(run.turns) < 1e-3:
         raise RecordError(run.source, "angle: the disk does not turn")
 
 
-def _refuse_incomplete(raw: RawData, found: Sequence[int]) -> None:
-    """Refuse files without a complete turn; `found` are the complete turns of each recording.
+def _refuse_incomplete(raw: RawData, strokes: Sequence[Strokes]) -> None:
+    """Refuse files of a disk without a complete turn.
 
     Pieces of a file that was cut at its defects count together.
     """
-    turns = dict(zip(map(id, raw.recordings), found, strict=True))
-    for run in raw.recordings:
+    turns = {id(run): one.count for run, one in zip(raw.recordings, strokes, strict=True)}
+    for run, one in zip(raw.recordings, strokes, strict=True):
+        if not isinstance(one.turned, float):
+            continue
         # A recording without a name is a file of its own.
         pieces = [one for one in raw.recordings if run.source and one.file == run.file] or [run]
         if not any(turns[id(piece)] for piece in pieces):
@@ -446,11 +478,13 @@ def _refuse_incomplete(raw: RawData, found: Sequence[int]) -> None:
             )
 
 
-def _refuse_lost_contact(raw: RawData, starts: tuple[int, ...], out: _Series) -> None:
+def _refuse_lost_contact(
+    raw: RawData, starts: tuple[int, ...], out: _Series, ways: Sequence[Array | float]
+) -> None:
     """Refuse runs with a normal force that is not positive; between strokes the pin may lift."""
-    for run, start, stop in zip(raw.recordings, starts, starts[1:], strict=False):
+    for run, start, stop, turned in zip(raw.recordings, starts, starts[1:], ways, strict=False):
         normal = out.normal[start:stop]
-        if run.velocity is not None:
+        if not isinstance(turned, float):
             normal = np.where(out.turn[start:stop] >= 0, normal, np.inf)
         lowest = int(normal.argmin())
         if normal[lowest] <= 0.0:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -15,22 +14,16 @@ from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.forces.turns import sense, turn_numbers
 from asperity.identify.records.record import BACKLASH, Recording
+from asperity.identify.records.slopes import WORST, slopes
+from asperity.identify.records.stretches import FEWEST, SLOW, stretches, usual_speed
 
 _TURN = 2.0 * math.pi
-# Slower than this part of the usual speed, the pin is about to stick or to turn back.
-_SLOW = 0.2
-# Of the speeds of a record, the one that is usual.
-_USUAL = 0.9
-# A stroke that goes on while it changes its direction by more than this is another one. What turns
-# as slowly as a disk does makes turns, not strokes.
-_CORNER = math.radians(20.0)
-_FEWEST = 8
 # A stroke whose direction stays within this angle is straight: that of its fifths, in which noise
 # of the motion is small.
 _STRAIGHT = math.radians(2.0)
 _FIFTHS = 5
-# A turn that lacks more than this angle is no complete one.
-_LACKING = math.radians(5.0)
+LACKING = math.radians(5.0)
+"""A turn that lacks more than this angle is no complete one."""
 
 
 class Axes(NamedTuple):
@@ -76,11 +69,16 @@ class Strokes:
     rate: float
 
 
-def strokes_of(run: Recording) -> Strokes:
-    """Return the turns of a disk that turns one way, else the strokes."""
+def strokes_of(run: Recording, *, swings: bool = False) -> Strokes:
+    """Return the turns of a disk that turns one way, else the strokes.
+
+    Args:
+        run: a recording.
+        swings: whether the disk turns back before or after it.
+    """
     if run.velocity is not None:
         return _of_velocity(run, run.velocity)
-    if run.turns_back:
+    if swings or run.turns_back:
         return _of_oscillation(run)
     sign = sense(run)
     number = turn_numbers(run, sign)
@@ -90,13 +88,10 @@ def strokes_of(run: Recording) -> Strokes:
 
 def _of_velocity(run: Recording, velocity: Array) -> Strokes:
     """Return the strokes of a stage, or the turns of one whose direction goes round."""
-    speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    usual = float(np.quantile(speed, _USUAL))
-    if usual == 0.0:
+    if not velocity.any():
         raise RecordError(run.source, "the stage does not move")
-    slides = speed > _SLOW * usual
     turned = np.arctan2(velocity[:, 1], velocity[:, 0])
-    number = _stretches(slides, _corners(turned, slides))
+    number = stretches(velocity)
     turned = _unwrapped(turned, number)
     going_round = _going_round(turned, number)
     if going_round is not None:
@@ -127,28 +122,6 @@ def _straightened(turned: Array, number: NDArray[np.int32], velocity: Array) -> 
     return straight
 
 
-def _corners(turned: Array, slides: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return after which samples the direction jumps."""
-    step = np.diff(turned)
-    step -= _TURN * np.rint(step / _TURN)
-    return (np.abs(step) > _CORNER) & slides[1:] & slides[:-1]
-
-
-def _stretches(slides: NDArray[np.bool_], corner: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return numbers of the stretches of samples that slide; too short ones have none."""
-    ends = np.flatnonzero(np.diff(slides.astype(np.int8)) != 0) + 1
-    edges = np.union1d(ends, np.flatnonzero(corner) + 1)
-    first = np.concatenate([[0], edges]).astype(np.intp)
-    past = np.append(edges, slides.size).astype(np.intp)
-    number = np.full(slides.size, -1, dtype=np.int32)
-    count = 0
-    for start, stop in zip(first, past, strict=True):
-        if slides[start] and stop - start >= _FEWEST:
-            number[start:stop] = count
-            count += 1
-    return number
-
-
 def _unwrapped(turned: Array, number: NDArray[np.int32]) -> Array:
     """Return directions that do not jump by whole turns within a stretch."""
     edges = np.flatnonzero(np.diff(number)) + 1
@@ -165,7 +138,8 @@ def _going_round(turned: Array, number: NDArray[np.int32]) -> NDArray[np.int32] 
         return None
     angle = turned[rows]
     way = float(angle[-1] - angle[0])
-    complete = math.floor(abs(way) * rows.size / (rows.size - 1) / _TURN + 1e-9)
+    # Directions are known to a degree or so, and the last turn may seem to lack it.
+    complete = math.floor((abs(way) * rows.size / (rows.size - 1) + LACKING) / _TURN)
     if not complete:
         return None
     ahead = np.floor((angle - angle[0]) * math.copysign(1.0, way) / _TURN + 1e-9)
@@ -179,18 +153,22 @@ def _of_oscillation(run: Recording) -> Strokes:
     way = _from_turn_to_turn(run.angle)
     number = np.full(len(run), -1, dtype=np.int32)
     turned = np.zeros(len(run))
-    rate = np.abs(np.gradient(run.angle))
-    slow = _SLOW * float(np.quantile(rate, _USUAL))
-    # A rate from differences is noisy: what is slow shows in means over part of a stroke.
-    shortest = int(np.diff(way).min())
-    window = max(1, shortest // 50)
-    slides = np.convolve(np.diff(run.angle, append=run.angle[-1]), np.ones(window) / window, "same")
+    found = slopes(run.angle[:, None], run.time)
+    if not found.error <= WORST:
+        raise RecordError(
+            run.source,
+            f"angle: its steps or noise of {math.degrees(max(found.step, found.noise)):.2g}° are "
+            "not small beside the strokes: angles in finer steps or longer strokes are needed",
+            ("columns",),
+        )
+    rate = found.velocity[:, 0]
+    slow = SLOW * usual_speed(np.abs(rate))
     count = 0
     for start, stop in pairwise(way.tolist()):
         sign = math.copysign(1.0, run.angle[stop - 1] - run.angle[start])
         turned[start:stop] = 0.0 if sign > 0.0 else math.pi
-        rows = start + np.flatnonzero(slides[start:stop] * sign > slow)
-        if rows.size < _FEWEST:
+        rows = start + np.flatnonzero(rate[start:stop] * sign > slow)
+        if rows.size < FEWEST:
             continue
         ahead = np.abs(run.angle[rows] - run.angle[rows[0]]) / _TURN
         whole = math.floor(float(ahead[-1]) * rows.size / (rows.size - 1) + 1e-9)
@@ -233,63 +211,8 @@ def _checked(run: Recording, number: NDArray[np.int32], turned: Array) -> Stroke
     if not count:
         raise RecordError(
             run.source,
-            f"has no stroke of {_FEWEST} samples or more: is the motion noise, or its unit wrong?",
+            f"has no stroke of {FEWEST} samples or more: is the motion noise, or its unit wrong?",
             ("columns", "units"),
         )
     turned.flags.writeable = number.flags.writeable = False
     return Strokes(number, count, turned, 0.5 * max(count, 1) / run.duration)
-
-
-def joined(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
-    """Let pieces that were cut from one file count its turns, not each its own.
-
-    A turn that a defect interrupts is complete if it lacks no more than a few degrees.
-    """
-    found, at = list(strokes), 0
-    while at < len(runs):
-        end = at + 1
-        while end < len(runs) and _goes_on(runs[end - 1], runs[end]):
-            end += 1
-        if end - at > 1:
-            found[at:end] = _renumbered(runs[at:end], strokes[at:end])
-        at = end
-    return found
-
-
-def _goes_on(before: Recording, run: Recording) -> bool:
-    """Return whether two recordings are neighbouring pieces of one file of a disk."""
-    return (
-        before.source != before.file == run.file != run.source
-        and before.velocity is None
-        and run.velocity is None
-        and not (before.turns_back or run.turns_back)
-        and before.turns * run.turns > 0.0
-        and run.time[0] > before.time[-1]
-        and (run.angle[0] - before.angle[-1]) * before.turns > 0.0
-    )
-
-
-def _renumbered(runs: Sequence[Recording], strokes: Sequence[Strokes]) -> list[Strokes]:
-    sign = math.copysign(1.0, runs[0].turns)
-    start = float(runs[0].angle[0])
-    last = runs[-1]
-    step = abs(float(last.angle[-1] - last.angle[0])) / (len(last) - 1)
-    whole = math.floor((sign * (float(last.angle[-1]) - start) + step) / _TURN + 1e-9)
-    lacks = np.zeros(max(whole, 1))
-    for before, after in pairwise(runs):
-        # Turns share what lies between the last sample before a defect and the first after it.
-        low, high = (sign * (one - start) for one in (before.angle[-1], after.angle[0]))
-        for turn in range(int(low // _TURN), int(high // _TURN) + 1):
-            if turn < lacks.size:
-                lacks[turn] += min(high, (turn + 1) * _TURN) - max(low, turn * _TURN)
-    number_of = np.full(lacks.size, -1, dtype=np.int32)
-    kept = np.flatnonzero((lacks < _LACKING) & (np.arange(lacks.size) < whole))
-    number_of[kept] = np.arange(kept.size)
-    found = []
-    for run, old in zip(runs, strokes, strict=True):
-        ahead = np.floor(sign * (run.angle - start) / _TURN + 1e-9).astype(np.int64)
-        inside = (ahead >= 0) & (ahead < lacks.size)
-        number = np.where(inside, number_of[np.clip(ahead, 0, lacks.size - 1)], -1)
-        count = int(kept.size) if run is runs[-1] else 0
-        found.append(Strokes(number.astype(np.int32), count, old.turned, old.rate))
-    return found

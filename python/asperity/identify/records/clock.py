@@ -14,15 +14,21 @@ from asperity._base.arrays import Array
 
 DAY = 86_400.0
 _CLOCK = re.compile(
-    r"(?:(?P<date>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})[T ]\s*)?"
+    r"(?:(?P<date>\d{1,4}[-./](?:\d{1,2}|[A-Za-zÄä]{3,4}\.?)[-./]\d{1,4})[T ]\s*)?"
     r"(?P<hour>\d{1,2}):(?P<minute>\d{2})(?::(?P<second>\d{2}(?:[.,:]\d+)?))?\s*(?P<half>[AaPp][Mm])?Z?"
 )
+# Durations as MATLAB writes them.
+_LASTING = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?) (?P<unit>sec|min|hr)")
+_LASTS = {"sec": 1.0, "min": 60.0, "hr": 3600.0}
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_GERMAN = {"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
 
 
 def seconds(text: str) -> float:
     """Return the seconds since midnight, or since 1970 where there is a date; NaN if it is none.
 
-    Dates are year-month-day, day.month.year or month/day/year.
+    Dates are year-month-day, day.month.year or month/day/year; a month may have its name. What
+    lasts "0.5 sec" is so long.
 
     >>> from asperity.identify.records.clock import seconds
     >>> seconds("12:00:00.123"), seconds("1:30 PM")
@@ -30,9 +36,13 @@ def seconds(text: str) -> float:
     >>> seconds("2026-11-23T12:00:00") - seconds("23.11.2026 11:59:00")
     60.0
     """
-    found = _CLOCK.fullmatch(text.strip().strip('"'))
+    plain = text.strip().strip('"')
+    found = _CLOCK.fullmatch(plain)
     if found is None:
-        return math.nan
+        lasting = _LASTING.fullmatch(plain)
+        if lasting is None:
+            return math.nan
+        return float(lasting["number"].replace(",", ".")) * _LASTS[lasting["unit"]]
     hour, half = int(found["hour"]), found["half"]
     if half is not None:
         hour = hour % 12 + 12 * (half.lower() == "pm")
@@ -45,10 +55,14 @@ def seconds(text: str) -> float:
 def _day(date: str) -> float:
     """Return the days since 1970."""
     mark = next(one for one in date if not one.isdigit())
-    parts = [int(one) for one in re.split(r"[-./]", date)]
+    texts = [one for one in re.split(r"[-./]", date) if one]
+    named = texts[1][0].isalpha()
+    if named:
+        texts[1] = str(_month(texts[1].lower()[:3]))
+    parts = [int(one) for one in texts]
     if parts[0] > 31:
         year, month, day = parts
-    elif mark == "/":
+    elif mark == "/" and not named:
         month, day, year = parts
     else:
         day, month, year = parts
@@ -58,8 +72,15 @@ def _day(date: str) -> float:
         return math.nan
 
 
+def _month(name: str) -> int:
+    """Return the number of a month, 0 if there is none of that name."""
+    return _MONTHS.index(name) + 1 if name in _MONTHS else _GERMAN.get(name, 0)
+
+
 _BEGIN = datetime.datetime(1970, 1, 1)
 _EPOCH = _BEGIN.toordinal()
+UNDATED = 1000.0 * DAY
+"""Records whose times have no date end before this."""
 
 
 def of_cell(cell: Any) -> float:
@@ -70,6 +91,8 @@ def of_cell(cell: Any) -> float:
         return (cell.replace(tzinfo=None) - _BEGIN).total_seconds()
     if isinstance(cell, np.datetime64):
         return float((cell - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
+    if isinstance(cell, np.timedelta64):
+        return float(cell / np.timedelta64(1, "s"))
     if isinstance(cell, datetime.time):
         return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
     if isinstance(cell, datetime.timedelta):
@@ -83,3 +106,38 @@ def through_midnight(time: Array) -> Array:
     if not back.any():
         return time
     return time + DAY * np.concatenate([[0.0], np.cumsum(back)])
+
+
+def text(time: float) -> str:
+    """Return what a clock shows, with the date where there is one.
+
+    >>> from asperity.identify.records.clock import seconds, text
+    >>> text(86_397.5), text(seconds("23.11.2026 12:00:00"))
+    ('23:59:57.5', '2026-11-23 12:00:00')
+    """
+    if not math.isfinite(time):
+        return "no time"
+    day, rest = divmod(round(time, 6), DAY)
+    minutes, second = divmod(rest, 60.0)
+    hour, minute = divmod(int(minutes), 60)
+    shown = f"{hour:02d}:{minute:02d}:{second:09.6f}".rstrip("0").rstrip(".")
+    # What goes on after midnight has no date either.
+    if abs(time) < UNDATED:
+        return shown
+    return f"{datetime.date.fromordinal(int(day) + _EPOCH)} {shown}"
+
+
+def in_record(time: float, first: float, last: float, *, after: float = -math.inf) -> float:
+    """Return a time of day on the day on which it is in a record, or nearest to it.
+
+    Args:
+        time: since midnight.
+        first: of the record.
+        last: of the record.
+        after: what it is not before.
+    """
+    days = np.arange(first // DAY - 1.0, last // DAY + 2.0)
+    found = time + DAY * days
+    found = found[found >= after] if (found >= after).any() else found
+    away = np.maximum(np.maximum(first - found, found - last), 0.0)
+    return float(found[away.argmin()])

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import codecs
 import csv
+import io
 import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import product, zip_longest
 from pathlib import Path
 from typing import Any
 
 from asperity.errors import RecordError
-from asperity.identify.records import clock
+from asperity.identify.records import clock, labview
 from asperity.identify.records.text_table import THOUSANDS, Format, names_of, split
 
-# Bytes and lines that are looked at.
-_BYTES, _LINES = 1 << 18, 2000
+# Bytes and lines that are looked at, and bytes in the middle and at the end of what is longer.
+_BYTES, _LINES, _LATER = 1 << 18, 2000, 1 << 15
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -32,6 +33,8 @@ _GROUPS = {
     (mark, group): re.compile(rf"[-+]?\d{{1,3}}({re.escape(group)}\d{{3}})+({re.escape(mark)}\d*)?")
     for mark, group in product((".", ","), THOUSANDS)
 }
+# A number with marks in it, and one without that is no longer than a group.
+_MARKED, _SHORT = re.compile(r"[-+]?[\d.,]*\d"), re.compile(r"[-+]?\d{1,3}")
 # A line of numbers is one if this share of its cells are.
 _MOST = 0.5
 # So many lines of numbers one after the other begin the table.
@@ -60,23 +63,17 @@ def guess(path: Path) -> Guess:
         RecordError: if it cannot be read, or holds no table of numbers.
     """
     try:
-        with path.open("rb") as file:
-            start = file.read(_BYTES)
+        encoding, lines, later = _looked_at(path)
     except OSError as error:
         raise RecordError(str(path), f"cannot be read: {error.strerror}") from None
-    if not start:
+    if not lines:
         raise RecordError(str(path), "is empty")
-    encoding, text = _decoded(start)
-    lines = text.splitlines()
-    if len(start) == _BYTES:
-        # The last line may be cut.
-        lines = lines[:-1]
-    lines = lines[:_LINES]
     best, score = None, 0.0
     for delimiter in _DELIMITERS:
-        cells = _cells(lines, delimiter)
+        cells = _cells([*lines, *later], delimiter)
+        groups = [mark for mark in (".", ",") if mark != delimiter and _parts_groups(cells, mark)]
         for decimal, group in product((".", ","), (None, *THOUSANDS)):
-            if decimal in (delimiter, group) or (
+            if decimal in (delimiter, group, *groups) or (
                 group is not None and delimiter is None and group.isspace()
             ):
                 continue
@@ -101,19 +98,67 @@ def of_cells(cells: Sequence[Sequence[Any]], source: str, sheet: str | int) -> G
     Raises:
         RecordError: if they hold no table of numbers.
     """
-    rows = [["" if cell is None else cell for cell in row] for row in cells[:_LINES]]
+    rows = [["" if cell is None else cell for cell in row] for row in cells]
+    some = rows[:_LINES]
+    groups = [mark for mark in (".", ",") if _parts_groups(some, mark)]
     best, score = None, 0.0
     for decimal, group in product((".", ","), (None, *THOUSANDS)):
-        if decimal != group:
-            found = _score(rows, decimal, group) - 1e-6 * (group is not None)
+        if decimal not in (group, *groups):
+            found = _score(some, decimal, group) - 1e-6 * (group is not None)
             if found > score + 1e-9:
                 best, score = (decimal, group), found
     if best is None:
         raise RecordError(source, "holds no table of numbers", ("sheet",))
-    first = _first(rows, *best)
+    first = _first(some, *best)
     delimiter = Format().delimiter if best[0] == "." else ";"
     form = Format(delimiter, best[0], first, "utf-8-sig", None, best[1], sheet)
     return Guess(form, rows[:first], [row for row in rows[first:] if any(c != "" for c in row)])
+
+
+def _looked_at(path: Path) -> tuple[str, list[str], list[str]]:
+    """Return the encoding, the first lines, and some from the middle and the end of a long file."""
+    with path.open("rb") as file:
+        start = file.read(_BYTES)
+        encoding, text = _decoded(start)
+        lines = text.splitlines()
+        if len(start) < _BYTES:
+            return encoding, _table_lines(lines)[:_LINES], []
+        size = file.seek(0, io.SEEK_END)
+        later: list[str] = []
+        for at in (size // 2, size - _LATER):
+            # Characters of two bytes begin at even places.
+            file.seek(max(at - at % 2, 0))
+            part = file.read(_LATER).decode(_plain(encoding), "ignore").splitlines()
+            later += part[1:-1]
+    # The last line may be cut.
+    return encoding, _table_lines(lines[:-1])[:_LINES], later
+
+
+def _table_lines(lines: list[str]) -> list[str]:
+    """Return lines without those of headings that come again."""
+    names = next((at for at, line in enumerate(lines) if line.startswith(labview.LAST)), None)
+    if not lines or not labview.begins_one(lines[0]) or names is None:
+        return lines
+    head = names + 1
+    return lines[:head] + [line.strip("\n") for line in labview.without_headings(lines[head:])]
+
+
+def _plain(encoding: str) -> str:
+    """Return an encoding without the mark at the start of a file."""
+    return {"utf-8-sig": "utf-8", "utf-16": "utf-16-le"}.get(encoding, encoding)
+
+
+def _parts_groups(rows: Sequence[Sequence[Any]], mark: str) -> bool:
+    """Return whether a mark must part groups of three digits: 998, 999, 1,000 in one column."""
+    one = re.escape(mark)
+    group, has = re.compile(rf"[-+]?[1-9]\d{{0,2}}({one}\d{{3}})+"), False
+    for column in zip_longest(*rows, fillvalue=""):
+        texts = [cell.strip('" ') for cell in column if isinstance(cell, str)]
+        marked = [text for text in texts if mark in text and _MARKED.fullmatch(text)]
+        if not all(group.fullmatch(text) for text in marked):
+            return False
+        has = has or (bool(marked) and any(_SHORT.fullmatch(text) for text in texts))
+    return has
 
 
 def _decoded(start: bytes) -> tuple[str, str]:

@@ -7,6 +7,7 @@ import os
 import re
 import unicodedata
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +20,8 @@ from asperity._base.storage.files import atomic
 from asperity._base.tables import aligned
 from asperity._base.value import Value
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records import clock
-from asperity.identify.records.guessing import Guess, guess, is_number, of_cells
+from asperity.identify.records import clock, labview
+from asperity.identify.records.guessing import Guess, guess, of_cells
 from asperity.identify.records.reading import PathLike
 from asperity.identify.records.record import CHANNELS
 from asperity.identify.records.text_table import (
@@ -29,6 +30,7 @@ from asperity.identify.records.text_table import (
     cells_of,
     number_in,
     read_table,
+    sheets_of,
 )
 from asperity.identify.records.units import CLOCK, COUNTS, DEFAULTS, FORCES, MOTION
 
@@ -46,7 +48,9 @@ _UNITS = {
     "rpm": "rpm", "1/min": "rpm", "u/min": "rpm", "min-1": "rpm", "min^-1": "rpm", "rev/min": "rpm",
     "turn/s": "turn/s", "1/s": "turn/s", "hz": "turn/s", "deg/s": "deg/s", "°/s": "deg/s",
     "rad/s": "rad/s",
-    "n": "N", "newton": "N", "mn": "mN", "cn": "cN", "kn": "kN", "v": "V", "mv": "mV",
+    "n": "N", "newton": "N", "newtons": "N", "volt": "V", "volts": "V",
+    "gf": "gf", "kgf": "kgf", "kp": "kgf", "lbf": "lbf",
+    "mn": "mN", "cn": "cN", "kn": "kN", "v": "V", "mv": "mV",
     "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um",
     "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
 }  # fmt: skip
@@ -64,8 +68,8 @@ _WORDS = {
     r"normal force|normal load",
     "velocity_x": r"vx|v x|velocity x|geschwindigkeit x|speed x",
     "velocity_y": r"vy|v y|velocity y|geschwindigkeit y|speed y",
-    "position_x": r"x|sx|pos x|position x|weg x|x pos",
-    "position_y": r"y|sy|pos y|position y|weg y|y pos",
+    "position_x": r"x|sx|pos x|position x|weg x|x pos|x position",
+    "position_y": r"y|sy|pos y|position y|weg y|y pos|y position",
     "force_x": r"fx|f x|kraft x|force x",
     "force_y": r"fy|f y|kraft y|force y",
     "velocity": r"v|velocity|speed|geschwindigkeit|sliding speed|sliding velocity",
@@ -77,7 +81,8 @@ _KINDS = {
     "rpm": "turn_rate", "turn/s": "turn_rate", "deg/s": "turn_rate", "rad/s": "turn_rate",
     "m": "position", "mm": "position", "cm": "position", "um": "position",
     "m/s": "velocity", "mm/s": "velocity", "cm/s": "velocity", "um/s": "velocity",
-    "N": "force", "mN": "force", "cN": "force", "kN": "force", "V": "force", "mV": "force",
+    "N": "force", "mN": "force", "cN": "force", "kN": "force", "gf": "force",
+    "kgf": "force", "lbf": "force", "V": "force", "mV": "force",
 }  # fmt: skip
 
 
@@ -194,7 +199,7 @@ _HINTS = """
 """
 
 
-def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
+def inspect_file(path: PathLike, *, sheet: str | int | None = None) -> Inspection:
     r"""Guess how a file of a tribometer is written and what its columns are.
 
     Encoding, delimiter, decimal mark, groups of digits, header and line of names follow from the
@@ -203,7 +208,8 @@ def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
 
     Args:
         path: a text file or a spreadsheet (.xlsx).
-        sheet: of a spreadsheet, by name or number from 0.
+        sheet: of a spreadsheet, by name or number from 0; by default the one that seems to hold
+            the data.
 
     Raises:
         RecordError: if the file cannot be read, or holds no table of numbers.
@@ -218,30 +224,63 @@ def inspect_file(path: PathLike, *, sheet: str | int = 0) -> Inspection:
     >>> found.sections["file"], found.sections["units"]
     ({'delimiter': ';', 'decimal': ',', 'header': 1}, {'time': 'ms', 'angle': 'deg'})
     """
-    place, sheet = Path(path), Format(sheet=sheet).sheet
-    is_sheet = place.suffix.lower() in SPREADSHEETS
-    found = of_cells(cells_of(place, sheet), str(place), sheet) if is_sheet else guess(place)
+    place = Path(path)
+    named = None if sheet is None else Format(sheet=sheet).sheet
+    if place.suffix.lower() not in SPREADSHEETS:
+        return _inspected(place, guess(place))
+    if named is not None:
+        return _inspected(place, of_cells(cells_of(place, named), str(place), named))
+    return _of_sheets(place)
+
+
+def _of_sheets(path: Path) -> Inspection:
+    """Return what the sheet seems to be that tells most columns, the first one of several."""
+    found: dict[str, Inspection] = {}
+    sheets = sheets_of(path)
+    first = next(iter(sheets))
+    for name, cells in sheets.items():
+        with suppress(RecordError):
+            found[name] = _inspected(path, of_cells(cells, str(path), 0 if name == first else name))
+    if not found:
+        raise RecordError(str(path), "holds no table of numbers", ("sheet",))
+    best = max(found, key=lambda name: sum(bool(one.role) for one in found[name].columns))
+    if len(found) == 1 and best == first:
+        return found[best]
+    others = ", ".join(repr(name) for name in sheets if name != best)
+    note = f"sheet: {best!r} seems to hold the data, beside {others}"
+    return found[best].replace(notes=[note, *found[best].notes])
+
+
+def _inspected(path: Path, found: Guess) -> Inspection:
     names, units, line = _names(found)
     form = found.form
     if line is not None and line != form.header:
         form = Format(**{**vars(form), "names": line})
-    values = _numbers(place, found, form)
+    values = _numbers(path, found, form)
     roles = _roles(names, units, values)
     columns = []
     for at, name in enumerate(names):
         column = values[:, at][np.isfinite(values[:, at])]
         low, high = (column.min(), column.max()) if column.size else (None, None)
         columns.append(Column(name, unit=units[at], role=roles.get(at, ""), low=low, high=high))
+    is_sheet = path.suffix.lower() in SPREADSHEETS
     sections, notes = _sections(form, columns, values, found, is_sheet=is_sheet)
-    return Inspection(place, columns=columns, sections=sections, notes=notes)
+    return Inspection(path, columns=columns, sections=sections, notes=notes)
 
 
 def _names(found: Guess) -> tuple[list[str], list[str], int | None]:
     """Return the names and units of the columns, and the line of the names, from 1."""
+    line: int | None
     width = max(map(len, found.body))
     while width and all(len(row) < width or row[width - 1] == "" for row in found.body):
         width -= 1
     texts = [[str(cell).strip() for cell in row] for row in found.header]
+    heading = labview.heading_of(texts)
+    if heading is not None:
+        line = next(at for at in range(len(texts), 0, -1) if texts[at - 1][:1] == [labview.LAST])
+        row, units = ((part + [""] * width)[:width] for part in (texts[line - 1], heading.units))
+        within = [_parted(cell)[1] for cell in row]
+        return row, [a or b for a, b in zip(within, units, strict=True)], line
     units, line = [""] * width, None
     for number in range(len(texts), 0, -1):
         row = (texts[number - 1] + [""] * width)[:width]
@@ -297,14 +336,10 @@ def _numbers(path: Path, found: Guess, form: Format) -> Array:
         [[value(cell) for cell in (*row, *[""] * (width - len(row)))] for row in found.body]
     )
     held = np.flatnonzero(np.isfinite(body).mean(axis=0) > 0.5)
-    clocked = [
-        at
-        for at in held.tolist()
-        if isinstance(found.body[0][at], str) and ":" in found.body[0][at]
-    ]
-    if path.suffix.lower() in SPREADSHEETS or len(clocked) > 1:
+    clocked = [at for at in held.tolist() if _is_clock(found, at)]
+    if path.suffix.lower() in SPREADSHEETS:
         return body
-    timed = f"column {clocked[0]}" if clocked else None
+    timed = [f"column {at}" for at in clocked]
     try:
         read = read_table(path, {f"column {at}": int(at) for at in held}, form, clocked=timed)
     except RecordError:
@@ -347,6 +382,7 @@ def _roles(names: Sequence[str], units: Sequence[str], values: Array) -> dict[in
             at not in roles
             and kind in ("time", "angle", "turn_rate")
             and kind not in roles.values()
+            and np.isfinite(values[:, at]).any()
         ):
             roles[at] = kind
     free = [
@@ -374,11 +410,22 @@ def _consistent(roles: dict[int, str]) -> dict[int, str]:
     if pair is not None and set(FORCES) <= found:
         kept = {*pair, "time", "angle", "normal", *FORCES}
     else:
-        # Forces along x and y of a pin on a disk are those along it and across.
-        names = dict(zip(FORCES, CHANNELS[:2], strict=True))
-        if not found & set(CHANNELS[:2]):
-            roles = {at: names.get(role, role) for at, role in roles.items()}
-            found = set(roles.values())
+        # Forces along x and y of a pin on a disk are those along it and across; one of them beside
+        # a friction force is that across.
+        given = [role for role in FORCES if role in found]
+        missing = [role for role in CHANNELS[:2] if role not in found]
+        names: dict[str, str] = {}
+        if len(missing) == 2 or len(given) == len(missing):
+            names = dict(zip(FORCES if len(missing) == 2 else given, missing, strict=True))
+        # One axis that moves is the line along which the stage goes. Beside forces along x and y,
+        # one along y would need a force across of another sign.
+        for kind in ("velocity", "position"):
+            alone = [role for role in (f"{kind}_x", f"{kind}_y") if role in found]
+            along = not alone or alone[0].endswith("x") or len(missing) < 2
+            if len(alone) == 1 and kind not in found and along:
+                names[alone[0]] = kind
+        roles = {at: names.get(role, role) for at, role in roles.items()}
+        found = set(roles.values())
         motion = next(
             (one for one in ("angle", "turn_rate", "velocity", "position") if one in found), ""
         )
@@ -420,8 +467,14 @@ def _sections(
             notes.append(f"{role}: no unit is given; {DEFAULTS[role]} is taken")
         if unit == COUNTS:
             turn = _counts(column)
-            file["counts_per_turn"] = turn
-            notes.append(f"counts_per_turn: {turn} by the greatest count; see the encoder")
+            if turn:
+                file["counts_per_turn"] = turn
+                notes.append(f"counts_per_turn: {turn} by where it starts again; see the encoder")
+            else:
+                notes.append(
+                    "counts_per_turn: the counts do not start again; see the encoder, and give it "
+                    "in [file]"
+                )
         if unit and unit != DEFAULTS[role]:
             units[role] = unit
         if role == "normal" and np.nanmean(column) < 0.0:
@@ -433,6 +486,9 @@ def _sections(
         if role not in by_role:
             rest = f", or {needed[role]}" if role in needed else ""
             notes.append(f"{role}: no column seems to be it; name it in [columns]{rest}")
+    if "time" not in by_role and (rate := _rate(found)):
+        file["sample_rate"] = rate
+        notes = [note for note in notes if not note.startswith("time: no column")]
     if not rotation:
         notes.append(
             "angle: no column seems to be it; name it in [columns], or turn_rate in [file], or a "
@@ -442,17 +498,25 @@ def _sections(
     return {name: part for name, part in found_sections.items() if part}, notes
 
 
+def _rate(found: Guess) -> float:
+    """Return the sample rate that the header says, 0 if it says none."""
+    heading = labview.heading_of([[str(cell).strip() for cell in row] for row in found.header])
+    step = number_in(heading.step, found.form) if heading is not None else math.nan
+    # Steps of so many µs are whole numbers of Hz, up to rounding.
+    return float(f"{1.0 / step:.7g}") if step > 0.0 else 0.0
+
+
 def _order(by_role: Mapping[str, int]) -> list[str]:
     known = ["time", "angle", "turn_rate", *MOTION, *CHANNELS, *FORCES]
     return [role for role in known if role in by_role]
 
 
 def _is_clock(found: Guess, at: int) -> bool:
-    cell = found.body[0][at]
-    form = found.form
+    """Return whether the cells of a column are times of day, or durations, in words."""
+    cell = next((row[at] for row in found.body if at < len(row) and row[at] != ""), "")
     if not isinstance(cell, str):
         return not isinstance(cell, int | float)
-    return ":" in cell and is_number(cell, form.decimal, form.thousands)
+    return math.isnan(number_in(cell, found.form)) and not math.isnan(clock.seconds(cell))
 
 
 def _by_numbers(role: str, column: Array) -> str:
@@ -473,13 +537,24 @@ def _by_numbers(role: str, column: Array) -> str:
 
 
 def _counts(column: Array) -> int:
-    """Return the counts of a turn: the next usual number above the greatest count."""
-    top = float(np.nanmax(column)) + 1.0
-    usual = sorted(
-        {2**k for k in range(6, 25)} | {m * 10**k for m in (1, 2, 3.6, 5) for k in range(2, 7)}
-    )
-    near = [one for one in usual if one >= top and one < 1.05 * top]
-    return int(near[0] if near else top)
+    """Return the counts of a turn by the jumps where it starts again, 0 if it does not.
+
+    It is the usual number next to them.
+    """
+    column = column[np.isfinite(column)]
+    jumps = np.abs(np.diff(column))
+    wraps = jumps[jumps > 0.5 * np.ptp(column)] if jumps.size else jumps
+    if wraps.size == 0 or not (column == np.rint(column)).all():
+        return 0
+    step = float(np.median(jumps[jumps > 0.0]))
+    size = float(np.median(wraps)) + step
+    usual = {2**k for k in range(6, 25)} | {
+        round(m * 10**k) for m in (1, 2, 2.5, 3.6, 5) for k in range(2, 7)
+    }
+    near = min(usual, key=lambda one: abs(one - size))
+    if abs(near - size) <= max(step, 0.002 * near):
+        return near
+    return round(max(size, float(column.max()) + 1.0))
 
 
 def _listed(notes: Sequence[str]) -> str:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity.errors import ParameterError
+from asperity.errors import ParameterError, RecordError
+from asperity.identify.records.slopes import WORST, Slopes, slopes
 from asperity.identify.records.units import FORCES, MOTION, POSITIONS
 
+# Positions go on after no more than so many missing samples.
+_LONGEST = 100
 # How a stage may be said to move, by columns.
 _STAGES = (
     ("velocity",),
@@ -17,12 +21,6 @@ _STAGES = (
     ("velocity_x", "velocity_y"),
     ("position_x", "position_y"),
 )
-# The speed that differences give shall be known to this part of the usual one.
-_SHARE = 0.005
-# Windows of differences shall be this many times shorter than what they follow.
-_LONGEST = 40
-# Of a normal distribution, the ratio of deviation and median distance.
-_MEDIAN = 1.4826
 
 
 def motion_columns(given: Collection[str]) -> tuple[str, ...]:
@@ -62,32 +60,79 @@ def force_columns(given: Collection[str], motion: Sequence[str]) -> tuple[str, s
     return FORCES
 
 
-def velocity_of(series: Mapping[str, Array], rows: slice, motion: Sequence[str]) -> Array:
-    """Return the velocity of sliding along the channels in m/s, ``(n, 2)``."""
-    parts = [series[name][rows] for name in motion]
-    if motion[0] in POSITIONS:
-        parts = list(_slopes(np.stack(parts, axis=-1), series["time"][rows]).T)
-    if len(parts) == 1:
-        parts.append(np.zeros_like(parts[0]))
-    velocity = np.stack(parts, axis=-1)
-    velocity.flags.writeable = False
+def velocity_of(
+    series: Mapping[str, Array],
+    motion: Sequence[str],
+    *,
+    where: Mapping[str, str | int],
+    source: str,
+) -> Array:
+    """Return the velocity of sliding along the channels in m/s, ``(n, 2)``.
+
+    What is missing in positions is filled by straight lines: rows without a number are to be left
+    out.
+
+    Raises:
+        RecordError: if positions are too coarse to tell it.
+    """
+    parts = [series[name] for name in motion]
+    if motion[0] not in POSITIONS:
+        return np.stack([*parts, np.zeros_like(parts[0])][:2], axis=-1)
+    known = np.isfinite(series["time"]) & np.isfinite(parts).all(axis=0)
+    velocity = np.zeros((known.size, 2))
+    rows = np.flatnonzero(known)
+    if rows.size < 2:
+        return velocity
+    time, position = series["time"][rows], np.stack(parts, axis=-1)[rows]
+    step = float(np.median(np.diff(time)))
+    if not step > 0.0:
+        return velocity
+    cuts = np.flatnonzero(np.diff(time) > _LONGEST * step) + 1
+    tried = [
+        (one, _filled_slopes(position[one], time[one], step))
+        for one in np.split(np.arange(rows.size), cuts)
+        if one.size > 1
+    ]
+    longest = max((one.size for one, _ in tried), default=0)
+    for one, found in tried:
+        if found.error <= WORST:
+            velocity[rows[one]] = found.velocity
+        elif one.size == longest and np.ptp(position[one], axis=0).any():
+            raise RecordError(source, _too_coarse(found, motion, where), ("columns",))
     return velocity
 
 
-def _slopes(position: Array, time: Array) -> Array:
-    """Return velocities from local parabolas, as long as the noise of the positions asks for."""
-    from scipy.signal import savgol_filter
+def _filled_slopes(position: Array, time: Array, step: float) -> Slopes:
+    """Return the velocities of positions of which some samples may be missing."""
+    # Times that are rounded do not rise by whole steps.
+    at = np.cumsum(np.concatenate([[0], np.maximum(np.rint(np.diff(time) / step), 1.0)]))
+    at = at.astype(np.intp)
+    if at[-1] == at.size - 1:
+        return slopes(position, time)
+    grid = np.arange(at[-1] + 1)
+    whole = np.stack([np.interp(grid, at, column) for column in position.T], axis=-1)
+    found = slopes(whole, time[0] + step * grid)
+    return found._replace(velocity=found.velocity[at])
 
-    n = len(time)
-    step = float(time[-1] - time[0]) / (n - 1)
-    if n < 5:
-        return np.gradient(position, step, axis=0)
-    # Third differences of a motion are small beside those of noise, whose variance is 20 σ².
-    rough = np.diff(position, 3, axis=0)
-    noise = _MEDIAN * float(np.median(np.abs(rough), axis=0).max()) / np.sqrt(20.0)
-    speed = float(np.median(np.hypot.reduce(np.diff(position, axis=0), axis=-1)))
-    # A line through w samples has a slope with the standard error σ √(12/w³).
-    wanted = (12.0 * (noise / max(_SHARE * speed, 1e-300)) ** 2) ** (1.0 / 3.0)
-    width = int(min(max(wanted, 5.0), max(n // _LONGEST, 5)))
-    window = min(width + 1 - width % 2, n - 1 + n % 2)
-    return np.asarray(savgol_filter(position, window, 2, deriv=1, delta=step, axis=0))
+
+def _too_coarse(found: Slopes, motion: Sequence[str], where: Mapping[str, str | int]) -> str:
+    """Return what positions do not tell, and what would."""
+    names = " and ".join(f"{where[name]!r} ({name})" for name in motion)
+    # Steps alone make noise of their size over √12.
+    own = found.noise > 0.5 * found.step
+    steps = f"steps of {_length(found.step)}" if found.step else ""
+    noise = f"noise of {_length(found.noise)}" if own else ""
+    given = " and ".join(filter(None, (steps, noise)))
+    told = (
+        f"tell the velocity of strokes of {_length(found.stretch)} to {found.error:.0%} only"
+        if math.isfinite(found.error)
+        else "are not small beside its strokes and tell no velocity"
+    )
+    return (
+        f"column {names}: {given} {told}: positions in finer steps, "
+        "longer strokes or columns of velocities are needed"
+    )
+
+
+def _length(value: float) -> str:
+    return f"{1e6 * value:.3g} µm" if value < 1e-3 else f"{1e3 * value:.3g} mm"

@@ -48,6 +48,9 @@ _TURN = 2.0 * math.pi
 _REPEATED, _CROWDED = 8, 10.0
 # A quiet channel with fewer levels than this may stay at one of them.
 _LEVELS = 16.0
+# So many long steps with short ones beside them, whose mean is the usual one up to this part, are
+# those of a time that is rounded.
+_SEVERAL, _EVEN = 3, 0.1
 _ROUNDED = "rounded or out of order after"
 _FORM = tuple(Format.__dataclass_fields__)
 # What stands for a column that is not there.
@@ -93,9 +96,9 @@ def read_csv(
             ``force_y`` for the channels; an ``angle`` then says how the surface lies.
         units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
             angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, mN, cN, kN,
-            or readings V, mV, raw for the calibration to turn into N; velocities m/s, cm/s, mm/s,
-            um/s; positions m, cm, mm, um. A leading minus turns the sign. Default: s, rad, turn/s,
-            N, m/s, m. The angle may be wrapped.
+            gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N; velocities m/s,
+            cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the sign. Default: s,
+            rad, turn/s, N, m/s, m. The angle may be wrapped.
         delimiter: between columns; None or a blank for any white space.
         decimal: ``"."`` or ``","``.
         header: number of lines before the numbers.
@@ -317,7 +320,7 @@ class Reader:
         """Return the recordings in windows of one table, those with and those without load."""
         where = self.where(loaded=any(windows))
         clocked = self.named["time"].removeprefix("-") == _units.CLOCK
-        table = read_table(path, where, self.form, clocked="time" if clocked else None)
+        table = read_table(path, where, self.form, clocked=("time",) if clocked else ())
         if len(table.values) < 2:
             raise RecordError(table.source, "holds one sample only, a run needs two or more")
         series = self._series(table, where)
@@ -382,34 +385,66 @@ class _Part:
         time = self.series["time"]
         if window == (None, None):
             return slice(0, len(time))
-        low, high = self._time(window[0], -math.inf), self._time(window[1], math.inf)
+        low = self._time(window[0], -math.inf)
+        high = self._time(window[1], math.inf, after=low)
         inside = np.flatnonzero((time >= low) & (time <= high))
         if inside.size < 2:
-            scale = self.reader.scale["time"]
-            first, last = np.nanmin(time) / scale, np.nanmax(time) / scale
+            known = time[np.isfinite(time)]
+            told = (
+                f"its times go from {self._said(known.min())} to {self._said(known.max())}"
+                if known.size
+                else "it has no times"
+            )
             raise RecordError(
                 self.table.source,
-                f"has no samples from {window[0]} to {window[1]}: its times go from {first:.6g} to "
-                f"{last:.6g}",
+                f"has no samples from {window[0]} to {window[1]}: {told}",
                 ("run" if self.loaded else "no_load",),
             )
         return slice(int(inside[0]), int(inside[-1]) + 1)
 
-    def _time(self, value: float | str | None, missing: float) -> float:
-        """Return a time in s; of one without date the day is that of the first sample."""
+    @property
+    def _unit(self) -> str:
+        return f" {self.reader.named['time'].removeprefix('-')}"
+
+    @property
+    def _has_clock(self) -> bool:
+        return self.reader.named["time"].removeprefix("-") == _units.CLOCK
+
+    def _said(self, time: float) -> str:
+        """Return a time as the file has it."""
+        if self._has_clock:
+            return clock.text(time)
+        return f"{time / self.reader.scale['time']:.6g}"
+
+    def _time(
+        self, value: float | str | None, missing: float, *, after: float = -math.inf
+    ) -> float:
+        """Return a time in s; of one without date the day is that on which the record has it."""
         argument = "run" if self.loaded else "no_load"
         if value is None:
             return missing
-        is_clock = self.reader.named["time"] == _units.CLOCK
-        if isinstance(value, str) != is_clock:
-            words = "a time of day in quotes" if is_clock else "a number in the unit of the times"
+        if isinstance(value, str) != self._has_clock:
+            words = (
+                "a time of day in quotes"
+                if self._has_clock
+                else "a number in the unit of the times"
+            )
             raise ParameterError(argument, f"must have {words} for from and to, got {value!r}")
         if not isinstance(value, str):
             return arrays.number(value, argument) * self.reader.scale["time"]
-        found, first = clock.seconds(value), float(self.series["time"][0])
+        found = clock.seconds(value)
         if math.isnan(found):
             raise ParameterError(argument, f"must have times such as '12:00:05', got {value!r}")
-        return found + (first // clock.DAY * clock.DAY if found < clock.DAY <= first else 0.0)
+        time = self.series["time"]
+        known = time[np.isfinite(time)]
+        if not known.size or found >= clock.DAY:
+            dated = known.size and known.min() >= clock.UNDATED
+            if known.size and found >= clock.UNDATED and not dated:
+                raise ParameterError(
+                    argument, f"must have times without a date, like those read, got {value!r}"
+                )
+            return found
+        return clock.in_record(found, float(known.min()), float(known.max()), after=after)
 
     def recordings(self, rows: slice, *, whole: bool) -> list[Recording]:
         """Return the recordings between the defects of some rows."""
@@ -419,7 +454,8 @@ class _Part:
             series["normal"] = np.zeros(rows.stop - rows.start)
         source = table.source
         if not whole:
-            source = f"{source} from {series['time'][0]:.6g} to {series['time'][-1]:.6g} s"
+            first, last = (self._said(series["time"][at]) for at in (0, -1))
+            source = f"{source} from {first} to {last}" + ("" if self._has_clock else self._unit)
         defects = _defects(series, where)
         if defects and self.reader.on_defect == "raise":
             raise RecordError(
@@ -427,6 +463,10 @@ class _Part:
             )
         for name, what, bad in defects:
             log.warning("%s: cut at %d defects: column %s %s", source, len(bad), name, what)
+        velocity = None
+        if self.loaded and self.reader.is_stage:
+            # Pieces do not tell as much of the motion as the whole.
+            velocity = velocity_of(series, self.reader.motion, where=where, source=source)
         found: list[Recording] = []
         for piece in _pieces(defects, rows.stop - rows.start):
             name = source
@@ -434,11 +474,23 @@ class _Part:
                 ends = np.array([rows.start + piece.start, rows.start + piece.stop - 1])
                 first, last = table.lines(ends)
                 name = f"{source}{PIECE}{first}-{last}"
-            found.append(self._recording(series, piece, name, found[-1] if found else None))
+            before = found[-1] if found else None
+            moved = None if velocity is None else velocity[piece]
+            found.append(self._recording(series, piece, name, before, moved))
+        if self.loaded and found:
+            _refuse_constant(found, source, where)
+            if self.reader.check_units:
+                units = {**self.reader.named, **self._units_of_channels()}
+                _units.check_magnitudes(found, units)
         return found
 
     def _recording(
-        self, series: Mapping[str, Array], rows: slice, source: str, before: Recording | None
+        self,
+        series: Mapping[str, Array],
+        rows: slice,
+        source: str,
+        before: Recording | None,
+        velocity: Array | None,
     ) -> Recording:
         reader = self.reader
         angle, time = series["angle"][rows], np.array(series["time"][rows])
@@ -453,19 +505,7 @@ class _Part:
         turned = np.array(angle)
         for values in (time, turned, readings):
             values.flags.writeable = False
-        moves = self.loaded and reader.is_stage
-        run = Recording(
-            time,
-            angle=turned,
-            readings=readings,
-            source=source,
-            velocity=velocity_of(series, rows, reader.motion) if moves else None,
-        )
-        if self.loaded:
-            _refuse_constant(run, self.where)
-            if reader.check_units:
-                _units.check_magnitudes(run, {**reader.named, **self._units_of_channels()})
-        return run
+        return Recording(time, angle=turned, readings=readings, source=source, velocity=velocity)
 
     def _units_of_channels(self) -> dict[str, str]:
         reader = self.reader
@@ -501,6 +541,8 @@ def _defects(
         # Time that is rounded too coarsely repeats itself everywhere.
         return [*found, ("time", _ROUNDED, halts)]
     gaps = gap_rows(known)
+    if gaps.size and _is_rounded(known, gaps):
+        return [*found, ("time", _ROUNDED, gaps)]
     if gaps.size:
         found.append(("time", "sampling gap after", gaps))
     broken = {name for name, *_ in found}
@@ -511,6 +553,16 @@ def _defects(
         if clipped.size:
             found.append((name, "clipped in", clipped))
     return found
+
+
+def _is_rounded(time: Array, gaps: NDArray[np.intp]) -> bool:
+    """Return whether most of the long steps have a short one beside them that makes up for them."""
+    steps = np.diff(time)
+    usual = float(np.nanmean(steps))
+    padded = np.concatenate([[np.inf], steps, [np.inf]])
+    beside = np.minimum(padded[gaps], padded[gaps + 2])
+    makes_up = np.abs(0.5 * (steps[gaps] + beside) - usual) < _EVEN * usual
+    return bool(gaps.size >= _SEVERAL and makes_up.mean() > 0.5)
 
 
 def _clipped(values: Array) -> NDArray[np.intp]:
@@ -588,16 +640,21 @@ def _pieces(defects: list[tuple[str, str, NDArray[np.intp]]], n: int) -> list[sl
     ]
 
 
-def _refuse_constant(run: Recording, where: Mapping[str, str | int]) -> None:
-    channels = dict(zip(CHANNELS, run.readings.T, strict=True))
-    named = {**channels, **dict(zip(_units.FORCES, run.readings.T, strict=False))}
-    if run.velocity is None:
-        named["angle"] = named["turn_rate"] = run.angle
-    for name, values in named.items():
-        if name in where and np.ptp(values) == 0.0:
+def _refuse_constant(
+    runs: Sequence[Recording], source: str, where: Mapping[str, str | int]
+) -> None:
+    """Refuse channels that are the same in all pieces of a record."""
+    readings = np.array([[one.readings.min(axis=0), one.readings.max(axis=0)] for one in runs])
+    spread = readings[:, 1].max(axis=0) - readings[:, 0].min(axis=0)
+    named = dict(zip((*CHANNELS, *_units.FORCES), (*spread, *spread[:2]), strict=True))
+    moves = [one.velocity for one in runs if one.velocity is not None]
+    if not moves:
+        angle = max(one.angle.max() for one in runs) - min(one.angle.min() for one in runs)
+        named["angle"] = named["turn_rate"] = angle
+    for name, change in named.items():
+        if name in where and change == 0.0:
             raise RecordError(
-                run.source,
-                f"column {where[name]!r} ({name}): does not change: is it connected?",
+                source, f"column {where[name]!r} ({name}): does not change: is it connected?"
             )
-    if run.velocity is not None and not run.velocity.any():
-        raise RecordError(run.source, "the stage does not move")
+    if moves and not any(one.any() for one in moves):
+        raise RecordError(source, "the stage does not move")

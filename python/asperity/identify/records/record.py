@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -258,6 +258,13 @@ def turn_back(angle: Array) -> int | None:
     np.subtract(farthest, angle, out=farthest)
     row = int(farthest.argmax() if forwards else farthest.argmin())
     return row if abs(farthest[row]) > BACKLASH else None
+
+
+def goes_back(pieces: Sequence[Recording]) -> bool:
+    """Return whether a disk turns both ways in the pieces of a record."""
+    if any(after.time[0] <= before.time[-1] for before, after in pairwise(pieces)):
+        return any(piece.turns_back for piece in pieces)
+    return turn_back(np.concatenate([piece.angle for piece in pieces])) is not None
 
 
 def gap_rows(time: Array) -> NDArray[np.intp]:

@@ -6,7 +6,7 @@ import csv
 import math
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records import clock
+from asperity.identify.records import clock, labview
 
 if TYPE_CHECKING:
     import pandas
@@ -31,6 +31,7 @@ _SHOWN, _LONGEST = 12, 40
 _MOSTLY = 0.5
 THOUSANDS = (",", ".", " ", "'", "\u2019", "\u00a0", "\u202f", "_")
 """What may stand between groups of three digits."""
+_BRACKETED = re.compile(r"[\[(<][^\[\]()<>]*[\])>]$")
 _GROUPED = re.compile(r"[-+]?\d{1,3}([,. '\u2019\u00a0\u202f_])\d{3}(\1\d{3})*([.,]\d*)?")
 
 
@@ -103,7 +104,8 @@ class Table:
         if self.rows is not None:
             return self.rows[rows]
         with _text(Path(self.source), self.format) as file:
-            used = [number for number, line in enumerate(file, 1) if line.strip()]
+            lines = _all_lines(file)
+            used = [number for number, line in enumerate(lines, 1) if line.strip()]
         # Blank lines of the header count as header.
         kept = [number for number in used if number > self.format.header]
         return np.asarray(kept, dtype=np.intp)[rows]
@@ -122,7 +124,11 @@ def is_frame(source: Any) -> bool:
 
 
 def read_table(
-    path: Source, columns: Mapping[str, str | int], form: Format, *, clocked: str | None = None
+    path: Source,
+    columns: Mapping[str, str | int],
+    form: Format,
+    *,
+    clocked: Collection[str] = (),
 ) -> Table:
     """Read columns of a table, given by name or by number from 0, in the order of `columns`.
 
@@ -130,7 +136,7 @@ def read_table(
         path: a text file, a spreadsheet or a table in memory.
         columns: where they are.
         form: how the file holds numbers.
-        clocked: the column, of these, whose cells are times of day.
+        clocked: the columns, of these, whose cells are times of day.
 
     Raises:
         RecordError: if the file is missing, empty, of another encoding, not a table of numbers, or
@@ -150,7 +156,7 @@ def read_table(
             wanted = [_position(column, names, str(place), form) for column in columns.values()]
             _refuse_twice(columns, wanted)
             readers = _readers(columns, form, clocked)
-            values = _quickly(file, form, wanted, readers)
+            values = _quickly(_further_lines(file, place, form), form, wanted, readers)
         if values is None:
             _refuse_missing(columns, wanted, place, form)
             values = _slowly(place, form, dict(zip(columns, wanted, strict=True)), readers)
@@ -183,18 +189,27 @@ def names_in(path: Source, form: Format) -> list[str]:
         return []
 
 
+def sheets_of(path: Path) -> dict[str, list[list[Any]]]:
+    """Return the cells of all sheets by their names, in their order: see `cells_of`."""
+    return {name: _cells(frame) for name, frame in _frames(path, None).items()}
+
+
 def cells_of(path: Path, sheet: str | int) -> list[list[Any]]:
     """Return the cells of a sheet line by line, None where they are empty.
 
     Raises:
         RecordError: if the file is missing or no spreadsheet, or has no such sheet.
     """
+    return _cells(_frames(path, sheet))
+
+
+def _frames(path: Path, sheet: str | int | None) -> Any:
     import zipfile
 
     import pandas
 
     try:
-        frame = pandas.read_excel(path, sheet_name=sheet, header=None, dtype=object)
+        return pandas.read_excel(path, sheet_name=sheet, header=None, dtype=object)
     except OSError as error:
         raise RecordError(str(path), f"cannot be read: {error.strerror}") from None
     except (zipfile.BadZipFile, KeyError, EOFError):
@@ -203,6 +218,9 @@ def cells_of(path: Path, sheet: str | int) -> list[list[Any]]:
         if "format cannot be determined" in str(error):
             raise RecordError(str(path), "is no spreadsheet") from None
         raise RecordError(str(path), f"cannot be read: {error}", ("sheet",)) from None
+
+
+def _cells(frame: pandas.DataFrame) -> list[list[Any]]:
     cells = frame.astype(object).where(frame.notna(), None)
     return [list(row) for row in cells.itertuples(index=False, name=None)]
 
@@ -215,11 +233,11 @@ def _names_of_cells(cells: list[list[Any]], form: Format) -> list[str]:
 
 
 def _of_spreadsheet(
-    path: Path, columns: Mapping[str, str | int], form: Format, clocked: str | None
+    path: Path, columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
 ) -> Table:
     cells = cells_of(path, form.sheet)
-    names = _names_of_cells(cells, form)
-    wanted = [_position(column, names, str(path), form) for column in columns.values()]
+    names, source = _names_of_cells(cells, form), str(path)
+    wanted = [_position(one, names, source, form, also="sheet") for one in columns.values()]
     _refuse_twice(columns, wanted)
     width = len(cells[0]) if cells else 0
     for name, at in zip(columns, wanted, strict=True):
@@ -237,7 +255,7 @@ def _of_spreadsheet(
     values = np.array(
         [
             [
-                _cell(cells[number - 1][at], form, is_clock=name == clocked)
+                _cell(cells[number - 1][at], form, is_clock=name in clocked)
                 for name, at in zip(columns, wanted, strict=True)
             ]
             for number in numbers
@@ -255,8 +273,12 @@ def _of_spreadsheet(
 
 
 def _of_frame(
-    frame: Any, columns: Mapping[str, str | int], form: Format, clocked: str | None
+    frame: Any, columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
 ) -> Table:
+    # What is an index is found by its name as well.
+    index = [name for name in frame.index.names if name in columns.values()]
+    given = {name: frame.index.get_level_values(name) for name in index if name not in frame}
+    frame = frame.assign(**given) if given else frame
     source, names = name_of(frame), [str(name) for name in frame.columns]
     wanted = [_position(column, names, source, form) for column in columns.values()]
     _refuse_twice(columns, wanted)
@@ -267,15 +289,46 @@ def _of_frame(
                 source, f"has no column {at} ({name}), {len(names)} columns", ("columns",)
             )
         column = frame.iloc[:, at].to_numpy()
-        if column.dtype.kind in "iuf" and name != clocked:
+        if column.dtype.kind in "iuf" and name not in clocked:
             series.append(column.astype(np.float64))
+        elif column.dtype.kind in "mM" and name not in clocked:
+            raise RecordError(
+                source,
+                f"column {names[at]!r} ({name}): holds times of day or durations: its unit is "
+                "'clock'",
+                ("units",),
+            )
         else:
-            is_clock = name == clocked
+            is_clock = name in clocked
             series.append(np.array([_cell(one, form, is_clock=is_clock) for one in column]))
+            if not is_clock:
+                _refuse_marks(source, f"{names[at]!r} ({name})", column, series[-1], form)
     values = np.stack(series, axis=-1).astype(np.float64)
     if not len(values):
         raise RecordError(source, "holds no numbers")
     return Table(source, form, values, np.arange(1, len(values) + 1, dtype=np.intp))
+
+
+def _refuse_marks(
+    source: str, name: str, cells: Sequence[Any], values: Array, form: Format
+) -> None:
+    """Refuse a column of numbers in words whose decimal mark or mark of groups is another one."""
+    for row in np.flatnonzero(np.isnan(values)).tolist():
+        cell = cells[row]
+        if not isinstance(cell, str):
+            continue
+        says = f"column {name}: line {row + 1} reads {cell!r}: "
+        other = Format(decimal="," if form.decimal == "." else ".")
+        if not math.isnan(number_in(cell, other)) and form.thousands != other.decimal:
+            raise RecordError(
+                source, f"{says}its decimal mark seems to be {other.decimal!r}", ("decimal",)
+            )
+        if form.thousands is None and _GROUPED.fullmatch(cell):
+            raise RecordError(
+                source,
+                f"{says}its digits stand in groups of three: say what parts them",
+                ("thousands",),
+            )
 
 
 def _cell(cell: Any, form: Format, *, is_clock: bool) -> float:
@@ -291,6 +344,21 @@ def _cell(cell: Any, form: Format, *, is_clock: bool) -> float:
 
 def _text(path: Path, form: Format) -> TextIO:
     return path.open(encoding=form.encoding, newline=None)
+
+
+def _all_lines(file: TextIO) -> Iterator[str]:
+    """Return the lines of a text; headings that come again within a table are empty ones."""
+    first = file.readline()
+    if first:
+        yield first
+    yield from labview.without_headings(file) if labview.begins_one(first) else file
+
+
+def _further_lines(file: TextIO, path: Path, form: Format) -> TextIO | Iterator[str]:
+    """Return the lines after the header, likewise."""
+    with _text(path, form) as other:
+        again = labview.begins_one(other.readline())
+    return labview.without_headings(file) if again and form.header else file
 
 
 def split(line: str, form: Format) -> list[str]:
@@ -311,12 +379,27 @@ def _names(file: TextIO, form: Format, path: Path) -> list[str]:
 
 
 def names_of(line: str, form: Format) -> list[str]:
-    """Return the cells of a line of names; a mark of comments before them is none."""
+    """Return the cells of a line of names; a mark of comments before them is none.
+
+    Where blanks part the cells, a unit in brackets belongs to the name before it.
+    """
     cells = split(line, form)
-    return cells[1:] if form.delimiter is None and cells[:1] in (["#"], ["%"]) else cells
+    if form.delimiter is not None:
+        return cells
+    cells = cells[1:] if cells[:1] in (["#"], ["%"]) else cells
+    names: list[str] = []
+    for cell in cells:
+        is_unit = _BRACKETED.fullmatch(cell) is not None
+        if is_unit and names and not _BRACKETED.search(names[-1]):
+            names[-1] += f" {cell}"
+        else:
+            names.append(cell)
+    return names
 
 
-def _position(column: str | int, names: Sequence[str], source: str, form: Format) -> int:
+def _position(
+    column: str | int, names: Sequence[str], source: str, form: Format, *, also: str = ""
+) -> int:
     if isinstance(column, bool) or not isinstance(column, str | int):
         raise ParameterError("columns", f"must hold names or numbers, got {column!r}")
     if isinstance(column, int):
@@ -324,7 +407,7 @@ def _position(column: str | int, names: Sequence[str], source: str, form: Format
     if column not in names:
         listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "numbers: header is 0"
         message = f"has no column {_short(column)}, only {listed}"
-        options: tuple[str, ...] = ("columns",)
+        options: tuple[str, ...] = ("columns", also) if also else ("columns",)
         if len(names) == 1 and len(names[0].split()) > 1:
             options = (*options, "delimiter")
         if form.header > 1 and form.names is None:
@@ -370,7 +453,7 @@ Reader: TypeAlias = Callable[[str], float]
 
 
 def _readers(
-    columns: Mapping[str, str | int], form: Format, clocked: str | None
+    columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
 ) -> list[Reader | None]:
     """Return what reads the cells of each column where they are no plain numbers."""
 
@@ -378,14 +461,17 @@ def _readers(
         return number_in(cell, form)
 
     usual = None if form.thousands is None else grouped
-    return [clock.seconds if name == clocked else usual for name in columns]
+    return [clock.seconds if name in clocked else usual for name in columns]
 
 
 def _quickly(
-    file: TextIO, form: Format, wanted: Sequence[int], readers: Sequence[Reader | None]
+    file: Iterable[str],
+    form: Format,
+    wanted: Sequence[int],
+    readers: Sequence[Reader | None],
 ) -> Array | None:
     """Return the columns if every line is in order, else None."""
-    lines: TextIO | Iterator[str] = file
+    lines = file
     # A clock may have the marks in it that numbers have.
     plain = clock.seconds not in readers
     if plain and form.thousands is not None and form.thousands != form.delimiter:
@@ -407,7 +493,7 @@ def _quickly(
 
 
 def _loaded(
-    lines: TextIO | Iterator[str],
+    lines: Iterable[str],
     form: Format,
     wanted: Sequence[int],
     readers: Sequence[Reader | None],
@@ -438,7 +524,7 @@ def _slowly(
     rows, broken, first = [], 0, ""
     read = [one or (lambda cell: number_in(cell, form)) for one in readers]
     with _text(path, form) as file:
-        for number, line in enumerate(file, 1):
+        for number, line in enumerate(_all_lines(file), 1):
             if number <= form.header or not line.strip():
                 continue
             cells = split(line, form)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records.record import CHANNELS, Recording
+from asperity.identify.records.record import CHANNELS, Recording, goes_back
 
 _TURN = 2.0 * math.pi
-_FORCES = {"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3}
+_GRAVITY, _POUND = 9.80665, 0.45359237
+_FORCES = {
+    **{"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3},
+    **{"gf": 1e-3 * _GRAVITY, "kgf": _GRAVITY, "lbf": _POUND * _GRAVITY},
+}
 _READINGS = {**_FORCES, "V": 1.0, "mV": 1e-3, "raw": 1.0}
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
 _SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
@@ -124,25 +128,36 @@ def check_wrapping(angle: Array, unit: str, factor: float, source: str) -> None:
     raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn", counted)
 
 
-def check_magnitudes(run: Recording, units: Mapping[str, str]) -> None:
-    """Refuse a run whose magnitudes do not fit a tribometer: a unit is wrong then."""
-    source = run.source
-    _inside(run.sample_rate, _RATES, "Hz", source, "time: sample rate of")
+def check_magnitudes(runs: Sequence[Recording], units: Mapping[str, str]) -> None:
+    """Refuse a record whose magnitudes do not fit a tribometer: a unit is wrong then.
+
+    Args:
+        runs: its pieces, which need not have the magnitudes of the whole each.
+        units: of its columns.
+    """
+    longest = max(runs, key=len)
+    # A record without defects is one piece, and named without its lines.
+    source = longest.source if len(runs) == 1 else longest.file
+    _inside(longest.sample_rate, _RATES, "Hz", source, "time: sample rate of")
     # What goes back and forth need not turn at all.
-    if run.velocity is None and not run.turns_back:
-        _check_folding(run)
-    if run.velocity is None and not run.turns_back and run.turns != 0.0:
-        _inside(run.turn_rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
-        per_turn = len(run) / abs(run.turns)
-        if abs(run.turns) > 1.0 and per_turn < _PER_TURN:
-            raise RecordError(
-                source,
-                f"angle: {per_turn:.3g} samples per turn: wrong unit?",
-                ("units", "check_units"),
-            )
+    if longest.velocity is None and not goes_back(runs):
+        _check_folding(longest)
+        turns = sum(abs(run.turns) for run in runs)
+        if turns != 0.0:
+            rate = turns / sum(run.duration for run in runs)
+            _inside(rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
+            per_turn = sum(map(len, runs)) / turns
+            if turns > 1.0 and per_turn < _PER_TURN:
+                raise RecordError(
+                    source,
+                    f"angle: {per_turn:.3g} samples per turn: wrong unit?",
+                    ("units", "check_units"),
+                )
     if all(units[channel].removeprefix("-") in _FORCES for channel in CHANNELS):
-        size = np.abs(run.readings.mean(axis=0))
-        friction = float(np.hypot(*run.readings[:, :2].T).mean())
+        weights = [len(run) for run in runs]
+        size = np.abs(np.average([run.readings.mean(axis=0) for run in runs], 0, weights))
+        parts = [float(np.hypot(*run.readings[:, :2].T).mean()) for run in runs]
+        friction = float(np.average(parts, weights=weights))
         _inside(float(size[2]), _LOADS, "N", source, "normal channel: mean of")
         _inside(
             friction / float(size[2]),
