@@ -6,11 +6,6 @@ use super::measure::natural_residual::{ROUNDED, Residual};
 use super::method::{Iterate, Task};
 use super::report::{Ended, Findings};
 
-/// Part of the loads that a residual may hide where percussions have grown, before a proof is tried that there is no
-/// solution at all. Of random systems without solution proximal points end with residuals of 4e-12 at percussions
-/// 1e11 times as large as the loads ask for.
-const HIDDEN: f64 = 1e-6;
-
 /// What the percussions in which a method ended say, and the proof if there is no solution.
 #[inline]
 pub(crate) fn judge(
@@ -25,9 +20,9 @@ pub(crate) fn judge(
     let growth = growth::of(problem, percussion, velocity, groups);
     let running = growth.and_then(|growth| growth.running());
     // Velocities are as far off as the residual, relative to what percussions bring.
-    let hides = growth.is_some_and(|growth| growth.factor * residual.value > HIDDEN);
+    let hides = growth.is_some_and(|growth| growth.hides(residual.value));
     let kind = growth.map(|growth| growth.kind);
-    let suspicious = hides || kind >= Some(GrowthKind::Suspicious);
+    let suspicious = growth.is_some_and(|growth| growth.is_suspicious(residual.value));
     // Where percussions have not grown much, it takes contacts that close on each other to hide something.
     let hidden = hides && kind != Some(GrowthKind::Grown);
     let small = residual.value <= stop.tolerance;

@@ -38,7 +38,7 @@ pub use solution::Solution;
 
 use std::num::NonZeroU64;
 
-use crate::contact::{ContactProblem, ContactState, Memory};
+use crate::contact::{ContactProblem, ContactState, Members, Memory};
 use auto::Methods;
 use islands::{Buffers, Found, Parts, Unsolved};
 use measure::growth::{self, Groups};
@@ -387,7 +387,7 @@ impl Solver {
             }
             found = Some((1, swept.ended, residual));
         } else {
-            forget_runaways(&task, &mut iterate, groups);
+            forget_runaways(&task, &mut iterate, sweeper.islands());
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
             sweeper.renew_efforts();
@@ -568,18 +568,23 @@ pub(crate) fn settle(
     one.settle(state, factor, &mut workspace.sweeper.candidates)
 }
 
-/// Starts from zero where the percussions of before run away from this problem: they might look like a solution.
-fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, groups: &mut Groups) {
+/// Starts from zero where the percussions of before run away from an island: they might look like a solution.
+fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members) {
     let (problem, Iterate { percussion, velocity, .. }) = (task.problem, iterate);
-    if problem.contacts().len() == 1 || !growth::is_large(problem, percussion) {
-        return;
-    }
-    problem.velocity(percussion, velocity);
-    let finite = percussion.iter().all(|p| p.is_finite());
-    if !finite
-        || growth::of(problem, percussion, velocity, groups)
-            .is_some_and(|growth| growth.running().is_some())
-    {
-        percussion.fill(0.0);
+    let mut known = false;
+    for contacts in (0..islands.count()).map(|island| islands.of(island)) {
+        if contacts.len() == 1 || !growth::is_large_island(problem, percussion, contacts) {
+            continue;
+        }
+        if !std::mem::replace(&mut known, true) {
+            problem.velocity(percussion, velocity);
+        }
+        let measured = Measured { problem, percussion, velocity };
+        let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
+        let finite = rows().all(|row| percussion[row].is_finite());
+        let runs = |growth: growth::Growth| growth.running().is_some();
+        if !finite || growth::of_island(&measured, contacts).is_some_and(runs) {
+            rows().for_each(|row| percussion[row] = 0.0);
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::sweep::{BATCH, Sweeper, mark_ambiguous};
 use super::swept::Swept;
 use super::task::{Iterate, Task};
 use crate::contact::{ContactProblem, Members};
-use crate::solver::measure::growth::Size;
+use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_residual::Measured;
 use crate::solver::measure::own::measure_coupled;
 use crate::solver::measure::phase::phase_of;
@@ -71,6 +71,13 @@ impl Sweeper {
                     iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
                     own.ambiguous |= iterate.ambiguous[i];
                 }
+            }
+            if own.may_grow {
+                let Iterate { percussion, velocity, .. } = iterate;
+                let measured = Measured { problem: task.problem, percussion, velocity };
+                let residual = own.residual().value;
+                own.may_grow = growth::of_island(&measured, members)
+                    .is_some_and(|growth| growth.is_suspicious(residual));
             }
             swept.push(own);
             if own.ended == Ended::TimeLimit {
