@@ -13,7 +13,7 @@ from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
 from asperity.identify import IdentifiedLaw, Launch, fit_paths
-from asperity.identify.path_campaign import FILES
+from asperity.identify.paths.campaign import FILES
 from asperity.identify.paths.launch import known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions

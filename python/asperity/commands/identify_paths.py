@@ -65,7 +65,7 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
-    from asperity.identify.path_campaign import identify_paths
+    from asperity.identify.paths.campaign import identify_paths
 
     fit = identify_paths(
         options.paths,

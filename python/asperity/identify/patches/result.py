@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Table, TableResult, counted
 from asperity._base.value import Value
-from asperity.identify.fitting.models.coordinates import Estimate, Scale
+from asperity.identify.fitting.models.coordinates import Estimate, Scale, table_of
 from asperity.identify.patches.comparison import PatchComparison, compared
 from asperity.identify.patches.models import (
     EllipsoidPatch,
@@ -227,21 +227,7 @@ class BlockFit(TableResult, Value):
         return f"<{type(self).__name__}: {'; '.join([text, *self.warnings])}>"
 
     def _table(self) -> Table:
-        listed = self.parameters
-        columns = {
-            "value": "estimate",
-            "low": "lower end of the confidence interval",
-            "high": "upper end of the confidence interval",
-            "standard_error": "standard deviation of the estimate",
-        }
-        rows = ("parameter",)
-        series = {
-            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
-            for name, words in columns.items()
-        }
-        told = np.array([one.identifiable for one in listed.values()])
-        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
-        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+        return table_of(self.parameters, rms=self.rms)
 
 
 class PatchFit(BlockFit):

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Table, TableResult, counted
 from asperity._base.value import Record, Value
-from asperity.identify.fitting.models.coordinates import Estimate
+from asperity.identify.fitting.models.coordinates import Estimate, table_of
 from asperity.identify.fitting.models.names import name_of
 from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.paths.launch import QUANTITIES, UNITS
@@ -205,20 +205,7 @@ class PathFit(TableResult, Value):
         return f"<PathFit: {'; '.join([text, *self.warnings])}>"
 
     def _table(self) -> Table:
-        columns = {
-            "value": "estimate, in SI units or rad",
-            "low": "lower end of the confidence interval",
-            "high": "upper end of the confidence interval",
-            "standard_error": "standard deviation of the estimate",
-        }
-        listed, rows = self.parameters, ("parameter",)
-        series = {
-            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
-            for name, words in columns.items()
-        }
-        told = np.array([one.identifiable for one in listed.values()])
-        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
-        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+        return table_of(self.parameters, rms=self.rms)
 
 
 def _text(one: Estimate) -> str:

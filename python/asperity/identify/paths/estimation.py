@@ -22,14 +22,14 @@ from asperity.identify.fitting.models.names import (
     reservoir_model,
 )
 from asperity.identify.identified_law import Structure
-from asperity.identify.path_fit import PathFit
-from asperity.identify.path_solution import Solution
-from asperity.identify.path_verdict import verdict
 from asperity.identify.paths.launch import Launch, known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
 from asperity.identify.paths.observed import FEWEST, Observed, observed
+from asperity.identify.paths.result import PathFit
+from asperity.identify.paths.solution import Solution
 from asperity.identify.paths.starts import Ellipses, best_size, first_launches
+from asperity.identify.paths.verdict import verdict
 from asperity.law import FrictionLaw
 from asperity.runs.comparison import TimedPath
 from asperity.runs.model import Model

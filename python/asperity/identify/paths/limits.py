@@ -7,10 +7,9 @@ import math
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity.identify.diagnostics import at_bounds
-from asperity.identify.fitting.models.coordinates import Scale
-from asperity.identify.path_solution import Solution
+from asperity.identify.fitting.models.coordinates import Scale, at_bounds
 from asperity.identify.paths.launch import PLACE, SPEED
+from asperity.identify.paths.solution import Solution
 from asperity.law import Stribeck
 
 SCALE = "paths determine the shape of D, not its size: direction.scale has no value"

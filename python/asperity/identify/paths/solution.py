@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
 from asperity.errors import FitError
-from asperity.identify.diagnostics import at_bounds
-from asperity.identify.fitting.models.coordinates import Coordinate
+from asperity.identify.fitting.models.coordinates import Coordinate, at_bounds
 from asperity.identify.identified_law import Structure
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions

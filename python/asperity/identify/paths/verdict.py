@@ -7,15 +7,14 @@ import math
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity.identify.diagnostics import at_bounds
-from asperity.identify.fitting.models.coordinates import Estimate
+from asperity.identify.fitting.models.coordinates import Estimate, at_bounds
 from asperity.identify.fitting.models.names import short
 from asperity.identify.fitting.uncertainty.covariance import estimate
 from asperity.identify.identified_law import IdentifiedLaw
-from asperity.identify.path_fit import FittedPath, PathFit
-from asperity.identify.path_limits import SCALE, longer, speed_limit, warnings_of
-from asperity.identify.path_solution import Solution
 from asperity.identify.paths.launch import QUANTITIES
+from asperity.identify.paths.limits import SCALE, longer, speed_limit, warnings_of
+from asperity.identify.paths.result import FittedPath, PathFit
+from asperity.identify.paths.solution import Solution
 
 _MOST_DEGREES = 1e9
 # An angle is told from none at this level, and not of sets that differ from these by rounding.
