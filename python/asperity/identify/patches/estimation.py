@@ -13,6 +13,7 @@ from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.identify.patches.comparison import PatchComparison
 from asperity.identify.patches.models import (
+    SPOT,
     EllipsoidPatch,
     ExtendedPatch,
     ExtendedPoints,
@@ -372,7 +373,7 @@ def fit_supports(
     )
     model: PatchModel
     if direction is None:
-        model = PointsPatch(count, radius=_SPOT, known=True, friction=friction, frame=frame)
+        model = PointsPatch(count, radius=SPOT, known=True, friction=friction, frame=frame)
     else:
         model = ExtendedPoints(frame=frame)
     labels = _labels(blocks, len(pairs))
@@ -397,8 +398,6 @@ def fit_supports(
     )
 
 
-# Radius of the spots of known points over ℓ: it only matters where a point stands still.
-_SPOT = 1e-3
 # Columns of a push that are needed.
 _COLUMNS = 9
 

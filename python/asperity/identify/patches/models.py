@@ -25,6 +25,8 @@ from asperity.sets.shapes.reservoirs import Pressure
 Frame = Literal["body", "ground"]
 Friction = Literal["isotropic", "ellipse"]
 
+SPOT = 1e-3
+"""Radius of the spots of known points over ℓ: it only matters where a point stands still."""
 # Entries of a lower triangular matrix, row by row; those of the diagonal are logarithms.
 _ROWS, _COLUMNS = np.tril_indices(3)
 _DIAGONAL = _ROWS == _COLUMNS
@@ -57,15 +59,17 @@ class PatchModel(Value):
 
     size: int
     """Number of coordinates."""
-    words: str
-    """The model in words."""
+    frame: Frame
+    """Whether the sets keep their axes in the body or in the ground."""
+
+    @property
+    def words(self) -> str:
+        """The model in words."""
+        raise NotImplementedError
 
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ at the twists, ``(n, 3)``, and its derivatives by p, ``(n, 3, k)``."""
         raise NotImplementedError
-
-    frame: Frame
-    """Whether the sets keep their axes in the body or in the ground."""
 
     def far(self, p: Array, radii: float, light: float) -> list[int]:
         """Return the support points that are no places of the patch."""
@@ -98,7 +102,7 @@ class EllipsoidPatch(PatchModel):
         self._set(frame=frame)
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         return "an ellipsoid"
 
@@ -225,7 +229,7 @@ class PointsPatch(PatchModel):
     _parts: tuple[slice, slice, slice, slice]
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         if self.radius is None:
             kind = f"a round area of {self.pressure} pressure"
@@ -420,19 +424,14 @@ class ExtendedPatch(PatchModel):
 
     def __init__(self, of: EllipsoidPatch | PointsPatch) -> None:
         self._set(of=of)
-        self._keep(size=of.size + 5)
-
-    @property
-    def frame(self) -> Frame:  # type: ignore[override]
-        """Whether the sets keep their axes in the body or in the ground."""
-        return self.of.frame
+        self._keep(size=of.size + 5, frame=of.frame)
 
     def far(self, p: Array, radii: float, light: float) -> list[int]:
         """Return the support points that are no places of the patch."""
         return self.of.far(p[: self.of.size], radii, light)
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         return f"{self.of.words}, with an ellipsoid for D"
 
@@ -511,7 +510,7 @@ class ExtendedPoints(PatchModel):
         self._set(frame=frame)
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         return f"ellipses for C and D of each point in the axes of the {self.frame}"
 

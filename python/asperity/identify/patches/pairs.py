@@ -75,6 +75,11 @@ class Pairs(Value):
             loads=some(self.loads),
         )
 
+    @property
+    def points(self) -> int:
+        """Number of known support points."""
+        return 0 if self.places is None else self.places.shape[1]
+
     def at(self, twist: Array) -> Pairs:
         """Return pairs of other twists, of any scale, without wrenches."""
         return self.replace(wrench=np.zeros_like(twist), twist=twist)

@@ -16,6 +16,7 @@ from asperity._base.value import Value
 from asperity.identify.fitting.models.coordinates import Estimate, Scale, table_of
 from asperity.identify.patches.comparison import PatchComparison, compared
 from asperity.identify.patches.models import (
+    SPOT,
     EllipsoidPatch,
     ExtendedPatch,
     ExtendedPoints,
@@ -306,10 +307,9 @@ class SupportsFit(BlockFit):
     @cached_property
     def comparison(self) -> PatchComparison:
         """Isotropic friction beside ellipses in the ground's and in the body's axes."""
-        count = int(self.pairs.places.shape[1])  # type: ignore[union-attr]
 
         def points(**options: Any) -> PointsPatch:
-            return PointsPatch(count, radius=_spot_of(self.model), known=True, **options)
+            return PointsPatch(self.pairs.points, radius=SPOT, known=True, **options)
 
         return self.compare(
             {
@@ -334,11 +334,6 @@ class SupportsFit(BlockFit):
         rivals = (beside["isotropic"], beside["ellipse in the body"])
         better = found.improvement("ellipse in the ground", over="isotropic")
         return own < min(rivals) and better.low > 0.0
-
-
-def _spot_of(model: PatchModel) -> float:
-    spot = model.radius if isinstance(model, PointsPatch) else None
-    return 1e-3 if spot is None else spot
 
 
 def _difference(one: Reported, other: Reported) -> float:

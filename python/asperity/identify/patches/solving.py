@@ -153,7 +153,7 @@ def starts_of(
     if isinstance(model, EllipsoidPatch):
         return [model.start(pairs)]
     if isinstance(model, ExtendedPoints):
-        plain = PointsPatch(pairs.loads.shape[1], radius=0.0, known=True)  # type: ignore[union-attr]
+        plain = PointsPatch(pairs.points, radius=0.0, known=True)
         p = fitted(plain, pairs, starts_of(plain, pairs, loss), loss, scale, roughly=True).p
         return [
             np.concatenate([p, [0.02, 0.0, 0.02, 0.0]]),
