@@ -230,8 +230,8 @@ class _Search:
         if not (found.converged and np.isfinite(found.squares)):
             reservoir, direction = self._structure
             raise FitError(
-                f"no minimum of {name_of(reservoir)} and {name_of(direction)} was found: try a "
-                "simpler model"
+                f"no minimum of {name_of(reservoir)} and {name_of(direction)} was found: choose a "
+                "simpler model, or launch in more directions"
             )
         others = [d for d in near if d.squares < found.squares + _ALIKE]
         log.info("fit_paths: %d paths, squares %.6g", len(self._paths), found.squares)
