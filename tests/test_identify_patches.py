@@ -6,7 +6,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import identify
-from asperity.identify import compare_patches, fit_patch, fit_supports
+from asperity.identify import PatchFit, compare_patches, fit_patch, fit_supports
 from asperity.identify.patches.models import (
     EllipsoidPatch,
     ExtendedPatch,
@@ -297,7 +297,7 @@ def test_the_law_is_that_of_a_contact_problem_and_of_bodies():
 
 
 @every_truth
-def test_fits_are_values(name):
+def test_fits_are_values_and_are_read_as_they_were_written(name, tmp_path):
     """A fit that another process has made equals that of this one, to the bit."""
     law, options = TRUTHS[name]
     twist = twists(np.random.default_rng(9), 200)
@@ -307,6 +307,14 @@ def test_fits_are_values(name):
     assert hash(read) == hash(fit)
     assert read.parameters == fit.parameters
     assert fit.replace(confidence=0.5) != fit
+    fit.save(tmp_path / "fit.npz")
+    loaded = PatchFit.load(tmp_path / "fit.npz")
+    assert loaded == fit
+    assert loaded.blocks.dtype == fit.blocks.dtype
+    assert loaded.summary() == fit.summary()
+    assert loaded.law == fit.law
+    models = {"this": fit.model, "ellipsoid": EllipsoidPatch()}
+    assert loaded.compare(models) == fit.compare(models)
 
 
 def test_the_law_is_saved_with_its_sets(tmp_path):

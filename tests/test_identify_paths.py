@@ -12,7 +12,7 @@ import pytest
 from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
-from asperity.identify import IdentifiedLaw, Launch, fit_paths
+from asperity.identify import FourierReservoir, IdentifiedLaw, Launch, PathFit, fit_paths
 from asperity.identify.paths.campaign import FILES
 from asperity.identify.paths.launch import known_of
 from asperity.identify.paths.misfits import Misfits
@@ -457,6 +457,26 @@ def test_the_law_is_kept_with_its_covariance(few, tmp_path):
     assert hash(twin) == hash(fit)
     with pytest.raises(AttributeError, match="immutable"):
         fit.misfit = 0.0
+
+
+def test_a_fit_is_read_as_it_was_written(round_films, tmp_path):
+    """With models that have no name, one path that has no interval, a rate factor."""
+    paths, _ = round_films.draw(0)
+    rated = asp.FrictionLaw.isotropic(0.4).replace(rate=asp.Stribeck(1.0, ratio=0.9))
+    for given, options in (
+        (paths, {"system": round_films.system.replace(law=rated), "reservoir": "circle"}),
+        (paths[:1], {"system": round_films.system, "reservoir": "circle"}),
+        (paths, {"system": round_films.system, "reservoir": FourierReservoir(2)}),
+    ):
+        fit = fit_paths(given, direction="circle", **options)
+        fit.save(tmp_path / "fit.npz")
+        read = PathFit.load(tmp_path / "fit.npz")
+        assert read == fit
+        assert read.summary() == fit.summary()
+        assert read.identified_law == fit.identified_law
+        assert read.law == fit.law
+        assert read.to_pandas().equals(fit.to_pandas())
+        assert str(read.launch_columns()) == str(fit.launch_columns())
 
 
 # What is given.

@@ -38,17 +38,7 @@ from asperity.identify.fitting.least_squares.mistakes import Mistake, mistake
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
 from asperity.identify.fitting.models.coordinates import Estimate, Scale, at_bounds, table_of
-from asperity.identify.fitting.models.directions import (
-    CircleDirection,
-    FourierDirection,
-    SuperellipseDirection,
-)
-from asperity.identify.fitting.models.names import name_of
-from asperity.identify.fitting.models.reservoirs import (
-    CircleReservoir,
-    FourierReservoir,
-    SuperellipseReservoir,
-)
+from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
 from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
 from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
@@ -498,12 +488,8 @@ _KNOWN: stored.Kinds = {
         Calibration,
         Processing,
         Family,
-        CircleReservoir,
-        SuperellipseReservoir,
-        FourierReservoir,
-        CircleDirection,
-        SuperellipseDirection,
-        FourierDirection,
+        *RESERVOIR_KINDS.values(),
+        *DIRECTION_KINDS.values(),
         Descent,
         Sums,
         Loss,

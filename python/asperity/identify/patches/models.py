@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.identify.fitting.models.coordinates import Scale
@@ -207,8 +208,8 @@ class PointsPatch(PatchModel):
             radius=radius,
             friction=friction,
             frame=frame,
-            places=places,
-            loads=loads,
+            places=None if places is None else arrays.array(places, "places", (count, 2)),
+            loads=None if loads is None else arrays.array(loads, "loads", (count,)),
             known=known,
             pressure=pressure,
         )

@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Table, TableResult, counted
+from asperity._base.result import Table, counted
+from asperity._base.storage import data as stored
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.identify.fitting.models.coordinates import Estimate, Scale, table_of
 from asperity.identify.patches.comparison import PatchComparison, compared
@@ -37,8 +39,11 @@ _FAR = 4.0
 _LIGHT = 1e-3
 
 
-class BlockFit(TableResult, Value):
+class BlockFit(SavedResult, Value):
     """What fits of wrenches have in common.
+
+    What `save` writes holds the pairs, the model and where its coordinates ended: intervals and
+    comparisons follow from them.
 
     Args:
         pairs: wrenches and twists.
@@ -78,8 +83,8 @@ class BlockFit(TableResult, Value):
             model=model,
             found=found,
             loss=loss,
-            blocks=blocks,
-            folds=folds,
+            blocks=arrays.array(blocks, "blocks", (len(pairs),)).astype(np.intp),
+            folds=arrays.array(folds, "folds", (len(pairs),)).astype(np.intp),
             length=arrays.positive(length, "length"),
             confidence=arrays.fraction(confidence, "confidence"),
         )
@@ -227,6 +232,10 @@ class BlockFit(TableResult, Value):
         text = f"{self.model.words}, {len(self.pairs)} pairs, rms {self.rms:.3g}"
         return f"<{type(self).__name__}: {'; '.join([text, *self.warnings])}>"
 
+    @classmethod
+    def _known(cls) -> stored.Kinds:
+        return _KNOWN
+
     def _table(self) -> Table:
         return table_of(self.parameters, rms=self.rms)
 
@@ -340,3 +349,18 @@ def _difference(one: Reported, other: Reported) -> float:
     off = one.at - other.at
     # Axes have no sign: their angles differ by less than a quarter turn.
     return off - math.pi * round(off / math.pi) if one.scale is Scale.ANGLE else off
+
+
+_KNOWN: stored.Kinds = {
+    one.__name__: one
+    for one in (
+        PatchFit,
+        SupportsFit,
+        Pairs,
+        Found,
+        EllipsoidPatch,
+        PointsPatch,
+        ExtendedPatch,
+        ExtendedPoints,
+    )
+}
