@@ -354,8 +354,8 @@ class PointsPatch(PatchModel):
         if self.loads is not None or self.known or self.radius is None:
             found.append(Reported("mu", Scale.LOG, float(p[0])))
         else:
-            whole = float(np.exp(p[self._parts[0]]).sum())
-            found.append(Reported("load", Scale.LOG, math.log(whole)))
+            whole = float(np.logaddexp.reduce(p[self._parts[0]]))
+            found.append(Reported("load", Scale.LOG, whole))
         if self._parts[1].stop > self._parts[1].start:
             loads, places = self._loads(p, None)[0], self._places(p, None)[0]
             for axis, at in enumerate(loads @ places / loads.sum(), 1):
@@ -365,10 +365,11 @@ class PointsPatch(PatchModel):
             found.append(Reported("radius", Scale.LOG, at, is_length=True))
         found += _ellipse_reported(p, self._parts[3], "friction")
         if self.radius is not None and not self.known and self.count > 1:
-            loads, places = self._loads(p, None)[0], self._places(p, None)[0]
-            for i, (load, place) in enumerate(zip(loads, places, strict=True), 1):
+            places = self._places(p, None)[0]
+            for i, place in enumerate(places, 1):
                 if self.loads is None:
-                    found.append(Reported(f"point_{i}.load", Scale.LOG, math.log(load)))
+                    load = float(p[self._parts[0]][i - 1])
+                    found.append(Reported(f"point_{i}.load", Scale.LOG, load))
                 if self.places is None:
                     found += [
                         Reported(f"point_{i}.x{axis}", Scale.PLAIN, float(at), is_length=True)
@@ -438,9 +439,10 @@ class ExtendedPatch(PatchModel):
 
     def start(self, p: Array, ellipsoid: Array) -> Array:
         """Return the coordinates where D is an ellipsoid of given coordinates."""
-        A = _triangular(ellipsoid) / math.exp(ellipsoid[0])
-        entries = A[_ROWS, _COLUMNS]
-        entries[_DIAGONAL] = np.log(entries[_DIAGONAL])
+        entries = ellipsoid.copy()
+        entries[_DIAGONAL] -= ellipsoid[0]
+        # An ellipsoid of wrenches that belong to no law may be as flat as numbers can say.
+        entries[~_DIAGONAL] *= math.exp(-max(ellipsoid[0], -700.0))
         return np.concatenate([p, entries[1:]])
 
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
@@ -558,6 +560,37 @@ class ExtendedPoints(PatchModel):
     def plane_law(self, p: Array) -> FrictionLaw:
         """Return the law of one point, per unit of its load."""
         return FrictionLaw(_ellipse(math.exp(p[0]), p[1:3]), _ellipse(1.0, p[3:]))
+
+
+class OffsetPatch(PatchModel):
+    """Wrenches of a law about another point of the body; its place over ℓ are two coordinates.
+
+    Args:
+        of: the model of the law.
+    """
+
+    of: PatchModel
+
+    def __init__(self, of: PatchModel) -> None:
+        self._set(of=of)
+        self._keep(size=of.size + 2, frame=of.frame)
+
+    @property
+    def words(self) -> str:
+        """The model in words."""
+        return f"{self.of.words}, with torques about another point"
+
+    def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
+        """Return −λ and its derivatives."""
+        f, own = self.of.both(p[:-2], pairs)
+        x, y = p[-2:]
+        by = np.zeros((len(f), 3, self.size))
+        by[:, :, :-2] = own
+        by[:, 2, :-2] -= x * own[:, 1] - y * own[:, 0]
+        by[:, 2, -2:] = np.stack([-f[:, 1], f[:, 0]], axis=-1)
+        total = f.copy()
+        total[:, 2] -= x * f[:, 1] - y * f[:, 0]
+        return total, by
 
 
 def _triangular(entries: Array) -> Array:

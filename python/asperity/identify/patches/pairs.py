@@ -10,8 +10,16 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import FitError, ParameterError
 
-# Shares of the power that may be negative: more of it is a wrench of the other sign.
-_MOST_POWER_AGAINST = 0.5
+MOST_AGAINST = 0.5
+"""Share of the pairs whose power may be negative: more of them are of the other sign."""
+# Signs that may be wrong, the likely ones first.
+_SIGNS = {
+    "all signs turned": (-1.0, -1.0, -1.0),
+    "the sign of the torque turned": (1.0, 1.0, -1.0),
+    "the signs of both forces turned": (-1.0, -1.0, 1.0),
+    "the sign of the first force turned": (-1.0, 1.0, 1.0),
+    "the sign of the second force turned": (1.0, -1.0, 1.0),
+}
 
 
 class Pairs(Value):
@@ -100,13 +108,23 @@ class Pairs(Value):
             )
         if not (self.wrench**2).any():
             raise FitError("wrench: must not vanish in all pairs: no law follows from it")
-        power = (self.wrench * self.twist).sum(axis=1)
-        against = float((power < 0.0).mean())
-        if against > _MOST_POWER_AGAINST:
+        against = self.against
+        if against > MOST_AGAINST:
+            meant = {
+                words: self.replace(wrench=self.wrench * signs).against
+                for words, signs in _SIGNS.items()
+            }
+            remedy = min(meant, key=lambda words: meant[words])
             raise FitError(
-                f"wrench: the power of {against:.0%} of the pairs is negative: give the wrench "
-                "that the body exerts on the ground, which is minus the friction on the body"
+                f"wrench: the power of {against:.0%} of the pairs is negative, with {remedy} of "
+                f"{meant[remedy]:.0%}: give the wrench that the body exerts on the ground, which "
+                "is minus the friction on the body"
             )
+
+    @property
+    def against(self) -> float:
+        """Share of the pairs whose power is negative."""
+        return float(((self.wrench * self.twist).sum(axis=1) < 0.0).mean())
 
 
 def in_ground(vectors: Array, angle: Array) -> Array:

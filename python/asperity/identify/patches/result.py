@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,10 @@ from asperity._base.result import Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
+from asperity.identify.fitting.least_squares.mistakes import Mistake
 from asperity.identify.fitting.models.coordinates import Estimate, Scale, table_of
 from asperity.identify.patches.comparison import PatchComparison, compared
+from asperity.identify.patches.mistakes import mistake
 from asperity.identify.patches.models import (
     SPOT,
     EllipsoidPatch,
@@ -33,10 +35,39 @@ from asperity.sets import StarSet
 
 # Level of the test whether there is any anisotropy, and the step of derivatives of parameters.
 _LEVEL, _STEP = 0.01, 1e-5
+# Laws that are so near to the wrench leave nothing to be explained; those that are so far do not
+# fit, relative to the wrench.
+_CLOSE, _FAR_OFF = 0.1, 0.5
+# A parameter that is known to a factor of ten is not known.
+_DECADE = math.log(10.0)
 # Supports beyond so many radii of the patch are no places of it.
 _FAR = 4.0
 # Points whose share of the load is below this have no place.
 _LIGHT = 1e-3
+
+
+class _Interval(NamedTuple):
+    """A parameter with the half-width of its confidence interval.
+
+    Attributes:
+        reported: the parameter.
+        error: its standard error, on the scale in which it is nearly symmetric.
+        half: half-width of the interval there.
+        untold: whether the data do not tell it.
+    """
+
+    reported: Reported
+    error: float
+    half: float
+    untold: bool
+
+
+def _says_nothing(one: Reported) -> float:
+    """Return the half-width of an interval that holds all that a parameter may be."""
+    if one.scale is Scale.LOG:
+        return _DECADE
+    # Correlations lie within ±1; places may be anywhere.
+    return 1.0 if one.scale is Scale.PLAIN and not one.is_length else math.inf
 
 
 class BlockFit(SavedResult, Value):
@@ -65,6 +96,8 @@ class BlockFit(SavedResult, Value):
     blocks: Labels
     folds: Labels
     found: Found
+    _in_ground = False
+    """Whether wrenches and twists were given in the axes of the ground."""
 
     def __init__(
         self,
@@ -125,6 +158,20 @@ class BlockFit(SavedResult, Value):
         return self._errors.covariance
 
     @cached_property
+    def mistake(self) -> Mistake | None:
+        """A wrong sign, unit, frame or point of reference that explains a large misfit, or None."""
+        if self.rms <= _CLOSE:
+            return None
+        return mistake(
+            self.model,
+            self.coordinates,
+            self.pairs,
+            self.loss,
+            length=self.length,
+            in_ground=self._in_ground,
+        )
+
+    @cached_property
     def parameters(self) -> dict[str, Estimate]:
         """Estimates with confidence intervals by name, lengths in the unit of ``length``.
 
@@ -132,6 +179,13 @@ class BlockFit(SavedResult, Value):
         axes and their angle are identifiable if the friction differs from isotropic friction at
         the level 0.01.
         """
+        return {
+            one.name: self._estimate(one, error, half, untold)
+            for one, error, half, untold in self._intervals
+        }
+
+    @cached_property
+    def _intervals(self) -> list[_Interval]:
         from scipy.stats import t
 
         p, reported = self.coordinates, self.model.reported(self.coordinates)
@@ -146,14 +200,17 @@ class BlockFit(SavedResult, Value):
             ]
         quantile = float(t.ppf(0.5 + 0.5 * self.confidence, int(self.blocks.max())))
         errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", by, self.covariance, by), 0.0))
-        blind = [not self._errors.tells(row) for row in by]
-        return {
-            one.name: self._estimate(one, float(error), quantile, untold)
-            for one, error, untold in zip(reported, errors, blind, strict=True)
-        }
+        return [
+            _Interval(
+                one,
+                error,
+                quantile * error,
+                not self._errors.tells(row) or quantile * error > _says_nothing(one),
+            )
+            for one, error, row in zip(reported, errors.tolist(), by, strict=True)
+        ]
 
-    def _estimate(self, one: Reported, error: float, quantile: float, untold: bool) -> Estimate:
-        half = quantile * error
+    def _estimate(self, one: Reported, error: float, half: float, untold: bool) -> Estimate:
         # The interval of what the data do not tell may reach beyond the range of numbers.
         with np.errstate(over="ignore"):
             value, low, high = one.scale.natural(np.array([one.at, one.at - half, one.at + half]))
@@ -190,13 +247,19 @@ class BlockFit(SavedResult, Value):
                 "The search has ended at its longest: parameters that hardly change the wrench "
                 "are not at their best values"
             )
-        vague = [
-            name
-            for name, one in self.parameters.items()
-            if not one.identifiable and not name.startswith(("friction.", "direction."))
-        ]
+        vague = [one.reported.name for one in self._intervals if one.untold]
         if vague:
             found.append(f"The data do not tell {', '.join(vague)}")
+        if self.mistake is not None:
+            found.append(
+                f"The model does not fit: the wrench differs from it by {self.rms:.1%}; with "
+                f"{self.mistake.words}, it would differ by {self.mistake.misfit:.1%}: check it"
+            )
+        elif self.rms > _FAR_OFF:
+            found.append(
+                f"The model does not fit: the wrench differs from it by {self.rms:.0%}; no wrong "
+                "sign, unit, frame or point of reference that is known here explains it"
+            )
         return tuple(found)
 
     def compare(self, models: dict[str, PatchModel]) -> PatchComparison:
@@ -303,6 +366,8 @@ class PatchFit(BlockFit):
 
 class SupportsFit(BlockFit):
     """The law in the plane of the friction at known support points, by `fit_supports`."""
+
+    _in_ground = True
 
     @cached_property
     def law(self) -> FrictionLaw:
