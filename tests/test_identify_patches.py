@@ -259,6 +259,52 @@ def test_lengths_and_loads_have_their_units():
     assert fit.parameters["mu"].value == pytest.approx(0.3, rel=1e-5)
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e6])
+@every_truth
+def test_the_unit_of_forces_does_not_matter(name, unit):
+    """Wrenches of micronewtons are fitted as well as those of newtons."""
+    law, options = TRUTHS[name]
+    random = np.random.default_rng(5)
+    twist = twists(random, 200)
+    wrench = -law.force(twist)
+    wrench += noise(random, wrench)
+    plain, small = (fit_patch(factor * wrench, twist, **options) for factor in (1.0, unit))
+    assert small.warnings == plain.warnings
+    for key, one in plain.parameters.items():
+        other = small.parameters[key]
+        kind, _, quantity = key.partition(".")
+        is_force = quantity.startswith(("force", "moment")) and kind == "reservoir"
+        factor = unit if key in ("mu", "load") or quantity == "load" or is_force else 1.0
+        assert other.value == pytest.approx(
+            factor * one.value, abs=2e-3 * factor * one.standard_error
+        )
+        assert other.standard_error == pytest.approx(factor * one.standard_error, rel=1e-3)
+
+
+@every_truth
+def test_the_order_the_mirror_image_and_the_size_of_twists_do_not_matter(name):
+    law, options = TRUTHS[name]
+    random = np.random.default_rng(5)
+    twist = twists(random, 200)
+    wrench = -law.force(twist)
+    wrench += noise(random, wrench)
+    plain = fit_patch(wrench, twist, **options)
+    order, mirror = random.permutation(200), np.array([1.0, -1.0, -1.0])
+    turned = {**options}
+    if "places" in options:
+        turned["places"] = options["places"] * [1.0, -1.0]
+    for other, fit in (
+        (1.0, fit_patch(-wrench, -twist, **options)),
+        (1.0, fit_patch(wrench, twist * random.uniform(0.1, 10.0, (200, 1)), **options)),
+        (1.0, fit_patch(wrench[order], twist[order], blocks=plain.blocks[order], **options)),
+        (mirror, fit_patch(wrench * mirror, twist * mirror, **turned)),
+    ):
+        assert fit.rms == pytest.approx(plain.rms, rel=1e-6)
+        np.testing.assert_allclose(
+            fit.wrench(twist * other), plain.wrench(twist) * other, atol=1e-5
+        )
+
+
 def test_outliers_hardly_move_the_fit():
     law, options = TRUTHS["area"]
     random = np.random.default_rng(7)

@@ -107,6 +107,8 @@ def descend(
                 x_scale="jac",
                 max_nfev=most,
                 ftol=tolerance,
+                # The size of a gradient depends on the unit of forces.
+                gtol=None,
             )
         except (ValueError, np.linalg.LinAlgError):
             raise FitError(
