@@ -176,6 +176,52 @@ def test_superellipses_are_found_from_films_all_around():
         assert fit.parameters[name].covers(truth), name
 
 
+def moved(paths, launches, turn, sign, place, begin):
+    """Return films of the same bodies by a camera that is turned, mirrored, elsewhere, later."""
+    axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    films = [
+        SimpleNamespace(
+            time=p.time + begin,
+            position=(p.position * [1.0, sign]) @ axes.T + place,
+            position_error=p.position_error,
+        )
+        for p in paths
+    ]
+    told = [one.replace(place=place, direction=sign * one.direction + turn) for one in launches]
+    return films, told
+
+
+def test_the_law_does_not_depend_on_the_camera_nor_on_the_order_of_films():
+    law = asp.FrictionLaw(asp.Ellipse(0.55, 0.42, angle=0.2), asp.Ellipse(1.5, 1.0, angle=-0.1))
+    films = Films(law, np.arange(6) * 60.0 + 7.0)
+    paths, launches = films.draw(0)
+    options = {"reservoir": "ellipse", "direction": "ellipse", "length_error": 0.0}
+    plain = fit_paths(paths, system=films.system, launch=launches, **options)
+    order = [3, 0, 5, 1, 4, 2]
+    for turn, sign, place, begin in (
+        (0.0, 1.0, (0.0, 0.0), 0.0),
+        (0.3, 1.0, (0.0, 0.0), 0.0),
+        (0.0, -1.0, (0.0, 0.0), 0.0),
+        (2.0 * math.pi, 1.0, (5.0, -3.0), 100.0),
+    ):
+        seen, told = moved(paths, launches, turn, sign, place, begin)
+        fit = fit_paths(
+            [seen[k] for k in order],
+            system=films.system.replace(mass=1.8, law=asp.FrictionLaw.isotropic(0.1)),
+            launch=[told[k] for k in order],
+            **options,
+        )
+        assert fit.warnings == plain.warnings
+        assert fit.misfit == pytest.approx(plain.misfit, rel=1e-6)
+        for name, one in plain.parameters.items():
+            other, value = fit.parameters[name], one.value
+            if name.endswith("angle"):
+                value = sign * value + turn % math.pi
+            if name != "direction.scale":
+                assert other.value == pytest.approx(value, abs=0.02 * one.standard_error)
+                assert other.standard_error == pytest.approx(one.standard_error, rel=0.01)
+
+
 def test_launches_are_found_without_a_word_about_them(few):
     paths, _ = few.draw(3)
     fit = fit_paths(paths, system=few.system, reservoir="ellipse", direction="ellipse")
@@ -491,6 +537,11 @@ def test_launches_say_what_they_need():
         Launch(place=(0.0, 1.0, 2.0))
 
 
+FALLEN = SimpleNamespace(
+    time=np.arange(5.0), position=np.ones((5, 2)), position_error=np.ones((5, 2))
+)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -502,6 +553,7 @@ def test_launches_say_what_they_need():
         ({"system": asp.LinearSystem(np.eye(2))}, "must slide in the plane"),
         ({"launch": Launch(time=9.0)}, "leaves 0 points after it"),
         ({"paths": []}, "must hold a path"),
+        ({"paths": [FALLEN, FALLEN]}, r"paths\[1\]: is paths\[0\] once more"),
         ({"paths": [3.0]}, r"paths\[0\]: must be a path"),
         ({"paths": [SimpleNamespace(time=np.arange(5.0), position=np.zeros((5, 2)))]},
          "position_error: is needed"),

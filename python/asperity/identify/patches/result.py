@@ -189,7 +189,7 @@ class BlockFit(SavedResult, Value):
         from scipy.stats import t
 
         p, reported = self.coordinates, self.model.reported(self.coordinates)
-        # Entries of matrices are in the unit of forces: no step changes the wrench by a larger part.
+        # Entries of matrices are in the unit of forces: no step changes wrenches by a larger part.
         whole = float(np.linalg.norm(self.pairs.wrench))
         steps = _STEP * np.minimum(np.maximum(1.0, np.abs(p)), whole / self._errors.sizes)
         by = np.empty((len(reported), p.size))
