@@ -633,6 +633,31 @@ def test_units_that_do_not_belong_together_are_named(round_films, slower, longer
         )
 
 
+def test_films_that_are_unlike_the_others_are_named(few):
+    paths, _ = few.draw(0)
+    mixed = [*paths[:2], in_units(few, 1.0, 1e3, seed=0)[2]]
+    models = {"system": few.system, "reservoir": "ellipse", "direction": "ellipse"}
+    with pytest.raises(FitError, match=r"paths\[2\]: the body decelerates .* times as much"):
+        fit_paths(mixed, **models)
+    noise = ERROR * np.random.default_rng(0).normal(size=(12, 2))
+    resting = SimpleNamespace(time=paths[0].time, position=noise, position_error=ERROR)
+    with pytest.raises(FitError, match=r"paths\[2\]: nothing moves farther than errors"):
+        fit_paths([*paths[:2], resting], **models)
+    with pytest.raises(FitError, match="no body slides where it was measured"):
+        fit_paths(paths, launch=Launch(place=(0.0, 0.0), time=-5.0), **models)
+
+
+def test_angles_beside_fixed_parameters_are_within_a_half_turn(few):
+    paths, launches = few.draw(0)
+    for fixed in ({"reservoir.exponent": 1e9}, {"reservoir.a": 0.55}):
+        shape = "superellipse" if "reservoir.exponent" in fixed else "ellipse"
+        fit = fit_paths(
+            paths, system=few.system, reservoir=shape, direction="ellipse", launch=launches,
+            fixed=fixed,
+        )  # fmt: skip
+        assert abs(fit.parameters["reservoir.angle"].value) <= 0.5 * math.pi
+
+
 def test_a_body_that_creeps_is_fitted_with_a_word_about_units(round_films):
     fit = round_fit(round_films, in_units(round_films, 1e3, 1.0), length_error=0.0)
     assert fit.parameters["reservoir.radius"].value == pytest.approx(0.4e-6, rel=0.02)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias
@@ -284,9 +285,12 @@ class _Search:
         split = len(self._structure.reservoir.coordinates)
         parts = (slice(0, split), slice(split, None))
         for model, part in zip(self._structure, parts, strict=True):
-            # The axes of a set that are told by name keep their names.
+            # The axes of a set that are told by name keep their names; half a turn changes nothing.
+            last = part.indices(len(full))[1] - 1
             if self._free[part].all():
                 full[part] = model.folded(full[part])
+            elif model.roundness() is not None and self._free[last]:
+                full[last] -= math.pi * round(full[last] / math.pi)
         return np.concatenate([full[self._free], z[misfits.size :]])
 
     def _tried(self, misfits: Misfits, z: Array) -> _Descent:

@@ -189,8 +189,7 @@ def warnings_of(
     if alone.any():
         listed = ", ".join(n for n, one in zip(names, alone, strict=True) if one)
         sentences.append(
-            f"{listed} is told by one path alone, with nothing to compare it with: "
-            f"{solution.remedy}"
+            f"one path alone tells {listed}, with nothing to compare it with: {solution.remedy}"
         )
     sentences += _hardly_told(solution, np.where(alone, np.nan, widths))
     round_size = solution.structure.law(solution.coordinates).reservoir.radius(_AROUND)

@@ -124,33 +124,33 @@ class Solution:
         return [self.structure.coordinates[at][1] for at in self.free]
 
     @cached_property
-    def directions(self) -> tuple[float, float] | None:
-        """First and last direction of sliding in degrees; None if they are spread widely.
-
-        Opposite ones count as one where the models are symmetric.
-        """
+    def remedy(self) -> str:
+        """What would tell more, in words."""
         symmetric = all(model.is_symmetric for model in self.structure)
         turn = 180.0 if symmetric else 360.0
-        angles = []
+        phi = np.sort(self._sliding % turn)
+        if not len(phi):
+            return "no body slides where it was measured, check what is stated of the launches"
+        apart = np.diff(phi, append=phi[0] + turn)
+        last = int(apart.argmax())
+        width = turn - float(apart[last])
+        if width >= _NARROW:
+            return "launch more bodies, in directions between those that there are"
+        first = float(phi[(last + 1) % len(phi)])
+        return (
+            f"the bodies slide at {first:.0f}° to {first + width:.0f}° only, launch in more "
+            "directions"
+        )
+
+    @property
+    def _sliding(self) -> Array:
+        """Directions in degrees in which bodies slide where they were measured."""
+        angles = [np.empty(0)]
         for one in self.misfits.simulated(self.z) or ():
             speed = np.hypot(*one.velocity.T)
             moving = one.velocity[speed > _SLOW * speed.max(initial=0.0)]
-            angles.append(np.rad2deg(np.arctan2(moving[:, 1], moving[:, 0])) % turn)
-        phi = np.sort(np.concatenate(angles))
-        apart = np.diff(phi, append=phi[0] + turn)
-        last = int(apart.argmax())
-        if turn - apart[last] >= _NARROW:
-            return None
-        begin = float(phi[(last + 1) % len(phi)])
-        return begin, begin + turn - float(apart[last])
-
-    @property
-    def remedy(self) -> str:
-        """What would tell more, in words."""
-        if self.directions is None:
-            return "launch more bodies, in directions between those that there are"
-        first, last = self.directions
-        return f"the bodies slide at {first:.0f}° to {last:.0f}° only, launch in more directions"
+            angles.append(np.rad2deg(np.arctan2(moving[:, 1], moving[:, 0])))
+        return np.concatenate(angles)
 
     def response(self, change: Array) -> Array:
         """Return by how much the free coordinates move if residuals change by this, `(k,)`."""

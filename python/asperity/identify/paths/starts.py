@@ -32,13 +32,17 @@ _THETA = np.arange(72) * (math.pi / 36.0)
 # A path begins, and is over, where it has covered this share of its length; its first direction is
 # that of the points between these shares.
 _BEGUN, _OVER, _EARLY = 0.02, 0.98, (0.05, 0.5)
+# A body has moved if it is so many standard errors away.
+_MOVED = 3.0
+# Decelerations of one body on one surface do not differ by such a factor.
+_UNLIKE = 100.0
 
 
 def first_launches(paths: Sequence[Observed], known: Array) -> Array:
     """Return launches from parabolas through the distances from the start, path by path.
 
     Raises:
-        FitError: if nothing moves.
+        FitError: if nothing moves farther than its errors.
     """
     result = known.copy()
     for path, launch in zip(paths, result, strict=True):
@@ -47,8 +51,8 @@ def first_launches(paths: Sequence[Observed], known: Array) -> Array:
         off = path.position - launch[PLACE]
         distance = np.hypot(*off.T)
         length = float(distance.max())
-        if not length > 0.0:
-            raise FitError(f"{path.name}: nothing moves")
+        if not length > _MOVED * float(path.error.max()):
+            raise FitError(f"{path.name}: nothing moves farther than errors of its positions")
         early = off[(distance > _EARLY[0] * length) & (distance < _EARLY[1] * length)]
         along = early.sum(axis=0) if len(early) else off[int(distance.argmax())]
         speed, begin = _parabola(path.time, distance, float(launch[TIME]))
@@ -103,8 +107,14 @@ def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
         float(np.hypot(*(one - launch[PLACE]).T).max())
         for one, launch in zip(measured, launches, strict=True)
     ]
-    stops = float(np.median(launches[:, SPEED] ** 2 / (2.0 * np.array(lengths))))
-    first = stops / _deceleration(motions, launches)
+    stops = launches[:, SPEED] ** 2 / (2.0 * np.array(lengths))
+    for path, share in zip(misfits.paths, stops / np.median(stops), strict=True):
+        if not 1.0 / _UNLIKE < share < _UNLIKE:
+            raise FitError(
+                f"{path.name}: the body decelerates {share:.2g} times as much as those of other "
+                "paths: check the units of its times and lengths, and what is stated of its launch"
+            )
+    first = float(np.median(stops)) / _deceleration(motions, launches)
     if not 0.0 < first <= _LARGEST:
         raise FitError(
             f"the bodies stop as if the coefficient of friction were {first:.2g}: check the units "
