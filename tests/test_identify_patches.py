@@ -674,6 +674,49 @@ def test_what_the_data_do_not_tell_of_friction_and_direction_is_said():
     assert found.warnings == ()
 
 
+@pytest.mark.parametrize("name", ["points", "known points"])
+def test_spots_that_are_no_points_are_named(name):
+    """The radius of spots is a part of the length: of a small patch in metres it is too large."""
+    law, options = TRUTHS[name]
+    twist = twists(np.random.default_rng(0), 300)
+    wrench = -law.force(twist)
+    small = 0.02
+    if "places" in options:
+        options = {**options, "places": small * PLACES}
+    pairs = wrench * [1.0, 1.0, small], twist / [1.0, 1.0, small]
+    right = fit_patch(*pairs, length=small, **options)
+    assert right.warnings == ()
+    warned = fit_patch(*pairs, **options).warnings
+    (said,) = (one for one in warned if "Spots of the radius 0.01 are no points" in one)
+    lever = float(said.split("lever of ")[1].split(":")[0])
+    assert fit_patch(*pairs, length=lever, **options).rms < 0.02
+    assert fit_patch(*pairs).warnings == ()
+
+
+def test_outliers_and_missing_torques_are_no_mistake():
+    law, options = TRUTHS["area"]
+    random = np.random.default_rng(0)
+    twist = twists(random, 300)
+    wrench = -law.force(twist)
+    far = np.where(random.random((300, 1)) < 0.2, 10.0 * random.normal(size=(300, 3)), wrench)
+    fit = fit_patch(far, twist, **options)
+    assert fit.rms > 0.9
+    assert fit.warnings == ()
+    for part in ([1.0, 1.0, 0.0], [0.0, 0.0, 1.0]):
+        for name in ("area", "known points"):
+            law, options = TRUTHS[name]
+            found = fit_patch(-law.force(twist) * part, twist, **options).mistake
+            assert found is None or found.misfit < 0.5
+
+
+def test_wrenches_beyond_the_sizes_of_sets_are_refused():
+    twist = np.random.default_rng(0).normal(size=(60, 3))
+    wrench = -TRUTHS["area"][0].force(twist)
+    for size in (1e100, 1e-100):
+        with pytest.raises(FitError, match=r"wrench: must be between 1e-50 and 1e\+50"):
+            fit_patch(size * wrench, twist)
+
+
 def test_loads_that_vanish_are_reported():
     """The search may end where a point carries nothing that a number can say."""
     law, options = TRUTHS["points"]

@@ -18,7 +18,6 @@ from asperity.identify.patches.solving import LossName, fitted, starts_of
 # up to this factor, none can be told from the others. Where one leaves less than this, nothing is
 # left for another point to explain better.
 _EXPLAINED, _AS_GOOD, _CLOSE = 0.5, 1.1, 0.1
-_TINY = float(np.finfo(float).tiny)
 # By what the components of wrench and twist are multiplied to give the ones that are meant. Where a
 # model finds lengths by itself, some of them are the same.
 _DEGREE = math.pi / 180.0
@@ -129,9 +128,9 @@ def _about_another_point(
 
 def _relative(model: PatchModel, p: Array, pairs: Pairs) -> float:
     """Return the misfit of forces and torques relative to each, whatever the unit of torques."""
-    off = model.both(p, pairs)[0] - pairs.wrench
-    shares = [
-        float((off[:, part] ** 2).sum()) / max(float((pairs.wrench[:, part] ** 2).sum()), _TINY)
-        for part in (slice(0, 2), slice(2, 3))
-    ]
-    return math.sqrt(0.5 * sum(shares))
+    off, squares = model.both(p, pairs)[0] - pairs.wrench, (pairs.wrench**2).sum(axis=0)
+    sizes = [float(squares[:2].sum()), float(squares[2])]
+    # Where one of the two vanishes, only the other one tells how large wrenches are.
+    sizes = [one or sum(sizes) for one in sizes]
+    errors = (off**2).sum(axis=0)
+    return math.sqrt(0.5 * (float(errors[:2].sum()) / sizes[0] + float(errors[2]) / sizes[1]))

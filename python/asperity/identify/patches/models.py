@@ -72,6 +72,11 @@ class PatchModel(Value):
         """Return −λ at the twists, ``(n, 3)``, and its derivatives by p, ``(n, 3, k)``."""
         raise NotImplementedError
 
+    @property
+    def spot(self) -> float:
+        """Radius over ℓ of the spots that stand for support points; 0 if there are none."""
+        return 0.0
+
     def far(self, p: Array, radii: float, light: float) -> list[int]:
         """Return the support points that are no places of the patch."""
         return []
@@ -239,6 +244,11 @@ class PointsPatch(PatchModel):
         if self.friction == "isotropic":
             return f"{kind} with isotropic friction"
         return f"{kind} with elliptic friction in the axes of the {self.frame}"
+
+    @property
+    def spot(self) -> float:
+        """Radius over ℓ of the spots that stand for support points; 0 if there are none."""
+        return self.radius or 0.0
 
     def _loads(self, p: Array, pairs: Pairs | None) -> Array:
         """Return μN of the points, ``(1 or n, K)``."""
@@ -427,6 +437,11 @@ class ExtendedPatch(PatchModel):
     def __init__(self, of: EllipsoidPatch | PointsPatch) -> None:
         self._set(of=of)
         self._keep(size=of.size + 5, frame=of.frame)
+
+    @property
+    def spot(self) -> float:
+        """Radius over ℓ of the spots that stand for support points; 0 if there are none."""
+        return self.of.spot
 
     def far(self, p: Array, radii: float, light: float) -> list[int]:
         """Return the support points that are no places of the patch."""

@@ -12,6 +12,8 @@ from asperity.errors import FitError, ParameterError
 
 MOST_AGAINST = 0.5
 """Share of the pairs whose power may be negative: more of them are of the other sign."""
+# Sets of friction laws are larger than this, and smaller than its inverse.
+_SMALLEST = 1e-50
 # Signs that may be wrong, the likely ones first.
 _SIGNS = {
     "all signs turned": (-1.0, -1.0, -1.0),
@@ -106,8 +108,14 @@ class Pairs(Value):
             raise FitError(
                 f"wrench: {len(self)} pairs do not tell {parameters} parameters, record more"
             )
-        if not (self.wrench**2).any():
+        largest = float(np.abs(self.wrench).max())
+        if not largest > 0.0:
             raise FitError("wrench: must not vanish in all pairs: no law follows from it")
+        if not _SMALLEST < largest < 1.0 / _SMALLEST:
+            raise FitError(
+                f"wrench: must be between {_SMALLEST:.0e} and {1.0 / _SMALLEST:.0e} per normal "
+                f"force, is up to {largest:.2g}"
+            )
         against = self.against
         if against > MOST_AGAINST:
             meant = {

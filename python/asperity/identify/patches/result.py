@@ -40,6 +40,8 @@ _LEVEL, _STEP = 0.01, 1e-5
 _CLOSE, _FAR_OFF = 0.1, 0.5
 # A parameter that is known to a factor of ten is not known.
 _DECADE = math.log(10.0)
+# Spots of support points that are larger than this part of the lever of torques are no points.
+_THICK = 0.1
 # Supports beyond so many radii of the patch are no places of it.
 _FAR = 4.0
 # Points whose share of the load is below this have no place.
@@ -132,6 +134,12 @@ class BlockFit(SavedResult, Value):
     def rms(self) -> float:
         """Root mean square of the residual wrench relative to that of the wrench."""
         return math.sqrt(float((self.residuals**2).sum() / (self.pairs.wrench**2).sum()))
+
+    @property
+    def _typical(self) -> float:
+        """Median residual relative to the median component, which outliers hardly move."""
+        usual = float(np.median(np.abs(self.pairs.wrench)))
+        return float(np.median(np.abs(self.residuals))) / usual if usual > 0.0 else math.inf
 
     @property
     def converged(self) -> bool:
@@ -257,7 +265,7 @@ class BlockFit(SavedResult, Value):
                 f"The model does not fit: the wrench differs from it by {self.rms:.1%}; with "
                 f"{self.mistake.words}, it would differ by {self.mistake.misfit:.1%}: check it"
             )
-        elif self.rms > _FAR_OFF:
+        elif min(self.rms, self._typical) > _FAR_OFF:
             found.append(
                 f"The model does not fit: the wrench differs from it by {self.rms:.0%}; no wrong "
                 "sign, unit, frame or point of reference that is known here explains it"
@@ -337,6 +345,14 @@ class PatchFit(BlockFit):
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what the data cannot tell."""
         found = list(super().warnings)
+        squares = (self.pairs.wrench**2).mean(axis=0)
+        lever = math.sqrt(squares[2] / squares[:2].sum()) if squares[:2].any() else math.inf
+        if self.model.spot > _THICK * lever > 0.0:
+            found.append(
+                f"Spots of the radius {self.model.spot * self.length:.2g} are no points beside "
+                f"torques with a lever of {lever * self.length:.2g}: give a length of about that, "
+                "which the radius is a part of"
+            )
         far = self.model.far(self.coordinates, _FAR, _LIGHT)
         if far:
             names = ", ".join(f"point_{i + 1}" for i in far)
