@@ -2,7 +2,7 @@
 
 SciPy's `least_squares` starts from each of the places from which `fit_patch` does, with the loss
 and the scale that this has found. FOLDER holds measured pairs, real_pushes.npz; without it they are
-made.
+made. Times are those of the processor, in one thread: set OMP_NUM_THREADS=1.
 
 Run: python benches/python_patches.py [FOLDER]
 """
@@ -29,12 +29,12 @@ OPTIONS: dict[str, dict[str, Any]] = {
 
 
 def timed(work: Callable[[], Any], repeats: int = 3) -> tuple[float, Any]:
-    """Return the shortest time and what was computed."""
+    """Return the shortest processor time and what was computed."""
     times = []
     for _ in range(repeats):
-        start = time.perf_counter()
+        start = time.process_time()
         result = work()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return min(times), result
 
 
@@ -78,8 +78,7 @@ def main(folder: str | None = None) -> None:
                         loss="soft_l1",
                         f_scale=s,
                         max_nfev=400,
-                    ),
-                    1,
+                    )
                 )[0]
                 for start in starts
             ]

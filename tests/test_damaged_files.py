@@ -19,6 +19,7 @@ from asperity.contact.files import percussions
 from asperity.identify import read_raw, write_raw
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from public_calls import PATCH, PATH_FIT
 from test_problem_files import PROBLEMS, of_bodies
 
 LAW = asp.FrictionLaw.isotropic(0.3)
@@ -58,6 +59,16 @@ def fit_file(folder):
     fit = identify.fit_law((phi, 0.3 * ray), reservoir="circle", direction="circle")
     fit.save(folder / "fit.npz")
     return folder / "fit.npz"
+
+
+def path_fit_file(folder):
+    PATH_FIT.save(folder / "paths.npz")
+    return folder / "paths.npz"
+
+
+def patch_fit_file(folder):
+    PATCH.save(folder / "patch.npz")
+    return folder / "patch.npz"
 
 
 def stability_file(folder):
@@ -176,6 +187,8 @@ READERS = {
     "percussions": (problem_file(of_bodies(), ".h5"), percussions, True),
     "trajectory": (trajectory_file, asp.Trajectory.load, True),
     "fit": (fit_file, identify.Fit.load, True),
+    "path fit": (path_fit_file, identify.PathFit.load, True),
+    "patch fit": (patch_fit_file, identify.PatchFit.load, True),
     "stability": (stability_file, asp.Stability.load, True),
     "chart": (chart_file, asp.GrowthChart.load, True),
     "table": (table_of_run, identify.read_csv, False),

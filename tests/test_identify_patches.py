@@ -6,7 +6,8 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import identify
-from asperity.identify import compare_patches, fit_patch, fit_supports
+from asperity.errors import FitError
+from asperity.identify import PatchFit, compare_patches, fit_patch, fit_supports
 from asperity.identify.patches.models import (
     EllipsoidPatch,
     ExtendedPatch,
@@ -258,6 +259,52 @@ def test_lengths_and_loads_have_their_units():
     assert fit.parameters["mu"].value == pytest.approx(0.3, rel=1e-5)
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e6])
+@every_truth
+def test_the_unit_of_forces_does_not_matter(name, unit):
+    """Wrenches of micronewtons are fitted as well as those of newtons."""
+    law, options = TRUTHS[name]
+    random = np.random.default_rng(5)
+    twist = twists(random, 200)
+    wrench = -law.force(twist)
+    wrench += noise(random, wrench)
+    plain, small = (fit_patch(factor * wrench, twist, **options) for factor in (1.0, unit))
+    assert small.warnings == plain.warnings
+    for key, one in plain.parameters.items():
+        other = small.parameters[key]
+        kind, _, quantity = key.partition(".")
+        is_force = quantity.startswith(("force", "moment")) and kind == "reservoir"
+        factor = unit if key in ("mu", "load") or quantity == "load" or is_force else 1.0
+        assert other.value == pytest.approx(
+            factor * one.value, abs=2e-3 * factor * one.standard_error
+        )
+        assert other.standard_error == pytest.approx(factor * one.standard_error, rel=1e-3)
+
+
+@every_truth
+def test_the_order_the_mirror_image_and_the_size_of_twists_do_not_matter(name):
+    law, options = TRUTHS[name]
+    random = np.random.default_rng(5)
+    twist = twists(random, 200)
+    wrench = -law.force(twist)
+    wrench += noise(random, wrench)
+    plain = fit_patch(wrench, twist, **options)
+    order, mirror = random.permutation(200), np.array([1.0, -1.0, -1.0])
+    turned = {**options}
+    if "places" in options:
+        turned["places"] = options["places"] * [1.0, -1.0]
+    for other, fit in (
+        (1.0, fit_patch(-wrench, -twist, **options)),
+        (1.0, fit_patch(wrench, twist * random.uniform(0.1, 10.0, (200, 1)), **options)),
+        (1.0, fit_patch(wrench[order], twist[order], blocks=plain.blocks[order], **options)),
+        (mirror, fit_patch(wrench * mirror, twist * mirror, **turned)),
+    ):
+        assert fit.rms == pytest.approx(plain.rms, rel=1e-6)
+        np.testing.assert_allclose(
+            fit.wrench(twist * other), plain.wrench(twist) * other, atol=1e-5
+        )
+
+
 def test_outliers_hardly_move_the_fit():
     law, options = TRUTHS["area"]
     random = np.random.default_rng(7)
@@ -297,7 +344,7 @@ def test_the_law_is_that_of_a_contact_problem_and_of_bodies():
 
 
 @every_truth
-def test_fits_are_values(name):
+def test_fits_are_values_and_are_read_as_they_were_written(name, tmp_path):
     """A fit that another process has made equals that of this one, to the bit."""
     law, options = TRUTHS[name]
     twist = twists(np.random.default_rng(9), 200)
@@ -307,6 +354,14 @@ def test_fits_are_values(name):
     assert hash(read) == hash(fit)
     assert read.parameters == fit.parameters
     assert fit.replace(confidence=0.5) != fit
+    fit.save(tmp_path / "fit.npz")
+    loaded = PatchFit.load(tmp_path / "fit.npz")
+    assert loaded == fit
+    assert loaded.blocks.dtype == fit.blocks.dtype
+    assert loaded.summary() == fit.summary()
+    assert loaded.law == fit.law
+    models = {"this": fit.model, "ellipsoid": EllipsoidPatch()}
+    assert loaded.compare(models) == fit.compare(models)
 
 
 def test_the_law_is_saved_with_its_sets(tmp_path):
@@ -430,6 +485,13 @@ def test_logs_with_points_of_their_own_are_left_out_in_turn():
     fit = fit_supports(logs, corners, weight=WEIGHT)
     assert fit.parameters["mu"].covers(0.3)
     assert np.bincount(fit.folds).tolist() == [40, 40, 40]
+    # Blocks of one session that went through all logs must not be on both sides.
+    sessions = np.arange(120) % 6
+    mixed = fit_supports(logs, corners, weight=WEIGHT, blocks=sessions)
+    for block in range(6):
+        assert len(np.unique(mixed.folds[sessions == block])) == 1
+    within = fit_supports(logs, corners, weight=WEIGHT, blocks=np.arange(120) // 10)
+    assert np.array_equal(within.folds, fit.folds)
     loads = np.full(3, WEIGHT / 3.0)
     centred = [one - one.mean(axis=0) for one in corners]
     same = [fit_supports(logs, centred, **one) for one in ({"weight": WEIGHT}, {"loads": loads})]
@@ -483,6 +545,188 @@ def test_arguments_are_refused_by_name():
     refused(
         "points: must be those of 2 logs", fit_supports, ([table, table], [TRIANGLE]), weight=1.0
     )
+
+
+DEGREE = np.pi / 180.0
+TURNED, PLAIN = (1.0, 1.0, -1.0), (1.0, 1.0, 1.0)
+# What is done to wrench and twist, and what the sentence says of it.
+MISTAKES = {
+    "sign of the torque": (TURNED, PLAIN, "the sign of the torque or of the rotation turned"),
+    "N mm": ((1.0, 1.0, 1e3), PLAIN, "torques divided by 1000, as of N mm"),
+    "mm/s": (PLAIN, (1e3, 1e3, 1.0), "velocities divided by 1000, as of mm/s"),
+    "degrees": (PLAIN, (1.0, 1.0, 1.0 / DEGREE), "rotations in rad for those in degrees"),
+    "first force": ((-1.0, 1.0, 1.0), PLAIN, "the sign of the first force turned"),
+    "second force": ((1.0, -1.0, 1.0), PLAIN, "the sign of the second force turned"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+@pytest.mark.parametrize("name", ["ellipsoid", "area", "points", "known points"])
+def test_wrong_signs_and_units_are_named(name, mistake):
+    law, options = TRUTHS[name]
+    of_wrench, of_twist, words = MISTAKES[mistake]
+    random = np.random.default_rng(0)
+    twist = twists(random, 300)
+    wrench = -law.force(twist)
+    wrench += noise(random, wrench)
+    assert fit_patch(wrench, twist, **options).mistake is None
+    try:
+        said = fit_patch(wrench * of_wrench, twist * of_twist, **options).warnings
+    except FitError as error:
+        # Half of the power and more is negative.
+        said = (str(error),)
+        words = words.removeprefix("the ").removesuffix(" or of the rotation turned")
+    (one,) = (text for text in said if words in text)
+    assert "not fit" in one or "power" in one
+
+
+@pytest.mark.parametrize("name", ["ellipsoid", "area", "points", "known points"])
+def test_torques_about_another_point_are_named(name):
+    law, options = TRUTHS[name]
+    random = np.random.default_rng(0)
+    twist = twists(random, 300) * [1.0, 1.0, 20.0]
+    wrench = -law.force(twist * [1.0, 1.0, 0.05])
+    wrench += noise(random, wrench)
+    wrench[:, 2] *= 0.05
+    place = 0.1, 0.05
+    wrench[:, 2] -= place[0] * wrench[:, 1] - place[1] * wrench[:, 0]
+    if "places" in options:
+        options = {**options, "places": 0.05 * PLACES}
+    found = fit_patch(wrench, twist, length=0.05, **options).mistake
+    assert found.words.startswith("torques taken as those about (")
+    x, y = (float(one) for one in found.words.split("(")[1].split(")")[0].split(","))
+    assert (x, y) == pytest.approx(place, abs=0.005)
+    assert found.misfit < 0.06
+
+
+def test_wrong_frames_and_angles_are_named():
+    law = asp.FrictionLaw(asp.Ellipsoid([0.5, 0.2, 0.3]), asp.Ellipsoid([0.5, 0.2, 0.3]))
+    random = np.random.default_rng(2)
+    twist, angle = twists(random, 300), random.uniform(0.0, 2.0 * np.pi, 300)
+    wrench = -law.force(twist)
+    fit = fit_patch(in_ground(wrench, angle), in_ground(twist, angle), angle=angle)
+    assert fit.mistake.words == "wrenches and twists in the axes of the ground"
+    fit = fit_patch(in_ground(wrench, angle), twist, angle=angle)
+    assert fit.mistake.words == "wrenches in the axes of the ground"
+    ground = in_ground(-law.force(in_ground(twist, angle)), -angle)
+    fit = fit_patch(ground, twist, angle=angle / DEGREE, frame="ground")
+    assert fit.mistake.words == "angles in rad for those in degrees"
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "words"),
+    [
+        (8, -1.0, "the sign of the torque"),
+        (8, 1e3, "as of N mm"),
+        (5, 1.0 / DEGREE, "rotations in rad for those in degrees"),
+        (2, 1.0 / DEGREE, "angles in rad for those in degrees"),
+        ((3, 4), 1e3, "velocities divided by 1000"),
+    ],
+)
+def test_wrong_columns_of_pushes_are_named(column, factor, words):
+    table = pushes(asp.FrictionLaw.isotropic(0.3), 0)
+    assert fit_supports(table, TRIANGLE, weight=WEIGHT).mistake is None
+    table[:, column] *= factor
+    try:
+        said = " ".join(fit_supports(table, TRIANGLE, weight=WEIGHT).warnings)
+    except FitError as error:
+        said = str(error)
+    assert words in said
+    points = fit_supports(pushes(asp.FrictionLaw.isotropic(0.3), 0), 1e3 * TRIANGLE, weight=WEIGHT)
+    assert "points divided by 1000, as of mm for m" in points.mistake.words
+
+
+def test_a_model_that_is_too_simple_is_no_mistake():
+    for name, options in (
+        ("points", {}),
+        ("points", {"reservoir": "contensou"}),
+        ("ellipsoids", {}),
+        ("ellipsoids", {"reservoir": "contensou"}),
+    ):
+        twist = twists(np.random.default_rng(1), 300)
+        assert fit_patch(-TRUTHS[name][0].force(twist), twist, **options).mistake is None
+
+
+def test_wrenches_of_no_law_at_all_are_said_not_to_fit():
+    random = np.random.default_rng(0)
+    twist = random.normal(size=(300, 3))
+    wrench = 0.3 * twist / np.linalg.norm(twist, axis=1)[:, None] + random.normal(size=(300, 3))
+    fit = fit_patch(wrench, twist)
+    assert fit.mistake is None
+    assert any("The model does not fit" in one for one in fit.warnings)
+
+
+def test_what_the_data_do_not_tell_of_friction_and_direction_is_said():
+    """Bodies that never turn say nothing of D's third axis."""
+    law, _ = TRUTHS["ellipsoids"]
+    random = np.random.default_rng(0)
+    twist = twists(random, 300) * [1.0, 1.0, 0.0]
+    wrench = -law.force(twist)
+    fit = fit_patch(wrench + noise(random, wrench), twist, direction="ellipsoid")
+    (said,) = (one for one in fit.warnings if "The data do not tell" in one)
+    assert "direction.moment_ratio" in said
+    assert not fit.parameters["direction.moment_ratio"].identifiable
+    assert "direction.force_2_ratio" not in said
+    # Friction that is isotropic has no axes to be told, which is no want of the data.
+    table = pushes(asp.FrictionLaw.isotropic(0.3), 0)
+    found = fit_supports(table, TRIANGLE, weight=WEIGHT, friction="ellipse")
+    assert not found.parameters["friction.angle"].identifiable
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize("name", ["points", "known points"])
+def test_spots_that_are_no_points_are_named(name):
+    """The radius of spots is a part of the length: of a small patch in metres it is too large."""
+    law, options = TRUTHS[name]
+    twist = twists(np.random.default_rng(0), 300)
+    wrench = -law.force(twist)
+    small = 0.02
+    if "places" in options:
+        options = {**options, "places": small * PLACES}
+    pairs = wrench * [1.0, 1.0, small], twist / [1.0, 1.0, small]
+    right = fit_patch(*pairs, length=small, **options)
+    assert right.warnings == ()
+    warned = fit_patch(*pairs, **options).warnings
+    (said,) = (one for one in warned if "Spots of the radius 0.01 are no points" in one)
+    lever = float(said.split("lever of ")[1].split(":")[0])
+    assert fit_patch(*pairs, length=lever, **options).rms < 0.02
+    assert fit_patch(*pairs).warnings == ()
+
+
+def test_outliers_and_missing_torques_are_no_mistake():
+    law, options = TRUTHS["area"]
+    random = np.random.default_rng(0)
+    twist = twists(random, 300)
+    wrench = -law.force(twist)
+    far = np.where(random.random((300, 1)) < 0.2, 10.0 * random.normal(size=(300, 3)), wrench)
+    fit = fit_patch(far, twist, **options)
+    assert fit.rms > 0.9
+    assert fit.warnings == ()
+    for part in ([1.0, 1.0, 0.0], [0.0, 0.0, 1.0]):
+        for name in ("area", "known points"):
+            law, options = TRUTHS[name]
+            found = fit_patch(-law.force(twist) * part, twist, **options).mistake
+            assert found is None or found.misfit < 0.5
+
+
+def test_wrenches_beyond_the_sizes_of_sets_are_refused():
+    twist = np.random.default_rng(0).normal(size=(60, 3))
+    wrench = -TRUTHS["area"][0].force(twist)
+    for size in (1e100, 1e-100):
+        with pytest.raises(FitError, match=r"wrench: must be between 1e-50 and 1e\+50"):
+            fit_patch(size * wrench, twist)
+
+
+def test_loads_that_vanish_are_reported():
+    """The search may end where a point carries nothing that a number can say."""
+    law, options = TRUTHS["points"]
+    twist = twists(np.random.default_rng(0), 300)
+    fit = fit_patch(-law.force(twist) * [-1.0, 1.0, 1.0], twist, **options)
+    assert fit.mistake.words == "the sign of the first force turned"
+    p = fit.coordinates.copy()
+    p[0] = -1000.0
+    light = fit.replace(found=fit.found.replace(p=p)).parameters["point_1.load"]
+    assert light.value == 0.0
 
 
 def test_a_comparison_does_not_depend_on_the_order_of_its_models():

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from asperity._base.progress import bar_if_there
-from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
+from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_models, add_out
 from asperity.errors import ParameterError
 
 
@@ -64,29 +64,13 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         help="sheet of a spreadsheet to --inspect, its name or its number from 0; by default that "
         "which seems to hold the data. The configuration that is written names it",
     )
-    for name, meaning in (
-        ("reservoir", "force reservoir C"),
-        ("direction", "direction set D"),
-    ):
-        parser.add_argument(
-            f"--{name}",
-            choices=("circle", "ellipse", "superellipse", "fourier", "best"),
-            default="superellipse",
-            help=f"shape of the {meaning}; default superellipse",
-        )
+    add_models(parser, "best")
     parser.add_argument(
         "--loss",
         choices=("linear", "huber", "cauchy"),
         default="linear",
         help="how forces far from the law count: linear fully, by least squares; huber and cauchy "
         "less and less, for records with outliers. Default linear",
-    )
-    parser.add_argument(
-        "--confidence",
-        metavar="LEVEL",
-        type=float,
-        default=0.95,
-        help="of the confidence intervals; default 0.95",
     )
     return parser
 

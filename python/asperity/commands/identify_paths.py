@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_out
+from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_models, add_out
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -43,29 +43,13 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "--config", metavar="FILE", type=Path, help="what is known beside the paths, a TOML file"
     )
     add_out(parser)
-    for name, meaning in (
-        ("reservoir", "force reservoir C"),
-        ("direction", "direction set D"),
-    ):
-        parser.add_argument(
-            f"--{name}",
-            choices=("circle", "ellipse", "superellipse", "fourier"),
-            default="superellipse",
-            help=f"shape of the {meaning}; default superellipse",
-        )
-    parser.add_argument(
-        "--confidence",
-        metavar="LEVEL",
-        type=float,
-        default=0.95,
-        help="of the confidence intervals; default 0.95",
-    )
+    add_models(parser)
     return parser
 
 
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
-    from asperity.identify.path_campaign import identify_paths
+    from asperity.identify.paths.campaign import identify_paths
 
     fit = identify_paths(
         options.paths,

@@ -1,4 +1,4 @@
-"""What several verbs share: exit codes, the option ``--out``, a table of checks."""
+"""What several verbs share: exit codes, options such as ``--out``, a table of checks."""
 
 from __future__ import annotations
 
@@ -23,6 +23,32 @@ def add_out(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Add the folder that a verb writes into."""
     parser.add_argument(
         "--out", metavar="DIR", type=Path, required=required, help="folder to write into"
+    )
+
+
+def add_models(parser: argparse.ArgumentParser, *further: str) -> None:
+    """Add the choice of models of C and D, and the level of the confidence intervals.
+
+    Args:
+        parser: of a verb that fits a law.
+        further: what can be chosen beside the shapes.
+    """
+    for name, meaning in (
+        ("reservoir", "force reservoir C"),
+        ("direction", "direction set D"),
+    ):
+        parser.add_argument(
+            f"--{name}",
+            choices=("circle", "ellipse", "superellipse", "fourier", *further),
+            default="superellipse",
+            help=f"shape of the {meaning}; default superellipse",
+        )
+    parser.add_argument(
+        "--confidence",
+        metavar="LEVEL",
+        type=float,
+        default=0.95,
+        help="of the confidence intervals; default 0.95",
     )
 
 

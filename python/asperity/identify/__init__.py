@@ -37,9 +37,9 @@ from asperity.identify.loading import load
 from asperity.identify.patches.comparison import PatchCandidate, PatchComparison
 from asperity.identify.patches.estimation import compare_patches, fit_patch, fit_supports
 from asperity.identify.patches.result import PatchFit, SupportsFit
-from asperity.identify.path_estimation import fit_paths
-from asperity.identify.path_fit import FittedPath, PathFit
+from asperity.identify.paths.estimation import fit_paths
 from asperity.identify.paths.launch import Launch
+from asperity.identify.paths.result import FittedPath, PathFit
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.inspection import Column, Inspection, inspect_file

@@ -1,15 +1,13 @@
-"""What a fit cannot tell or hold: bounds, directions without forces, forces of no such sets."""
+"""What a fit cannot tell or hold: directions without forces, forces of no such sets."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.identify.fitting.models.coordinates import Coordinate, Scale
+from asperity.identify.fitting.models.coordinates import Scale
 
 if TYPE_CHECKING:
     from asperity.identify.fit import Fit
@@ -27,7 +25,6 @@ UNITS_AND_SCALE = (
 )
 """What stands below the parameters of every fit."""
 
-_AT_BOUND = 1e-6
 # So many samples that are half as large again as the others move Cauchy's loss by half a standard
 # error: 33 of 40 confidence intervals of 95 % held the truth with 5 %, 37 of 40 with 1 % and with
 # none.
@@ -36,12 +33,6 @@ _MUCH = 0.03
 _WIDEST_GAP = np.deg2rad(30.0)
 # Farther apart, forces turn by as much as that without a leap.
 _NEIGHBOURS = np.deg2rad(15.0)
-
-
-def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> NDArray[np.bool_]:
-    """Return which coordinates ended at a bound."""
-    low, high = np.array([(c.low, c.high) for c in coordinates]).reshape(-1, 2).T
-    return (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
 
 
 def gaps(phi: Array, force: Array) -> list[tuple[float, float]]:

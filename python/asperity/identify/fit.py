@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, counted
+from asperity._base.result import Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.identify.associativity import Associativity, associativity_of
-from asperity.identify.diagnostics import UNITS_AND_SCALE, at_bounds, gaps, warnings_of
+from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
 from asperity.identify.fitting.data import defects
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.coverage import Coverage, coverage
@@ -37,18 +37,8 @@ from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.mistakes import Mistake, mistake
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
-from asperity.identify.fitting.models.coordinates import Estimate, Scale
-from asperity.identify.fitting.models.directions import (
-    CircleDirection,
-    FourierDirection,
-    SuperellipseDirection,
-)
-from asperity.identify.fitting.models.names import name_of
-from asperity.identify.fitting.models.reservoirs import (
-    CircleReservoir,
-    FourierReservoir,
-    SuperellipseReservoir,
-)
+from asperity.identify.fitting.models.coordinates import Estimate, Scale, at_bounds, table_of
+from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
 from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
 from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
@@ -152,21 +142,7 @@ class Fit(SavedResult, Value):
         return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
 
     def _table(self) -> Table:
-        listed = self.parameters
-        columns = {
-            "value": "estimate, in SI units or rad",
-            "low": "lower end of the confidence interval",
-            "high": "upper end of the confidence interval",
-            "standard_error": "standard deviation of the estimate",
-        }
-        rows = ("parameter",)
-        series = {
-            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
-            for name, words in columns.items()
-        }
-        told = np.array([one.identifiable for one in listed.values()])
-        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
-        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+        return table_of(self.parameters, rms=self.rms)
 
     @classmethod
     def _known(cls) -> stored.Kinds:
@@ -512,12 +488,8 @@ _KNOWN: stored.Kinds = {
         Calibration,
         Processing,
         Family,
-        CircleReservoir,
-        SuperellipseReservoir,
-        FourierReservoir,
-        CircleDirection,
-        SuperellipseDirection,
-        FourierDirection,
+        *RESERVOIR_KINDS.values(),
+        *DIRECTION_KINDS.values(),
         Descent,
         Sums,
         Loss,

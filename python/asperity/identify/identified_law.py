@@ -17,13 +17,10 @@ from asperity._base.storage.toml import advice_on
 from asperity._base.tables import aligned
 from asperity.errors import AsperityError, DimensionError, FitError, ParameterError
 from asperity.identify.fitting.models.coordinates import Coordinate, Scale
-from asperity.identify.fitting.models.directions import (
-    CircleDirection,
-    FourierDirection,
-    SuperellipseDirection,
-)
 from asperity.identify.fitting.models.names import (
+    DIRECTION_KINDS,
     DIRECTIONS,
+    RESERVOIR_KINDS,
     RESERVOIRS,
     DirectionName,
     ReservoirName,
@@ -31,21 +28,10 @@ from asperity.identify.fitting.models.names import (
     reservoir_model,
     short,
 )
-from asperity.identify.fitting.models.reservoirs import (
-    CircleReservoir,
-    FourierReservoir,
-    SuperellipseReservoir,
-)
 from asperity.identify.fitting.uncertainty.covariance import Covariance
 from asperity.law import FrictionLaw, LawFile
 from asperity.law.file import checked
 
-_RESERVOIRS: data.Kinds = {
-    kind.__name__: kind for kind in (CircleReservoir, SuperellipseReservoir, FourierReservoir)
-}
-_DIRECTIONS: data.Kinds = {
-    kind.__name__: kind for kind in (CircleDirection, SuperellipseDirection, FourierDirection)
-}
 _PARTS = ("turns", "calibration", "zeros")
 # Radii of a law and of the law of its parameters differ by rounding only.
 _SAME, _DIRECTIONS_COMPARED = 1e-9, 72
@@ -334,8 +320,12 @@ class IdentifiedLaw(LawFile):
                 known = {"degrees_of_freedom": degrees} if math.isfinite(degrees) else {}
                 covariance[name] = {**known, "matrix": part}
         models = {
-            "reservoir_model": _model_table(self.reservoir_model, "reservoir_model", _RESERVOIRS),
-            "direction_model": _model_table(self.direction_model, "direction_model", _DIRECTIONS),
+            "reservoir_model": _model_table(
+                self.reservoir_model, "reservoir_model", RESERVOIR_KINDS
+            ),
+            "direction_model": _model_table(
+                self.direction_model, "direction_model", DIRECTION_KINDS
+            ),
         }
         table = {
             **{key: model for key, model in models.items() if isinstance(model, str)},
@@ -378,10 +368,10 @@ class IdentifiedLaw(LawFile):
                 raise ParameterError(f"{key}.{name}", "is missing")
         models = (
             _model(
-                parameters["reservoir_model"], f"{key}.reservoir_model", RESERVOIRS, _RESERVOIRS
+                parameters["reservoir_model"], f"{key}.reservoir_model", RESERVOIRS, RESERVOIR_KINDS
             ),
             _model(
-                parameters["direction_model"], f"{key}.direction_model", DIRECTIONS, _DIRECTIONS
+                parameters["direction_model"], f"{key}.direction_model", DIRECTIONS, DIRECTION_KINDS
             ),
         )
         structure = _structure(*models)

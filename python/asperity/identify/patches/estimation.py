@@ -13,6 +13,7 @@ from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
 from asperity.identify.patches.comparison import PatchComparison
 from asperity.identify.patches.models import (
+    SPOT,
     EllipsoidPatch,
     ExtendedPatch,
     ExtendedPoints,
@@ -28,8 +29,8 @@ from asperity.sets.shapes.reservoirs import Pressure
 
 PatchReservoir = Literal["ellipsoid", "contensou", "supports"]
 
-# Parts that are left out in turn.
-_FOLDS = 5
+# Parts that are left out in turn, and from how many logs on these are the parts.
+_FOLDS, _FEWEST_LOGS = 5, 3
 
 
 def fit_patch(
@@ -293,6 +294,9 @@ def fit_supports(
     The points are known, and so are their normal forces: of three points by statics, from the
     weight. Pushes are slow, so that the applied wrench is minus the friction on the body.
 
+    Comparisons leave out whole logs in turn where there are three or more, so that a law is asked
+    for what it says of another day or of other points; else five parts of whole blocks.
+
     Args:
         pushes: pose of the centre of mass (x, y in m, angle in rad) in the middle of the push, its
             displacement (Δx, Δy, Δangle), and the applied force and torque about the centre of
@@ -309,7 +313,8 @@ def fit_supports(
             default the root mean square distance of the points from the centre of mass.
         loss: as for `fit_patch`.
         scale: of a robust loss in N; by default it is that of the residuals.
-        blocks: as for `fit_patch`; the pushes are those of all logs in turn.
+        blocks: as for `fit_patch`; the pushes are those of all logs in turn. Blocks that hold
+            pushes of several logs are left out as a whole, and then logs are not.
         confidence: level of the confidence intervals.
 
     Raises:
@@ -372,7 +377,7 @@ def fit_supports(
     )
     model: PatchModel
     if direction is None:
-        model = PointsPatch(count, radius=_SPOT, known=True, friction=friction, frame=frame)
+        model = PointsPatch(count, radius=SPOT, known=True, friction=friction, frame=frame)
     else:
         model = ExtendedPoints(frame=frame)
     labels = _labels(blocks, len(pairs))
@@ -383,22 +388,21 @@ def fit_supports(
     if isinstance(model, PointsPatch) and friction == "ellipse":
         starts = [starts[0] + [0.0, *off] for off in ((0.0, 0.0), (0.1, 0.0), (0.0, 0.1))]
     found = fitted(model, pairs, starts, loss, given)
-    several = len(logs) > 2
     folds = np.repeat(np.arange(len(logs)), [len(log) for log in logs])
+    if len(logs) < _FEWEST_LOGS or (np.ndim(blocks) and _straddles(labels, folds)):
+        folds = _folds(labels)
     return SupportsFit(
         pairs,
         model=model,
         found=found,
         loss=loss,
         blocks=labels,
-        folds=folds if several else _folds(labels),
+        folds=folds,
         length=lever,
         confidence=level,
     )
 
 
-# Radius of the spots of known points over ℓ: it only matters where a point stands still.
-_SPOT = 1e-3
 # Columns of a push that are needed.
 _COLUMNS = 9
 
@@ -465,6 +469,12 @@ def _folds(labels: Labels) -> Labels:
     parts = np.floor(middle * _FOLDS / len(labels))
     # A block that is larger than a part leaves gaps.
     return np.unique(parts[labels], return_inverse=True)[1]
+
+
+def _straddles(labels: Labels, parts: Labels) -> bool:
+    """Return whether a block lies in several parts."""
+    pairs = np.unique(np.stack([labels, parts]), axis=1)
+    return pairs.shape[1] > len(np.unique(labels))
 
 
 def _labels(blocks: Any, count: int) -> Labels:

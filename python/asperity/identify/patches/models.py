@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.identify.fitting.models.coordinates import Scale
@@ -25,6 +26,8 @@ from asperity.sets.shapes.reservoirs import Pressure
 Frame = Literal["body", "ground"]
 Friction = Literal["isotropic", "ellipse"]
 
+SPOT = 1e-3
+"""Radius of the spots of known points over ℓ: it only matters where a point stands still."""
 # Entries of a lower triangular matrix, row by row; those of the diagonal are logarithms.
 _ROWS, _COLUMNS = np.tril_indices(3)
 _DIAGONAL = _ROWS == _COLUMNS
@@ -57,15 +60,22 @@ class PatchModel(Value):
 
     size: int
     """Number of coordinates."""
-    words: str
-    """The model in words."""
+    frame: Frame
+    """Whether the sets keep their axes in the body or in the ground."""
+
+    @property
+    def words(self) -> str:
+        """The model in words."""
+        raise NotImplementedError
 
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ at the twists, ``(n, 3)``, and its derivatives by p, ``(n, 3, k)``."""
         raise NotImplementedError
 
-    frame: Frame
-    """Whether the sets keep their axes in the body or in the ground."""
+    @property
+    def spot(self) -> float:
+        """Radius over ℓ of the spots that stand for support points; 0 if there are none."""
+        return 0.0
 
     def far(self, p: Array, radii: float, light: float) -> list[int]:
         """Return the support points that are no places of the patch."""
@@ -98,7 +108,7 @@ class EllipsoidPatch(PatchModel):
         self._set(frame=frame)
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         return "an ellipsoid"
 
@@ -203,8 +213,8 @@ class PointsPatch(PatchModel):
             radius=radius,
             friction=friction,
             frame=frame,
-            places=places,
-            loads=loads,
+            places=None if places is None else arrays.array(places, "places", (count, 2)),
+            loads=None if loads is None else arrays.array(loads, "loads", (count,)),
             known=known,
             pressure=pressure,
         )
@@ -225,7 +235,7 @@ class PointsPatch(PatchModel):
     _parts: tuple[slice, slice, slice, slice]
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         if self.radius is None:
             kind = f"a round area of {self.pressure} pressure"
@@ -234,6 +244,11 @@ class PointsPatch(PatchModel):
         if self.friction == "isotropic":
             return f"{kind} with isotropic friction"
         return f"{kind} with elliptic friction in the axes of the {self.frame}"
+
+    @property
+    def spot(self) -> float:
+        """Radius over ℓ of the spots that stand for support points; 0 if there are none."""
+        return self.radius or 0.0
 
     def _loads(self, p: Array, pairs: Pairs | None) -> Array:
         """Return μN of the points, ``(1 or n, K)``."""
@@ -349,8 +364,8 @@ class PointsPatch(PatchModel):
         if self.loads is not None or self.known or self.radius is None:
             found.append(Reported("mu", Scale.LOG, float(p[0])))
         else:
-            whole = float(np.exp(p[self._parts[0]]).sum())
-            found.append(Reported("load", Scale.LOG, math.log(whole)))
+            whole = float(np.logaddexp.reduce(p[self._parts[0]]))
+            found.append(Reported("load", Scale.LOG, whole))
         if self._parts[1].stop > self._parts[1].start:
             loads, places = self._loads(p, None)[0], self._places(p, None)[0]
             for axis, at in enumerate(loads @ places / loads.sum(), 1):
@@ -360,10 +375,11 @@ class PointsPatch(PatchModel):
             found.append(Reported("radius", Scale.LOG, at, is_length=True))
         found += _ellipse_reported(p, self._parts[3], "friction")
         if self.radius is not None and not self.known and self.count > 1:
-            loads, places = self._loads(p, None)[0], self._places(p, None)[0]
-            for i, (load, place) in enumerate(zip(loads, places, strict=True), 1):
+            places = self._places(p, None)[0]
+            for i, place in enumerate(places, 1):
                 if self.loads is None:
-                    found.append(Reported(f"point_{i}.load", Scale.LOG, math.log(load)))
+                    load = float(p[self._parts[0]][i - 1])
+                    found.append(Reported(f"point_{i}.load", Scale.LOG, load))
                 if self.places is None:
                     found += [
                         Reported(f"point_{i}.x{axis}", Scale.PLAIN, float(at), is_length=True)
@@ -420,27 +436,28 @@ class ExtendedPatch(PatchModel):
 
     def __init__(self, of: EllipsoidPatch | PointsPatch) -> None:
         self._set(of=of)
-        self._keep(size=of.size + 5)
+        self._keep(size=of.size + 5, frame=of.frame)
 
     @property
-    def frame(self) -> Frame:  # type: ignore[override]
-        """Whether the sets keep their axes in the body or in the ground."""
-        return self.of.frame
+    def spot(self) -> float:
+        """Radius over ℓ of the spots that stand for support points; 0 if there are none."""
+        return self.of.spot
 
     def far(self, p: Array, radii: float, light: float) -> list[int]:
         """Return the support points that are no places of the patch."""
         return self.of.far(p[: self.of.size], radii, light)
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         return f"{self.of.words}, with an ellipsoid for D"
 
     def start(self, p: Array, ellipsoid: Array) -> Array:
         """Return the coordinates where D is an ellipsoid of given coordinates."""
-        A = _triangular(ellipsoid) / math.exp(ellipsoid[0])
-        entries = A[_ROWS, _COLUMNS]
-        entries[_DIAGONAL] = np.log(entries[_DIAGONAL])
+        entries = ellipsoid.copy()
+        entries[_DIAGONAL] -= ellipsoid[0]
+        # An ellipsoid of wrenches that belong to no law may be as flat as numbers can say.
+        entries[~_DIAGONAL] *= math.exp(-max(ellipsoid[0], -700.0))
         return np.concatenate([p, entries[1:]])
 
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
@@ -511,7 +528,7 @@ class ExtendedPoints(PatchModel):
         self._set(frame=frame)
 
     @property
-    def words(self) -> str:  # type: ignore[override]
+    def words(self) -> str:
         """The model in words."""
         return f"ellipses for C and D of each point in the axes of the {self.frame}"
 
@@ -558,6 +575,37 @@ class ExtendedPoints(PatchModel):
     def plane_law(self, p: Array) -> FrictionLaw:
         """Return the law of one point, per unit of its load."""
         return FrictionLaw(_ellipse(math.exp(p[0]), p[1:3]), _ellipse(1.0, p[3:]))
+
+
+class OffsetPatch(PatchModel):
+    """Wrenches of a law about another point of the body; its place over ℓ are two coordinates.
+
+    Args:
+        of: the model of the law.
+    """
+
+    of: PatchModel
+
+    def __init__(self, of: PatchModel) -> None:
+        self._set(of=of)
+        self._keep(size=of.size + 2, frame=of.frame)
+
+    @property
+    def words(self) -> str:
+        """The model in words."""
+        return f"{self.of.words}, with torques about another point"
+
+    def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
+        """Return −λ and its derivatives."""
+        f, own = self.of.both(p[:-2], pairs)
+        x, y = p[-2:]
+        by = np.zeros((len(f), 3, self.size))
+        by[:, :, :-2] = own
+        by[:, 2, :-2] -= x * own[:, 1] - y * own[:, 0]
+        by[:, 2, -2:] = np.stack([-f[:, 1], f[:, 0]], axis=-1)
+        total = f.copy()
+        total[:, 2] -= x * f[:, 1] - y * f[:, 0]
+        return total, by
 
 
 def _triangular(entries: Array) -> Array:

@@ -10,8 +10,18 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.errors import FitError, ParameterError
 
-# Shares of the power that may be negative: more of it is a wrench of the other sign.
-_MOST_POWER_AGAINST = 0.5
+MOST_AGAINST = 0.5
+"""Share of the pairs whose power may be negative: more of them are of the other sign."""
+# Sets of friction laws are larger than this, and smaller than its inverse.
+_SMALLEST = 1e-50
+# Signs that may be wrong, the likely ones first.
+_SIGNS = {
+    "all signs turned": (-1.0, -1.0, -1.0),
+    "the sign of the torque turned": (1.0, 1.0, -1.0),
+    "the signs of both forces turned": (-1.0, -1.0, 1.0),
+    "the sign of the first force turned": (-1.0, 1.0, 1.0),
+    "the sign of the second force turned": (1.0, -1.0, 1.0),
+}
 
 
 class Pairs(Value):
@@ -75,6 +85,11 @@ class Pairs(Value):
             loads=some(self.loads),
         )
 
+    @property
+    def points(self) -> int:
+        """Number of known support points."""
+        return 0 if self.places is None else self.places.shape[1]
+
     def at(self, twist: Array) -> Pairs:
         """Return pairs of other twists, of any scale, without wrenches."""
         return self.replace(wrench=np.zeros_like(twist), twist=twist)
@@ -93,15 +108,31 @@ class Pairs(Value):
             raise FitError(
                 f"wrench: {len(self)} pairs do not tell {parameters} parameters, record more"
             )
-        if not (self.wrench**2).any():
+        largest = float(np.abs(self.wrench).max())
+        if not largest > 0.0:
             raise FitError("wrench: must not vanish in all pairs: no law follows from it")
-        power = (self.wrench * self.twist).sum(axis=1)
-        against = float((power < 0.0).mean())
-        if against > _MOST_POWER_AGAINST:
+        if not _SMALLEST < largest < 1.0 / _SMALLEST:
             raise FitError(
-                f"wrench: the power of {against:.0%} of the pairs is negative: give the wrench "
-                "that the body exerts on the ground, which is minus the friction on the body"
+                f"wrench: must be between {_SMALLEST:.0e} and {1.0 / _SMALLEST:.0e} per normal "
+                f"force, is up to {largest:.2g}"
             )
+        against = self.against
+        if against > MOST_AGAINST:
+            meant = {
+                words: self.replace(wrench=self.wrench * signs).against
+                for words, signs in _SIGNS.items()
+            }
+            remedy = min(meant, key=lambda words: meant[words])
+            raise FitError(
+                f"wrench: the power of {against:.0%} of the pairs is negative, with {remedy} of "
+                f"{meant[remedy]:.0%}: give the wrench that the body exerts on the ground, which "
+                "is minus the friction on the body"
+            )
+
+    @property
+    def against(self) -> float:
+        """Share of the pairs whose power is negative."""
+        return float(((self.wrench * self.twist).sum(axis=1) < 0.0).mean())
 
 
 def in_ground(vectors: Array, angle: Array) -> Array:

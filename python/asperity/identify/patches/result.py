@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Table, counted
+from asperity._base.storage import data as stored
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
-from asperity.identify.fitting.models.coordinates import Estimate, Scale
+from asperity.identify.fitting.least_squares.mistakes import Mistake
+from asperity.identify.fitting.models.coordinates import Estimate, Scale, table_of
 from asperity.identify.patches.comparison import PatchComparison, compared
+from asperity.identify.patches.mistakes import mistake
 from asperity.identify.patches.models import (
+    SPOT,
     EllipsoidPatch,
     ExtendedPatch,
     ExtendedPoints,
@@ -30,14 +35,48 @@ from asperity.sets import StarSet
 
 # Level of the test whether there is any anisotropy, and the step of derivatives of parameters.
 _LEVEL, _STEP = 0.01, 1e-5
+# Laws that are so near to the wrench leave nothing to be explained; those that are so far do not
+# fit, relative to the wrench.
+_CLOSE, _FAR_OFF = 0.1, 0.5
+# A parameter that is known to a factor of ten is not known.
+_DECADE = math.log(10.0)
+# Spots of support points that are larger than this part of the lever of torques are no points.
+_THICK = 0.1
 # Supports beyond so many radii of the patch are no places of it.
 _FAR = 4.0
 # Points whose share of the load is below this have no place.
 _LIGHT = 1e-3
 
 
-class BlockFit(TableResult, Value):
+class _Interval(NamedTuple):
+    """A parameter with the half-width of its confidence interval.
+
+    Attributes:
+        reported: the parameter.
+        error: its standard error, on the scale in which it is nearly symmetric.
+        half: half-width of the interval there.
+        untold: whether the data do not tell it.
+    """
+
+    reported: Reported
+    error: float
+    half: float
+    untold: bool
+
+
+def _says_nothing(one: Reported) -> float:
+    """Return the half-width of an interval that holds all that a parameter may be."""
+    if one.scale is Scale.LOG:
+        return _DECADE
+    # Correlations lie within ±1; places may be anywhere.
+    return 1.0 if one.scale is Scale.PLAIN and not one.is_length else math.inf
+
+
+class BlockFit(SavedResult, Value):
     """What fits of wrenches have in common.
+
+    What `save` writes holds the pairs, the model and where its coordinates ended: intervals and
+    comparisons follow from them.
 
     Args:
         pairs: wrenches and twists.
@@ -59,6 +98,8 @@ class BlockFit(TableResult, Value):
     blocks: Labels
     folds: Labels
     found: Found
+    _in_ground = False
+    """Whether wrenches and twists were given in the axes of the ground."""
 
     def __init__(
         self,
@@ -77,8 +118,8 @@ class BlockFit(TableResult, Value):
             model=model,
             found=found,
             loss=loss,
-            blocks=blocks,
-            folds=folds,
+            blocks=arrays.array(blocks, "blocks", (len(pairs),)).astype(np.intp),
+            folds=arrays.array(folds, "folds", (len(pairs),)).astype(np.intp),
             length=arrays.positive(length, "length"),
             confidence=arrays.fraction(confidence, "confidence"),
         )
@@ -93,6 +134,12 @@ class BlockFit(TableResult, Value):
     def rms(self) -> float:
         """Root mean square of the residual wrench relative to that of the wrench."""
         return math.sqrt(float((self.residuals**2).sum() / (self.pairs.wrench**2).sum()))
+
+    @property
+    def _typical(self) -> float:
+        """Median residual relative to the median component, which outliers hardly move."""
+        usual = float(np.median(np.abs(self.pairs.wrench)))
+        return float(np.median(np.abs(self.residuals))) / usual if usual > 0.0 else math.inf
 
     @property
     def converged(self) -> bool:
@@ -119,6 +166,20 @@ class BlockFit(TableResult, Value):
         return self._errors.covariance
 
     @cached_property
+    def mistake(self) -> Mistake | None:
+        """A wrong sign, unit, frame or point of reference that explains a large misfit, or None."""
+        if self.rms <= _CLOSE:
+            return None
+        return mistake(
+            self.model,
+            self.coordinates,
+            self.pairs,
+            self.loss,
+            length=self.length,
+            in_ground=self._in_ground,
+        )
+
+    @cached_property
     def parameters(self) -> dict[str, Estimate]:
         """Estimates with confidence intervals by name, lengths in the unit of ``length``.
 
@@ -126,10 +187,19 @@ class BlockFit(TableResult, Value):
         axes and their angle are identifiable if the friction differs from isotropic friction at
         the level 0.01.
         """
+        return {
+            one.name: self._estimate(one, error, half, untold)
+            for one, error, half, untold in self._intervals
+        }
+
+    @cached_property
+    def _intervals(self) -> list[_Interval]:
         from scipy.stats import t
 
         p, reported = self.coordinates, self.model.reported(self.coordinates)
-        steps = _STEP * np.maximum(1.0, np.abs(p))
+        # Entries of matrices are in the unit of forces: no step changes wrenches by a larger part.
+        whole = float(np.linalg.norm(self.pairs.wrench))
+        steps = _STEP * np.minimum(np.maximum(1.0, np.abs(p)), whole / self._errors.sizes)
         by = np.empty((len(reported), p.size))
         for k, step in enumerate(steps):
             away = np.zeros_like(p)
@@ -140,14 +210,17 @@ class BlockFit(TableResult, Value):
             ]
         quantile = float(t.ppf(0.5 + 0.5 * self.confidence, int(self.blocks.max())))
         errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", by, self.covariance, by), 0.0))
-        blind = [not self._errors.tells(row) for row in by]
-        return {
-            one.name: self._estimate(one, float(error), quantile, untold)
-            for one, error, untold in zip(reported, errors, blind, strict=True)
-        }
+        return [
+            _Interval(
+                one,
+                error,
+                quantile * error,
+                not self._errors.tells(row) or quantile * error > _says_nothing(one),
+            )
+            for one, error, row in zip(reported, errors.tolist(), by, strict=True)
+        ]
 
-    def _estimate(self, one: Reported, error: float, quantile: float, untold: bool) -> Estimate:
-        half = quantile * error
+    def _estimate(self, one: Reported, error: float, half: float, untold: bool) -> Estimate:
         # The interval of what the data do not tell may reach beyond the range of numbers.
         with np.errstate(over="ignore"):
             value, low, high = one.scale.natural(np.array([one.at, one.at - half, one.at + half]))
@@ -184,13 +257,19 @@ class BlockFit(TableResult, Value):
                 "The search has ended at its longest: parameters that hardly change the wrench "
                 "are not at their best values"
             )
-        vague = [
-            name
-            for name, one in self.parameters.items()
-            if not one.identifiable and not name.startswith(("friction.", "direction."))
-        ]
+        vague = [one.reported.name for one in self._intervals if one.untold]
         if vague:
             found.append(f"The data do not tell {', '.join(vague)}")
+        if self.mistake is not None:
+            found.append(
+                f"The model does not fit: the wrench differs from it by {self.rms:.1%}; with "
+                f"{self.mistake.words}, it would differ by {self.mistake.misfit:.1%}: check it"
+            )
+        elif min(self.rms, self._typical) > _FAR_OFF:
+            found.append(
+                f"The model does not fit: the wrench differs from it by {self.rms:.0%}; no wrong "
+                "sign, unit, frame or point of reference that is known here explains it"
+            )
         return tuple(found)
 
     def compare(self, models: dict[str, PatchModel]) -> PatchComparison:
@@ -226,22 +305,12 @@ class BlockFit(TableResult, Value):
         text = f"{self.model.words}, {len(self.pairs)} pairs, rms {self.rms:.3g}"
         return f"<{type(self).__name__}: {'; '.join([text, *self.warnings])}>"
 
+    @classmethod
+    def _known(cls) -> stored.Kinds:
+        return _KNOWN
+
     def _table(self) -> Table:
-        listed = self.parameters
-        columns = {
-            "value": "estimate",
-            "low": "lower end of the confidence interval",
-            "high": "upper end of the confidence interval",
-            "standard_error": "standard deviation of the estimate",
-        }
-        rows = ("parameter",)
-        series = {
-            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
-            for name, words in columns.items()
-        }
-        told = np.array([one.identifiable for one in listed.values()])
-        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
-        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+        return table_of(self.parameters, rms=self.rms)
 
 
 class PatchFit(BlockFit):
@@ -276,6 +345,14 @@ class PatchFit(BlockFit):
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what the data cannot tell."""
         found = list(super().warnings)
+        squares = (self.pairs.wrench**2).mean(axis=0)
+        lever = math.sqrt(squares[2] / squares[:2].sum()) if squares[:2].any() else math.inf
+        if self.model.spot > _THICK * lever > 0.0:
+            found.append(
+                f"Spots of the radius {self.model.spot * self.length:.2g} are no points beside "
+                f"torques with a lever of {lever * self.length:.2g}: give a length of about that, "
+                "which the radius is a part of"
+            )
         far = self.model.far(self.coordinates, _FAR, _LIGHT)
         if far:
             names = ", ".join(f"point_{i + 1}" for i in far)
@@ -308,6 +385,8 @@ class PatchFit(BlockFit):
 class SupportsFit(BlockFit):
     """The law in the plane of the friction at known support points, by `fit_supports`."""
 
+    _in_ground = True
+
     @cached_property
     def law(self) -> FrictionLaw:
         """The friction law of one point, p = 2, per unit of its normal force.
@@ -320,10 +399,9 @@ class SupportsFit(BlockFit):
     @cached_property
     def comparison(self) -> PatchComparison:
         """Isotropic friction beside ellipses in the ground's and in the body's axes."""
-        count = int(self.pairs.places.shape[1])  # type: ignore[union-attr]
 
         def points(**options: Any) -> PointsPatch:
-            return PointsPatch(count, radius=_spot_of(self.model), known=True, **options)
+            return PointsPatch(self.pairs.points, radius=SPOT, known=True, **options)
 
         return self.compare(
             {
@@ -350,12 +428,22 @@ class SupportsFit(BlockFit):
         return own < min(rivals) and better.low > 0.0
 
 
-def _spot_of(model: PatchModel) -> float:
-    spot = model.radius if isinstance(model, PointsPatch) else None
-    return 1e-3 if spot is None else spot
-
-
 def _difference(one: Reported, other: Reported) -> float:
     off = one.at - other.at
     # Axes have no sign: their angles differ by less than a quarter turn.
     return off - math.pi * round(off / math.pi) if one.scale is Scale.ANGLE else off
+
+
+_KNOWN: stored.Kinds = {
+    one.__name__: one
+    for one in (
+        PatchFit,
+        SupportsFit,
+        Pairs,
+        Found,
+        EllipsoidPatch,
+        PointsPatch,
+        ExtendedPatch,
+        ExtendedPoints,
+    )
+}

@@ -30,8 +30,10 @@ _FIRST_SCALE, _SETTLED, _ROUNDS = 0.15, 0.05, 4
 _MEDIAN = 0.6744897501960817
 # Steps of the searches from several starts, of which the best is followed to its end.
 _TRIAL, _SHORT, _MOST = 10, 30, 200
-# Relative changes of the cost at which a search ends: on the way, and at its end.
-_ROUGH, _FINE = 1e-3, 1e-8
+# Relative changes of the cost at which a search ends: on the way, and at its end, where steps that
+# change less move coordinates by a small part of their errors. In valleys of points that nearly
+# coincide, searches would go on for hundreds of such steps.
+_ROUGH, _FINE = 1e-3, 1e-6
 # Radii and phases of the rings of points from which searches start.
 _RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
 # Wrenches of which squares can be summed.
@@ -80,7 +82,8 @@ def descend(
             f, by = np.full_like(pairs.wrench, np.nan), np.empty((len(pairs), 3, model.size))
             # Where no set has these coordinates, or one beyond the range of numbers, residuals that
             # are no numbers make the search take a shorter step.
-            with suppress(ParameterError, np.linalg.LinAlgError):
+            refused = ParameterError, np.linalg.LinAlgError, ArithmeticError
+            with suppress(*refused), np.errstate(over="raise", divide="raise", invalid="raise"):
                 found, slopes = model.both(p, pairs)
                 if np.abs(found).max() < _LARGEST and np.isfinite(slopes).all():
                     f, by = found, slopes
@@ -104,6 +107,8 @@ def descend(
                 x_scale="jac",
                 max_nfev=most,
                 ftol=tolerance,
+                # The size of a gradient depends on the unit of forces.
+                gtol=None,
             )
         except (ValueError, np.linalg.LinAlgError):
             raise FitError(
@@ -130,7 +135,11 @@ def fitted(
     first = (scale or 0.0) if given else _FIRST_SCALE * size
     best, spent = Found(starts[0], math.inf, first, 0, False), 0
     for start in starts if len(starts) > 1 else ():
-        trial = descend(model, pairs, start, loss, first, _TRIAL, _ROUGH)
+        try:
+            trial = descend(model, pairs, start, loss, first, _TRIAL, _ROUGH)
+        except FitError:
+            # There is no law to begin with; another start has one.
+            continue
         best = min(best, trial, key=lambda one: one.cost)
         spent += trial.evaluations
     for _ in range(0 if given else _ROUNDS):
@@ -153,7 +162,7 @@ def starts_of(
     if isinstance(model, EllipsoidPatch):
         return [model.start(pairs)]
     if isinstance(model, ExtendedPoints):
-        plain = PointsPatch(pairs.loads.shape[1], radius=0.0, known=True)  # type: ignore[union-attr]
+        plain = PointsPatch(pairs.points, radius=0.0, known=True)
         p = fitted(plain, pairs, starts_of(plain, pairs, loss), loss, scale, roughly=True).p
         return [
             np.concatenate([p, [0.02, 0.0, 0.02, 0.0]]),

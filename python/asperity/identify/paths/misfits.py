@@ -19,6 +19,8 @@ from asperity.law import FrictionLaw
 # speed relative to it, of the direction in rad, of the place relative to the length of the path.
 # A shorter step would show errors of the integration, a longer one the curvature.
 _STEP = 1e-3
+# Coordinates of laws are logarithms and angles: beyond, no step of a search comes back.
+_FARTHEST = 50.0
 
 
 class Misfits:
@@ -135,7 +137,7 @@ class Misfits:
             raise FitError(
                 "the fit came to parameters beside which there are no motions: "
                 f"{self._refused or 'they could not be integrated, give dt to simulate'}; choose "
-                "a simpler model"
+                "a simpler model, or launch in more directions"
             )
         result = np.zeros((self.rows, self.count))
         for m, (column, k) in enumerate(zip(columns, which, strict=True)):
@@ -194,16 +196,15 @@ class Misfits:
         which: Sequence[int] | NDArray[np.intp],
     ) -> list[Simulated] | None:
         laws: dict[bytes, FrictionLaw] = {}
+        if np.abs(coordinates).max(initial=0.0) > _FARTHEST:
+            self._refused = "the parameters of the law run away"
+            return None
         try:
             for at in coordinates:
                 if at.tobytes() not in laws:
                     laws[at.tobytes()] = self._law(at)
         except AsperityError as error:
             self._refused = str(error)
-            return None
-        except ArithmeticError:
-            # Exponentials of coordinates that a step went to.
-            self._refused = "the law is beyond the range of numbers"
             return None
         return self._motions.paths(
             [laws[at.tobytes()] for at in coordinates], launches, list(which)

@@ -59,7 +59,15 @@ def observed(paths: Any, position_error: float | None) -> tuple[Observed, ...]:
     listed = arrays.several(paths, "paths")
     if not listed:
         raise ParameterError("paths", "must hold a path at least")
-    return tuple(_observed(one, k, known) for k, one in enumerate(listed))
+    found = tuple(_observed(one, k, known) for k, one in enumerate(listed))
+    for k, one in enumerate(found):
+        for j, other in enumerate(found[:k]):
+            # Noise of two films is never the same: a copy would narrow the scatter between paths.
+            if np.array_equal(one.time, other.time) and np.array_equal(
+                one.position, other.position
+            ):
+                raise ParameterError(f"paths[{k}]", f"is paths[{j}] once more: leave it out")
+    return found
 
 
 def _observed(given: Any, number: int, known: float | None) -> Observed:

@@ -20,22 +20,29 @@ from asperity.law import FrictionLaw
 from asperity.sets import Ellipse
 
 # Sizes of C that are tried, per unit normal force, stand in this ratio to each other; this is how
-# many of them are tried at most, and the gravity in m/s² for which the first one is right.
-_RATIO, _MOST_SIZES, _GRAVITY = 1.4, 12, 9.81
-# Sizes of no known surfaces: times or lengths are in other units.
-_LEAST, _LARGEST = 1e-4, 1e2
+# many of them are tried at most.
+_RATIO, _MOST_SIZES = 1.4, 12
+# A friction coefficient with which no body tips, to see how much a system decelerates; where that
+# has no motions it is taken as one on level ground, with this gravity in m/s².
+_SLIPPERY, _GRAVITY = 1e-3, 9.81
+# A coefficient of no known surfaces: times, lengths or the system are in other units.
+_LARGEST = 1e2
 # Directions in which a model is laid through an ellipse.
 _THETA = np.arange(72) * (math.pi / 36.0)
 # A path begins, and is over, where it has covered this share of its length; its first direction is
 # that of the points between these shares.
 _BEGUN, _OVER, _EARLY = 0.02, 0.98, (0.05, 0.5)
+# A body has moved if it is so many standard errors away.
+_MOVED = 3.0
+# Decelerations of one body on one surface do not differ by such a factor.
+_UNLIKE = 100.0
 
 
 def first_launches(paths: Sequence[Observed], known: Array) -> Array:
     """Return launches from parabolas through the distances from the start, path by path.
 
     Raises:
-        FitError: if nothing moves.
+        FitError: if nothing moves farther than its errors.
     """
     result = known.copy()
     for path, launch in zip(paths, result, strict=True):
@@ -44,8 +51,8 @@ def first_launches(paths: Sequence[Observed], known: Array) -> Array:
         off = path.position - launch[PLACE]
         distance = np.hypot(*off.T)
         length = float(distance.max())
-        if not length > 0.0:
-            raise FitError(f"{path.name}: nothing moves")
+        if not length > _MOVED * float(path.error.max()):
+            raise FitError(f"{path.name}: nothing moves farther than errors of its positions")
         early = off[(distance > _EARLY[0] * length) & (distance < _EARLY[1] * length)]
         along = early.sum(axis=0) if len(early) else off[int(distance.argmax())]
         speed, begin = _parabola(path.time, distance, float(launch[TIME]))
@@ -75,7 +82,8 @@ def _parabola(t: Array, distance: Array, begin: float) -> tuple[float, float]:
     def off(p: Array) -> Array:
         speed, stop = p[:2]
         tau = np.clip(t - (p[2] if free else begin), 0.0, stop)
-        away: Array = speed * (tau - 0.5 * tau**2 / stop) - distance
+        # Relative to the length, so that where the search ends does not depend on its unit.
+        away: Array = (speed * (tau - 0.5 * tau**2 / stop) - distance) / length
         return away
 
     start = np.array([2.0 * length / duration, duration, first])[: 2 + free]
@@ -99,11 +107,18 @@ def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
         float(np.hypot(*(one - launch[PLACE]).T).max())
         for one, launch in zip(measured, launches, strict=True)
     ]
-    first = float(np.median(launches[:, SPEED] ** 2 / (2.0 * np.array(lengths)))) / _GRAVITY
-    if not _LEAST <= first <= _LARGEST:
+    stops = launches[:, SPEED] ** 2 / (2.0 * np.array(lengths))
+    for path, share in zip(misfits.paths, stops / np.median(stops), strict=True):
+        if not 1.0 / _UNLIKE < share < _UNLIKE:
+            raise FitError(
+                f"{path.name}: the body decelerates {share:.2g} times as much as those of other "
+                "paths: check the units of its times and lengths, and what is stated of its launch"
+            )
+    first = float(np.median(stops)) / _deceleration(motions, launches)
+    if not 0.0 < first <= _LARGEST:
         raise FitError(
-            f"the bodies stop as if friction were {first:.2g} times their weight: check the units "
-            "of times and lengths, and what is stated of the launches"
+            f"the bodies stop as if the coefficient of friction were {first:.2g}: check the units "
+            "of times and lengths, those of the system, and what is stated of the launches"
         )
     costs: dict[int, float] = {}
 
@@ -136,6 +151,31 @@ def best_size(misfits: Misfits, motions: Motions, launches: Array) -> float:
         if not cost(beside) < cost(best):
             return math.log(first) + best * math.log(_RATIO)
         best = beside
+
+
+def _deceleration(motions: Motions, launches: Array) -> float:
+    """Return by how much bodies decelerate per friction coefficient: g of one on level ground.
+
+    It is told by two small coefficients, so that it does not depend on the units of the system.
+
+    Raises:
+        FitError: if friction does not decelerate them.
+    """
+    count, found = len(launches), []
+    for part in (1.0, 2.0):
+        law = FrictionLaw.isotropic(part * _SLIPPERY)
+        paths = motions.paths([law] * count, launches, range(count))
+        if paths is None:
+            return _GRAVITY
+        away = np.array([path.position[-1] for path in paths]) - launches[:, PLACE]
+        last = np.array([path.velocity[-1] for path in paths])
+        lost = launches[:, SPEED] ** 2 - (last**2).sum(axis=1)
+        moved = np.hypot(*away.T)
+        found.append(lost[moved > 0.0] / (2.0 * moved[moved > 0.0]))
+    result = float(np.median(found[1] - found[0])) / _SLIPPERY if len(found[0]) else 0.0
+    if not result > 0.0:
+        raise FitError("the bodies of the system are not decelerated by friction: check the system")
+    return result
 
 
 class Ellipses:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import Axis, Series, Table
 from asperity._base.value import Record, Value
 
 # Logarithms are kept off minus infinity: samples may lie on an axis of a set.
 TINY = 1e-150
 # Exponents between which superellipses are looked for.
 FLATTEST, SHARPEST = 0.3, 60.0
+_AT_BOUND = 1e-6
 
 
 class Scale(Enum):
@@ -44,6 +48,12 @@ class Coordinate(NamedTuple):
     scale: Scale
     low: float = -np.inf
     high: float = np.inf
+
+
+def at_bounds(p: Array, coordinates: Sequence[Coordinate]) -> NDArray[np.bool_]:
+    """Return which coordinates ended at a bound."""
+    low, high = np.array([(c.low, c.high) for c in coordinates]).reshape(-1, 2).T
+    return (p <= low + _AT_BOUND) | (p >= high - _AT_BOUND)
 
 
 class Roundness(NamedTuple):
@@ -117,3 +127,21 @@ class Estimate(Record):
         if math.isnan(self.low):
             return f"{self.value:.6g} (no interval)"
         return f"{self.value:.6g} ({self.low:.6g} … {self.high:.6g})"
+
+
+def table_of(parameters: Mapping[str, Estimate], *, rms: float) -> Table:
+    """Return the parameters of a fit as rows, with the root mean square of its residuals."""
+    words = {
+        "value": "estimate, angles in rad",
+        "low": "lower end of the confidence interval",
+        "high": "upper end of the confidence interval",
+        "standard_error": "standard deviation of the estimate",
+        "identifiable": "whether the data determine it",
+    }
+    series = {
+        name: Series(
+            np.array([getattr(one, name) for one in parameters.values()]), ("parameter",), "", text
+        )
+        for name, text in words.items()
+    }
+    return Table({"parameter": Axis(tuple(parameters), "", "parameter")}, series, {"rms": rms})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias, TypeVar
 
+from asperity._base.storage.data import Kinds
 from asperity.errors import ParameterError
 from asperity.identify.fitting.models.directions import (
     CircleDirection,
@@ -38,6 +39,9 @@ DIRECTIONS: dict[str, DirectionModel] = {
     "fourier": FourierDirection(),
     "odd fourier": FourierDirection(odd=True),
 }
+# Models as data in files.
+RESERVOIR_KINDS: Kinds = {type(one).__name__: type(one) for one in RESERVOIRS.values()}
+DIRECTION_KINDS: Kinds = {type(one).__name__: type(one) for one in DIRECTIONS.values()}
 
 
 def reservoir_model(name: ReservoirName) -> ReservoirModel:

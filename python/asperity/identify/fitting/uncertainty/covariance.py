@@ -331,11 +331,12 @@ def estimate(
 ) -> Estimate:
     """Return a parameter with its confidence interval from its coordinate."""
     scale = coordinate.scale
-    value, low, high = scale.natural(np.array([x, x - half_width, x + half_width]))
-    slope = float(scale.slope(np.array(x)))
-    if not told:
+    if told:
+        ends = x - half_width, x + half_width
+    else:
         # All that is known of what the data cannot tell.
         angle = scale is Scale.ANGLE
         ends = (-0.25 * math.pi, 0.25 * math.pi) if angle else (coordinate.low, coordinate.high)
-        low, high = scale.natural(np.array(ends))
+    value, low, high = scale.natural(np.array([x, *ends]))
+    slope = float(scale.slope(np.array(x)))
     return Estimate(value, low, high, slope * standard_error, identifiable=told)

@@ -7,15 +7,14 @@ import math
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity.identify.diagnostics import at_bounds
-from asperity.identify.fitting.models.coordinates import Estimate
+from asperity.identify.fitting.models.coordinates import Estimate, at_bounds
 from asperity.identify.fitting.models.names import short
 from asperity.identify.fitting.uncertainty.covariance import estimate
 from asperity.identify.identified_law import IdentifiedLaw
-from asperity.identify.path_fit import FittedPath, PathFit
-from asperity.identify.path_limits import SCALE, longer, speed_limit, warnings_of
-from asperity.identify.path_solution import Solution
 from asperity.identify.paths.launch import QUANTITIES
+from asperity.identify.paths.limits import SCALE, longer, not_told, speed_limit, warnings_of
+from asperity.identify.paths.result import FittedPath, PathFit
+from asperity.identify.paths.solution import Solution
 
 _MOST_DEGREES = 1e9
 # An angle is told from none at this level, and not of sets that differ from these by rounding.
@@ -37,7 +36,8 @@ def verdict(solution: Solution, *, confidence: float | None, length_error: float
     shared = None
     if between and length_error is not None:
         shared = length_error**2 * np.outer(by_length, by_length)
-    warnings = warnings_of(solution, degrees, by_length, length_error, between=between)
+    bands = _bands(scatter, shared, degrees, confidence)
+    warnings = warnings_of(solution, degrees, bands[0], by_length, length_error, between=between)
     law = IdentifiedLaw(
         solution.structure.law(solution.coordinates),
         reservoir_model=short(solution.structure.reservoir),
@@ -53,7 +53,7 @@ def verdict(solution: Solution, *, confidence: float | None, length_error: float
     return PathFit(
         _fitted_paths(solution, confidence),
         identified_law=law,
-        parameters=_parameters(solution, scatter, shared, degrees, confidence),
+        parameters=_parameters(solution, scatter, degrees, bands),
         confidence=confidence,
         misfit=solution.misfit,
         slope_error=solution.slope_error,
@@ -79,18 +79,30 @@ def _embedded(solution: Solution, part: Array | None) -> Array | None:
     return whole
 
 
-def _parameters(
-    solution: Solution,
-    scatter: Array | None,
-    shared: Array | None,
-    degrees: list[float],
-    confidence: float | None,
-) -> dict[str, Estimate]:
+def _bands(
+    scatter: Array | None, shared: Array | None, degrees: list[float], confidence: float | None
+) -> tuple[Array, Array]:
+    """Return half-widths of confidence intervals and standard errors of the free coordinates."""
     from scipy.stats import norm, t
 
+    if scatter is None or confidence is None:
+        nothing = np.full(len(degrees), np.nan)
+        return nothing, nothing
+    level = 0.5 + 0.5 * confidence
+    own = np.diag(scatter).copy()
+    square = own * t.ppf(level, np.clip(degrees, 1e-3, _MOST_DEGREES)) ** 2
+    if shared is not None:
+        square += np.diag(shared) * float(norm.ppf(level)) ** 2
+        own += np.diag(shared)
+    return np.sqrt(np.maximum(square, 0.0)), np.sqrt(np.maximum(own, 0.0))
+
+
+def _parameters(
+    solution: Solution, scatter: Array | None, degrees: list[float], bands: tuple[Array, Array]
+) -> dict[str, Estimate]:
     stuck = at_bounds(solution.coordinates, [c for _, c in solution.structure.coordinates])
     places = {int(at): k for k, at in enumerate(solution.free)}
-    angles = _angles(solution, scatter)
+    angles, lost = _angles(solution, scatter), not_told(solution, bands[0])
     result: dict[str, Estimate] = {}
     for at, (name, one) in enumerate(solution.structure.coordinates):
         x = float(solution.coordinates[at])
@@ -99,17 +111,9 @@ def _parameters(
             result[name] = Estimate(value, value, value, 0.0)
             continue
         k = places[at]
-        width, deviation, told = math.nan, math.nan, not stuck[at]
-        if scatter is not None and confidence is not None:
-            told = told and degrees[k] > 0.0
-            level = 0.5 + 0.5 * confidence
-            own = scatter[k, k]
-            square = own * float(t.ppf(level, min(max(degrees[k], 1e-3), _MOST_DEGREES))) ** 2
-            if shared is not None:
-                square += shared[k, k] * float(norm.ppf(level)) ** 2
-                own += shared[k, k]
-            width, deviation = math.sqrt(max(square, 0.0)), math.sqrt(max(own, 0.0))
-        told = told and angles.get(name, True)
+        told = not stuck[at] and not lost[k] and angles.get(name, True)
+        told = told and (scatter is None or degrees[k] > 0.0)
+        width, deviation = float(bands[0][k]), float(bands[1][k])
         result[name] = estimate(x, one, width, deviation, told)
     result["direction.scale"] = Estimate(math.nan, 0.0, math.inf, math.inf, identifiable=False)
     return result

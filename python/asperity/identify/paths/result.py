@@ -10,11 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from asperity import law, sets
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Table, counted
+from asperity._base.storage import data as stored
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Record, Value
-from asperity.identify.fitting.models.coordinates import Estimate
-from asperity.identify.fitting.models.names import name_of
+from asperity.identify.fitting.models.coordinates import Estimate, table_of
+from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
 from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.paths.launch import QUANTITIES, UNITS
 from asperity.law import FrictionLaw, Provenance
@@ -59,8 +62,11 @@ class FittedPath(Record):
         return float(np.sqrt(np.mean(np.sum((self.simulated - self.position) ** 2, axis=1))))
 
 
-class PathFit(TableResult, Value):
+class PathFit(SavedResult, Value):
     """A law fitted to measured paths, with its uncertainty; made by `fit_paths`.
+
+    What `save` writes holds the measured and the simulated paths and all that follows from them;
+    the law alone, a small file to read, is written by `save_law`.
 
     Attributes:
         paths: measured and simulated, with their launches.
@@ -114,6 +120,10 @@ class PathFit(TableResult, Value):
             limits=tuple(limits),
             warnings=tuple(warnings),
         )
+
+    @classmethod
+    def _known(cls) -> stored.Kinds:
+        return _KNOWN
 
     def __len__(self) -> int:
         return len(self.paths)
@@ -205,20 +215,7 @@ class PathFit(TableResult, Value):
         return f"<PathFit: {'; '.join([text, *self.warnings])}>"
 
     def _table(self) -> Table:
-        columns = {
-            "value": "estimate, in SI units or rad",
-            "low": "lower end of the confidence interval",
-            "high": "upper end of the confidence interval",
-            "standard_error": "standard deviation of the estimate",
-        }
-        listed, rows = self.parameters, ("parameter",)
-        series = {
-            name: Series(np.array([getattr(one, name) for one in listed.values()]), rows, "", words)
-            for name, words in columns.items()
-        }
-        told = np.array([one.identifiable for one in listed.values()])
-        series["identifiable"] = Series(told, rows, "", "whether the data determine it")
-        return Table({"parameter": Axis(tuple(listed), "", "parameter")}, series, {"rms": self.rms})
+        return table_of(self.parameters, rms=self.rms)
 
 
 def _text(one: Estimate) -> str:
@@ -226,3 +223,11 @@ def _text(one: Estimate) -> str:
     if one.identifiable and (one.low == one.high or np.isnan(one.low)):
         return f"{one.value:.6g} ({'fixed' if one.low == one.high else 'no interval'})"
     return str(one)
+
+
+_KNOWN: stored.Kinds = {
+    **stored.classes(sets, law),
+    **RESERVOIR_KINDS,
+    **DIRECTION_KINDS,
+    **{one.__name__: one for one in (PathFit, FittedPath, Estimate, IdentifiedLaw, dict)},
+}

@@ -11,9 +11,9 @@ from asperity._base.storage.files import ResultFolder
 from asperity._base.storage.toml import NUMBER, NUMBERS, Schema, Tables, TomlFile
 from asperity._base.tables import write_columns
 from asperity.errors import ParameterError
-from asperity.identify.path_estimation import fit_paths
-from asperity.identify.path_fit import PathFit
+from asperity.identify.paths.estimation import fit_paths
 from asperity.identify.paths.launch import Launch
+from asperity.identify.paths.result import PathFit
 from asperity.law import FrictionLaw, Provenance
 from asperity.system import SlidingPoint
 

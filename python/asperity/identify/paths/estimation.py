@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias
@@ -22,14 +23,14 @@ from asperity.identify.fitting.models.names import (
     reservoir_model,
 )
 from asperity.identify.identified_law import Structure
-from asperity.identify.path_fit import PathFit
-from asperity.identify.path_solution import Solution
-from asperity.identify.path_verdict import verdict
 from asperity.identify.paths.launch import Launch, known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
 from asperity.identify.paths.observed import FEWEST, Observed, observed
+from asperity.identify.paths.result import PathFit
+from asperity.identify.paths.solution import Solution
 from asperity.identify.paths.starts import Ellipses, best_size, first_launches
+from asperity.identify.paths.verdict import verdict
 from asperity.law import FrictionLaw
 from asperity.runs.comparison import TimedPath
 from asperity.runs.model import Model
@@ -230,8 +231,8 @@ class _Search:
         if not (found.converged and np.isfinite(found.squares)):
             reservoir, direction = self._structure
             raise FitError(
-                f"no minimum of {name_of(reservoir)} and {name_of(direction)} was found: try a "
-                "simpler model"
+                f"no minimum of {name_of(reservoir)} and {name_of(direction)} was found: choose a "
+                "simpler model, or launch in more directions"
             )
         others = [d for d in near if d.squares < found.squares + _ALIKE]
         log.info("fit_paths: %d paths, squares %.6g", len(self._paths), found.squares)
@@ -284,9 +285,12 @@ class _Search:
         split = len(self._structure.reservoir.coordinates)
         parts = (slice(0, split), slice(split, None))
         for model, part in zip(self._structure, parts, strict=True):
-            # The axes of a set that are told by name keep their names.
+            # The axes of a set that are told by name keep their names; half a turn changes nothing.
+            last = part.indices(len(full))[1] - 1
             if self._free[part].all():
                 full[part] = model.folded(full[part])
+            elif model.roundness() is not None and self._free[last]:
+                full[last] -= math.pi * round(full[last] / math.pi)
         return np.concatenate([full[self._free], z[misfits.size :]])
 
     def _tried(self, misfits: Misfits, z: Array) -> _Descent:

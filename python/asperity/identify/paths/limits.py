@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.identify.diagnostics import at_bounds
-from asperity.identify.fitting.models.coordinates import Scale
-from asperity.identify.path_solution import Solution
+from asperity.identify.fitting.models.coordinates import Scale, at_bounds
 from asperity.identify.paths.launch import PLACE, SPEED
+from asperity.identify.paths.solution import Solution
 from asperity.law import Stribeck
 
 SCALE = "paths determine the shape of D, not its size: direction.scale has no value"
@@ -22,8 +22,15 @@ _SAME_SLOPE = 1e-2
 _MISFIT = 1.5
 # Angles of two laws that differ by less are the same.
 _SAME_ANGLE = math.radians(5.0)
+# Half-widths of confidence intervals with which parameters are told hardly, and not at all:
+# logarithms, and angles.
+_VAGUE, _LOST = math.log(2.0), math.log(10.0)
+_VAGUE_ANGLE, _LOST_ANGLE = math.pi / 8.0, math.pi / 4.0
+# Coefficients of friction of no known surfaces are below.
+_LEAST = 1e-4
 # Friction is changed by this share to see what follows.
 _PART = 0.01
+_AROUND = np.arange(24) * (math.pi / 12.0)
 
 
 def longer(solution: Solution) -> Array:
@@ -108,9 +115,63 @@ def _changes(solution: Solution, step: Array, *, signed: bool = False) -> str:
     return ", ".join(texts)
 
 
+def not_told(solution: Solution, widths: Array) -> NDArray[np.bool_]:
+    """Return which of the free coordinates paths leave open.
+
+    Those are the ones whose confidence intervals have no end that says anything, and those that
+    another law, as near to the paths, has outside of them.
+
+    Args:
+        solution: of the fit.
+        widths: half-widths of the confidence intervals of the free coordinates, NaN without.
+    """
+    result: NDArray[np.bool_] = widths > _ends(solution, _LOST, _LOST_ANGLE)
+    rival = _rival(solution)
+    if rival is not None:
+        off = rival - solution.coordinates[solution.free]
+        quarter = 0.5 * math.pi
+        angles = np.isfinite(_ends(solution, math.inf, 0.0))
+        off[angles] -= quarter * np.round(off[angles] / quarter)
+        result |= np.abs(off) > widths
+    return result
+
+
+def _ends(solution: Solution, logarithm: float, angle: float) -> Array:
+    """Return limits of the half-widths of the free coordinates."""
+    scales = [solution.structure.coordinates[at][1].scale for at in solution.free]
+    return np.array([angle if one is Scale.ANGLE else logarithm for one in scales])
+
+
+def _hardly_told(solution: Solution, widths: Array) -> list[str]:
+    """Return sentences on parameters that paths tell hardly, or not at all."""
+    lost, hardly = not_told(solution, widths), widths > _ends(solution, _VAGUE, _VAGUE_ANGLE)
+    names = [solution.structure.names[at] for at in solution.free]
+    sentences = []
+    blind = [name for name, one in zip(names, lost, strict=True) if one]
+    if blind:
+        verb = "is" if len(blind) == 1 else "are"
+        sentences.append(f"{', '.join(blind)} {verb} not identifiable: {solution.remedy}")
+    vague = []
+    for at, width, one in zip(solution.free, widths, hardly & ~lost, strict=True):
+        name, coordinate = solution.structure.coordinates[at]
+        if not one:
+            continue
+        if coordinate.scale is Scale.ANGLE:
+            vague.append(f"{name} to ±{math.degrees(width):.0f}°")
+        elif coordinate.scale is Scale.PLAIN:
+            vague.append(f"{name} to ±{width:.2g}")
+        else:
+            whole = " - 1" if coordinate.scale is Scale.LOG_EXCESS else ""
+            vague.append(f"{name}{whole} to a factor of {math.exp(width):.2g}")
+    if vague:
+        sentences.append(f"these paths tell {', '.join(vague)} only: {solution.remedy}")
+    return sentences
+
+
 def warnings_of(
     solution: Solution,
     degrees: list[float],
+    widths: Array,
     by_length: Array,
     length_error: float | None,
     *,
@@ -124,13 +185,21 @@ def warnings_of(
             "there are no confidence intervals: one path has no scatter between paths; measure at "
             "least 3 paths (10 are better)"
         )
-    if between:
-        alone = [n for n, d in zip(names, degrees, strict=True) if d == 0.0]
-        if alone:
-            sentences.append(
-                f"{', '.join(alone)} is told by one path alone, with nothing to compare it with: "
-                "launch in more directions"
-            )
+    alone = np.array(degrees) == 0.0 if between else np.zeros(len(degrees), dtype=np.bool_)
+    if alone.any():
+        listed = ", ".join(n for n, one in zip(names, alone, strict=True) if one)
+        sentences.append(
+            f"one path alone tells {listed}, with nothing to compare it with: {solution.remedy}"
+        )
+    sentences += _hardly_told(solution, np.where(alone, np.nan, widths))
+    round_size = solution.structure.law(solution.coordinates).reservoir.radius(_AROUND)
+    coefficient = float(np.exp(np.log(round_size).mean()))
+    if coefficient < _LEAST:
+        sentences.append(
+            f"coefficients of friction are about {coefficient:.2g}, which no known surfaces have: "
+            "check the units of times and lengths, those of the system, and what is stated of the "
+            "launches"
+        )
     if length_error is None:
         sentences.append(
             "the error of the length scale is not known: 1 % would change "
@@ -161,24 +230,32 @@ def warnings_of(
     return tuple(sentences)
 
 
-def _other_minima(solution: Solution) -> list[str]:
-    """Return a sentence if another law is as near to the paths."""
+def _rival(solution: Solution) -> Array | None:
+    """Return the free coordinates of another law that is as near to the paths, if there is one."""
     at = solution.structure.names.index("reservoir.angle") if solution.others else 0
     mine = solution.coordinates[at]
     for other in solution.others:
-        full = solution.held.copy()
-        full[solution.free] = other
-        off = abs((full[at] - mine + 0.25 * math.pi) % (0.5 * math.pi) - 0.25 * math.pi)
-        if off < _SAME_ANGLE:
-            continue
-        values = solution.structure.values(full)
-        listed = ", ".join(
-            f"{name} = {value:.4g}"
-            for name, value in zip(solution.structure.names, values.tolist(), strict=True)
-            if name.startswith("reservoir")
-        )
-        return [
-            f"another set C is as near to the paths: {listed}; launch in directions all around, or "
-            "fix the angles of the sets if they are known"
-        ]
-    return []
+        angle = other[solution.free.tolist().index(at)]
+        off = abs((angle - mine + 0.25 * math.pi) % (0.5 * math.pi) - 0.25 * math.pi)
+        if off >= _SAME_ANGLE:
+            return other
+    return None
+
+
+def _other_minima(solution: Solution) -> list[str]:
+    """Return a sentence if another law is as near to the paths."""
+    rival = _rival(solution)
+    if rival is None:
+        return []
+    full = solution.held.copy()
+    full[solution.free] = rival
+    values = solution.structure.values(full)
+    listed = ", ".join(
+        f"{name} = {value:.4g}"
+        for name, value in zip(solution.structure.names, values.tolist(), strict=True)
+        if name.startswith("reservoir")
+    )
+    return [
+        f"another set C is as near to the paths: {listed}; launch in directions all around, or "
+        "fix the angles of the sets if they are known"
+    ]

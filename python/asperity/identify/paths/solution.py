@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
 from asperity.errors import FitError
-from asperity.identify.diagnostics import at_bounds
-from asperity.identify.fitting.models.coordinates import Coordinate
+from asperity.identify.fitting.models.coordinates import Coordinate, at_bounds
 from asperity.identify.identified_law import Structure
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
@@ -20,6 +19,8 @@ from asperity.identify.paths.spread import Spread, shared_parts, spread
 
 # A logarithm with a larger standard error is not known.
 _UNKNOWN = 1.0
+# Directions of sliding within fewer degrees are few; those of slower motions are not counted.
+_NARROW, _SLOW = 80.0, 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,7 @@ class Solution:
         if found is None:
             raise FitError(
                 f"the paths do not tell {', '.join(dead or names)} apart: choose a simpler model, "
-                "fix parameters that are known, or launch in more directions"
+                f"or fix parameters that are known; {self.remedy}"
             )
         # A body that is launched the wrong way fits best at rest, and then tells nothing.
         launched = self.jacobian[:, self.misfits.size :].T
@@ -113,14 +114,43 @@ class Solution:
         if wide.any():
             listed = ", ".join(n for n, one in zip(names, wide, strict=True) if one)
             raise FitError(
-                f"the paths do not tell {listed}: choose a simpler model, fix parameters that are "
-                "known, or launch in more directions"
+                f"the paths do not tell {listed}: choose a simpler model, or fix parameters that "
+                f"are known; {self.remedy}"
             )
         return found
 
     @property
     def _listed(self) -> list[Coordinate]:
         return [self.structure.coordinates[at][1] for at in self.free]
+
+    @cached_property
+    def remedy(self) -> str:
+        """What would tell more, in words."""
+        symmetric = all(model.is_symmetric for model in self.structure)
+        turn = 180.0 if symmetric else 360.0
+        phi = np.sort(self._sliding % turn)
+        if not len(phi):
+            return "no body slides where it was measured, check what is stated of the launches"
+        apart = np.diff(phi, append=phi[0] + turn)
+        last = int(apart.argmax())
+        width = turn - float(apart[last])
+        if width >= _NARROW:
+            return "launch more bodies, in directions between those that there are"
+        first = float(phi[(last + 1) % len(phi)])
+        return (
+            f"the bodies slide at {first:.0f}° to {first + width:.0f}° only, launch in more "
+            "directions"
+        )
+
+    @property
+    def _sliding(self) -> Array:
+        """Directions in degrees in which bodies slide where they were measured."""
+        angles = [np.empty(0)]
+        for one in self.misfits.simulated(self.z) or ():
+            speed = np.hypot(*one.velocity.T)
+            moving = one.velocity[speed > _SLOW * speed.max(initial=0.0)]
+            angles.append(np.rad2deg(np.arctan2(moving[:, 1], moving[:, 0])))
+        return np.concatenate(angles)
 
     def response(self, change: Array) -> Array:
         """Return by how much the free coordinates move if residuals change by this, `(k,)`."""
