@@ -114,6 +114,21 @@ proptest! {
     }
 }
 
+/// One of the accelerated steps onto this skew box leads back to where it came from, which is not the nearest point.
+#[test]
+fn projection_onto_a_skew_box_does_not_end_on_the_way() {
+    let lower = W::new(-1.8152180909024411, -0.626219066574728, -1.0);
+    let cuboid = Convex::from(Cuboid::new(lower, W::repeat(1.0)).unwrap());
+    let (p, q) = (-0.4931161398109118, -0.48272268846571686);
+    let shear = Matrix::<3>::new(1.0, p, 0.0, q, 1.0 + p * q, p, 0.0, 0.0, 1.0);
+    let set = cuboid.mapped(&shear).unwrap();
+    let direction = W::new(-0.36908000217406445, -0.11635800122850345, 0.9220850110186697);
+    let z = point_of(&set, &direction, 6.337460761519843);
+    let x = set.project(&z);
+    let gap = set.support(&(z - x)) - x.dot(&(z - x));
+    assert!(gap <= 1e-12 * z.norm_squared(), "{gap:e}");
+}
+
 /// The turn about an axis in space by an angle.
 fn turn(axis: &W, angle: f64) -> Matrix<3> {
     let cross = axis.cross_matrix();
