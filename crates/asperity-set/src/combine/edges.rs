@@ -9,6 +9,8 @@ const TOUCHED: f64 = 1e-6;
 const ROUNDING: f64 = 1e-6;
 /// Normals whose angle has a smaller sine are one.
 const PARALLEL: f64 = 1e-6;
+/// Excess of a gauge that is rounding.
+const EXCESS: f64 = 1e-13;
 /// Largest change of a point that is an improvement, relative to the point.
 const NEAR: f64 = 1e-4;
 
@@ -91,6 +93,7 @@ fn onto_edge<S: ConvexSet<P>, const P: usize>(
     let rounding = 4.0 * f64::EPSILON * z.norm();
     let (mut slope, mut before) = (None, f64::INFINITY);
     let mut edge = Edge::new(sets, z, *near)?;
+    let first = edge.along;
     for _ in 0..ITERATIONS {
         if edge.back.norm() + edge.along.abs() <= rounding {
             break;
@@ -106,7 +109,10 @@ fn onto_edge<S: ConvexSet<P>, const P: usize>(
         before = length;
         edge = Edge::new(sets, z, edge.point + step)?;
     }
-    ((edge.point - near).norm() <= NEAR * near.norm()).then_some(edge.point)
+    // Where a member has an edge of its own the steps may lead anywhere.
+    let excess = |x: &Vector<P>| sets.iter().map(|set| set.gauge(x) - 1.0).fold(EXCESS, f64::max);
+    let held = excess(&edge.point) <= excess(near) && edge.along.abs() <= first.abs().max(rounding);
+    (held && (edge.point - near).norm() <= NEAR * near.norm()).then_some(edge.point)
 }
 
 /// The projection of `z` with all digits where it lies on an edge of two members. Methods that look at the distance
