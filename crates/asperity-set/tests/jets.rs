@@ -125,3 +125,15 @@ fn of_a_sum_of_flat_and_round_sets() {
     let e = Vector::<3>::new(0.26557301353813184, -0.9566214965882225, 0.11977598567987069);
     derivative(sum.as_convex().unwrap(), &d, &e, 3.0942727582413605, 0.0).unwrap();
 }
+
+/// Along the edges of a rounded octahedron rounding grows in the flat direction after a few iterations.
+#[test]
+fn of_a_rounded_octahedron() {
+    let axes = Vector::<3>::new(1.873489526222804, 4.742177605956779, 1.0763931718294617);
+    let octahedron = Star::from(Superellipsoid::new(axes, 1.0).unwrap());
+    let ball = Convex::from(Ball::new(0.8542594304272629).unwrap());
+    let sum = Star::minkowski_sum(&[ball.into(), octahedron]).unwrap();
+    let d = Vector::<3>::new(-0.55101106559902, -0.6635491127068356, -0.5060527448926679);
+    let e = Vector::<3>::new(1.0, 0.0, 0.0);
+    derivative(sum.as_convex().unwrap(), &d, &e, 2.344910255057173, 1e-10).unwrap();
+}

@@ -117,6 +117,7 @@ fn by_members<const P: usize>(
     near: &Vector<P>,
 ) -> Option<(Vector<P>, Matrix<P>)> {
     const SMALL: f64 = 1e-9;
+    const SETTLED: f64 = 1e-11;
     if sets.len() > MEMBERS {
         return None;
     }
@@ -131,6 +132,7 @@ fn by_members<const P: usize>(
             points[i] = set.project(&(z - others));
         }
     }
+    let mut best = (f64::INFINITY, *near, Matrix::zeros());
     for _ in 0..ITERATIONS {
         let sum: Vector<P> = points.iter().sum();
         let y = z - sum;
@@ -147,16 +149,21 @@ fn by_members<const P: usize>(
             right += part.1;
         }
         let inverse = matrix.try_inverse()?;
+        if largest < best.0 {
+            best = (largest, sum, Matrix::identity() - inverse);
+        }
         if largest <= 4.0 * f64::EPSILON * z.norm() {
-            let jacobian = Matrix::identity() - inverse;
-            return ((sum - near).norm() <= NEAR * near.norm()).then_some((sum, jacobian));
+            break;
         }
         let turn = inverse * right;
         for (point, part) in points.iter_mut().zip(&parts) {
             *point += part.0 * turn - part.1;
         }
     }
-    None
+    // Where a flat direction of one member is round in another one, rounding may grow again on the way.
+    let (largest, sum, jacobian) = best;
+    let ends = largest <= SETTLED * z.norm() && (sum - near).norm() <= NEAR * near.norm();
+    ends.then_some((sum, jacobian))
 }
 
 /// Corners of a planar sum: sums of corners, one of each set, whose normal cones have a common interior.
