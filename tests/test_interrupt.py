@@ -16,9 +16,13 @@ SIMULATE = """
 import asperity as asp
 law = asp.FrictionLaw.isotropic(0.5)
 belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
-print("ready", flush=True)
+ready = []
+def report(step, steps):
+    if step and not ready:
+        ready.append(step)
+        print("ready", flush=True)
 try:
-    asp.simulate(belt, dt=1e-6, t_end=1e6, sample_every=1e-3)
+    asp.simulate(belt, dt=1e-6, t_end=1e6, sample_every=1e-3, progress=report)
 except asp.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     trajectory = stopped.trajectory
@@ -49,9 +53,13 @@ law = asp.FrictionLaw.isotropic(0.5)
 belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.1, 0.0])
 # The step of the iteration is far too large: where the mass sticks, it jumps to and fro for ever.
 solver = asp.ProxJacobi(r=1e8, max_iterations=10**15)
-print("ready", flush=True)
+ready = []
+def report(step, steps):
+    if step and not ready:
+        ready.append(step)
+        print("ready", flush=True)
 try:
-    asp.simulate(belt, dt=1e-3, t_end=10.0, solver=solver, sample_every=0.007)
+    asp.simulate(belt, dt=1e-3, t_end=10.0, solver=solver, sample_every=0.007, progress=report)
 except asp.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     part = stopped.trajectory

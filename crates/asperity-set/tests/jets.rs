@@ -2,7 +2,9 @@
 
 mod common;
 
-use asperity_set::{Convex, ConvexSet, Matrix, Vector};
+use asperity_set::{
+    Ball, Convex, ConvexSet, Cuboid, Ellipsoid, Matrix, Star, Superellipsoid, Vector,
+};
 use common::*;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
@@ -92,4 +94,46 @@ proptest! {
     ) {
         derivative(&set, &d, &e, k, 1e-8)?;
     }
+}
+
+/// On the edge of a ball and an ellipsoid the nearest point slides along the edge, which bends as both boundaries do.
+#[test]
+fn along_an_edge_in_space() {
+    let ball = Convex::from(Ball::new(0.5288843547241534).unwrap());
+    let axes = Vector::<3>::new(0.779245100138201, 2.2052537410499173, 0.4144884297547543);
+    let ellipsoid = Convex::from(Ellipsoid::new(axes).unwrap());
+    let set = Star::intersection(&[ball.into(), ellipsoid.into()]).unwrap();
+    let set = set.as_convex().unwrap();
+    let d = Vector::<3>::new(0.6994335008600209, 0.05667115591307055, 0.7124473018842669);
+    let e = Vector::<3>::new(-0.26789229985565655, 0.5835584748692021, -0.7666115196671505);
+    derivative(set, &d, &e, 13.696239874260627, 0.0).unwrap();
+}
+
+/// The Jacobian of a sum follows from those of its members, also where one of them is a box but for its last digits.
+#[test]
+fn of_a_sum_of_flat_and_round_sets() {
+    let axes = Vector::<3>::new(0.44348430693521057, 1.170705965475045, 0.43700635603343335);
+    let rounded = Star::from(Superellipsoid::new(axes, 402.33946744864676).unwrap());
+    let [near, far, above] = [0.4435786120985275, 1.2464551210126644, 0.3159100943211465];
+    let (lower, upper) =
+        (Vector::<3>::new(-near, -near, -far), Vector::<3>::new(near, near, above));
+    let cuboid = Convex::from(Cuboid::new(lower, upper).unwrap());
+    let axes = Vector::<3>::new(1.2904836752424138, 0.7455527839530447, 1.2904836752424138);
+    let ellipsoid = Convex::from(Ellipsoid::new(axes).unwrap());
+    let sum = Star::minkowski_sum(&[rounded, cuboid.into(), ellipsoid.into()]).unwrap();
+    let d = Vector::<3>::new(0.5429260969168385, 0.8335961805267259, -0.10172836918923865);
+    let e = Vector::<3>::new(0.26557301353813184, -0.9566214965882225, 0.11977598567987069);
+    derivative(sum.as_convex().unwrap(), &d, &e, 3.0942727582413605, 0.0).unwrap();
+}
+
+/// Along the edges of a rounded octahedron rounding grows in the flat direction after a few iterations.
+#[test]
+fn of_a_rounded_octahedron() {
+    let axes = Vector::<3>::new(1.873489526222804, 4.742177605956779, 1.0763931718294617);
+    let octahedron = Star::from(Superellipsoid::new(axes, 1.0).unwrap());
+    let ball = Convex::from(Ball::new(0.8542594304272629).unwrap());
+    let sum = Star::minkowski_sum(&[ball.into(), octahedron]).unwrap();
+    let d = Vector::<3>::new(-0.55101106559902, -0.6635491127068356, -0.5060527448926679);
+    let e = Vector::<3>::new(1.0, 0.0, 0.0);
+    derivative(sum.as_convex().unwrap(), &d, &e, 2.344910255057173, 1e-10).unwrap();
 }

@@ -114,6 +114,34 @@ proptest! {
     }
 }
 
+/// One of the accelerated steps onto this skew box leads back to where it came from, which is not the nearest point.
+#[test]
+fn projection_onto_a_skew_box_does_not_end_on_the_way() {
+    let lower = W::new(-1.8152180909024411, -0.626219066574728, -1.0);
+    let cuboid = Convex::from(Cuboid::new(lower, W::repeat(1.0)).unwrap());
+    let (p, q) = (-0.4931161398109118, -0.48272268846571686);
+    let shear = Matrix::<3>::new(1.0, p, 0.0, q, 1.0 + p * q, p, 0.0, 0.0, 1.0);
+    let set = cuboid.mapped(&shear).unwrap();
+    let direction = W::new(-0.36908000217406445, -0.11635800122850345, 0.9220850110186697);
+    let z = point_of(&set, &direction, 6.337460761519843);
+    let x = set.project(&z);
+    let gap = set.support(&(z - x)) - x.dot(&(z - x));
+    assert!(gap <= 1e-12 * z.norm_squared(), "{gap:e}");
+}
+
+/// The edge of this octahedron with another member lies right beside one of its own edges.
+#[test]
+fn projections_near_an_edge_of_one_member_stay_inside() {
+    let power = |axes, exponent| Star::from(Superellipsoid::new(axes, exponent).unwrap());
+    let octahedron = power(W::new(1.6843623638769252, 1.1741513365794762, 3.488266282131246), 1.0);
+    let axes = W::new(1.5872755748195428, 1.0844064191771121, 1.5872755748195428);
+    let set = Star::intersection(&[octahedron, power(axes, 1.5647985048444546)]).unwrap();
+    let set = set.as_convex().unwrap();
+    let d = W::new(-0.41498321691650203, 0.901935282994122, -0.11958961061875084);
+    let x = set.project(&point_of(set, &d, 21.557415701481816));
+    assert!(set.gauge(&x) <= 1.0 + 1e-12, "{}", set.gauge(&x) - 1.0);
+}
+
 /// The turn about an axis in space by an angle.
 fn turn(axis: &W, angle: f64) -> Matrix<3> {
     let cross = axis.cross_matrix();

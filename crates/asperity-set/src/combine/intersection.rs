@@ -1,5 +1,6 @@
 //! Intersections.
 
+use super::edges;
 use super::seams::seams;
 use super::some;
 use crate::numeric::polarity;
@@ -90,25 +91,25 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
         let nearest = self.corners.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         match nearest {
             Some(corner) if is_normal_at(self, corner, &(z - corner)) => *corner,
-            _ if P == 3 => self
-                .nearest_of_one(z)
-                .or_else(|| project::by_cuts(self, z))
-                .or_else(|| alternately(&self.sets, z))
-                .unwrap_or_else(|| project::onto_any(self, z)),
+            _ if P == 3 => self.nearest_of_one(z).unwrap_or_else(|| {
+                let near = project::by_cuts(self, z)
+                    .or_else(|| alternately(&self.sets, z))
+                    .unwrap_or_else(|| project::onto_any(self, z));
+                edges::refined(&self.sets, z, near)
+            }),
             _ => project::onto_any(self, z),
         }
     }
 
-    /// Where one boundary alone is met the other members do not matter.
+    /// Members whose normals do not carry `z − x` do not matter.
     fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
         let x = self.project(z);
         if x == *z {
             return (x, Matrix::identity());
         }
-        let mut touched = self.sets.iter().filter(|set| set.gauge(&x) > 1.0 - 1e-6);
-        match (touched.next(), touched.next()) {
-            (Some(set), None) => (x, set.project_jet(z, &x).1),
-            _ => project::jet::by_differences(self, z, start),
+        match edges::jacobian(&self.sets, z, &x) {
+            Some(jacobian) => (x, jacobian),
+            None => project::jet::by_differences(self, z, start),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Sets made of sets: linear images, intersections, unions, Minkowski sums.
 
+mod edges;
 mod image;
 mod intersection;
 mod seams;

@@ -66,6 +66,21 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
         }
     }
 
+    /// In space from the Jacobians of the projections onto the members: the differences of points that have not all of
+    /// their digits have few.
+    fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
+        if P == 3 {
+            let x = self.project(z);
+            let Some((n, _)) = project::jet::normal(self, z, &x) else {
+                return (x, Matrix::identity());
+            };
+            if let Some((x, jacobian)) = by_members(&self.sets, z, &x) {
+                return (x, project::jet::across(&n, |t| jacobian * t));
+            }
+        }
+        project::jet::by_differences(self, z, start)
+    }
+
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         Cone::beside_corner(self, x, tolerance)
     }
@@ -78,7 +93,7 @@ fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
     }
     project::by_dual_newton(sum, z).unwrap_or_else(|| {
         let near = project::by_support_points(sum, z);
-        by_members(sum.sets(), z, &near).unwrap_or(near)
+        by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x)
     })
 }
 
@@ -94,13 +109,15 @@ const NEAR: f64 = 1e-5;
 /// Where some members are flat and others round, neither the sum's support function nor hulls of its support points
 /// tell more than half of the digits; the projections onto the members do. With the Jacobians `Jᵢ` of these the
 /// residuals `fᵢ` give `daᵢ = Mᵢ (Jᵢ dy − fᵢ)`, `Mᵢ = (I − Jᵢ)⁻¹`, and `dy = −Σ daᵢ`; on flat faces `Mᵢ` is bounded by
-/// a small number on the diagonal, which costs no digits because the residuals vanish.
+/// a small number on the diagonal, which costs no digits because the residuals vanish. Where `z` moves `dy = dz − Σ daᵢ`
+/// and `daᵢ = MᵢJᵢ dy`, so that the Jacobian of the projection is `I − (I + Σ MᵢJᵢ)⁻¹`.
 fn by_members<const P: usize>(
     sets: &[Convex<P>],
     z: &Vector<P>,
     near: &Vector<P>,
-) -> Option<Vector<P>> {
+) -> Option<(Vector<P>, Matrix<P>)> {
     const SMALL: f64 = 1e-9;
+    const SETTLED: f64 = 1e-11;
     if sets.len() > MEMBERS {
         return None;
     }
@@ -115,6 +132,7 @@ fn by_members<const P: usize>(
             points[i] = set.project(&(z - others));
         }
     }
+    let mut best = (f64::INFINITY, *near, Matrix::zeros());
     for _ in 0..ITERATIONS {
         let sum: Vector<P> = points.iter().sum();
         let y = z - sum;
@@ -130,15 +148,22 @@ fn by_members<const P: usize>(
             matrix += part.0;
             right += part.1;
         }
-        if largest <= 4.0 * f64::EPSILON * z.norm() {
-            return ((sum - near).norm() <= NEAR * near.norm()).then_some(sum);
+        let inverse = matrix.try_inverse()?;
+        if largest < best.0 {
+            best = (largest, sum, Matrix::identity() - inverse);
         }
-        let turn = matrix.try_inverse()? * right;
+        if largest <= 4.0 * f64::EPSILON * z.norm() {
+            break;
+        }
+        let turn = inverse * right;
         for (point, part) in points.iter_mut().zip(&parts) {
             *point += part.0 * turn - part.1;
         }
     }
-    None
+    // Where a flat direction of one member is round in another one, rounding may grow again on the way.
+    let (largest, sum, jacobian) = best;
+    let ends = largest <= SETTLED * z.norm() && (sum - near).norm() <= NEAR * near.norm();
+    ends.then_some((sum, jacobian))
 }
 
 /// Corners of a planar sum: sums of corners, one of each set, whose normal cones have a common interior.

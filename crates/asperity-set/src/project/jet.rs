@@ -41,14 +41,23 @@ pub(crate) fn by_differences<const P: usize, S: ConvexSet<P> + ?Sized>(
         let shift = t * step;
         (set.project_from(&(z + shift), &x) - set.project_from(&(z - shift), &x)) / (2.0 * step)
     };
-    let jacobian = match P {
+    (x, across(&n, slope))
+}
+
+/// The Jacobian whose slopes in the directions of the tangents these are but for rounding: symmetric, its eigenvalues
+/// between 0 and 1, and none across.
+pub(crate) fn across<const P: usize>(
+    n: &Vector<P>,
+    slope: impl Fn(&Vector<P>) -> Vector<P>,
+) -> Matrix<P> {
+    match P {
         1 => Matrix::zeros(),
         2 => {
-            let t: Vector<P> = cast(&quarter_turn(&cast(&n)));
+            let t: Vector<P> = cast(&quarter_turn(&cast(n)));
             t * t.transpose() * t.dot(&slope(&t)).clamp(0.0, 1.0)
         }
         _ => {
-            let [s, t] = tangents(&n);
+            let [s, t] = tangents(n);
             let (ds, dt) = (slope(&s), slope(&t));
             let across = 0.5 * (s.dot(&dt) + t.dot(&ds));
             let inner = Matrix::<2>::new(s.dot(&ds), across, across, t.dot(&dt));
@@ -59,8 +68,7 @@ pub(crate) fn by_differences<const P: usize, S: ConvexSet<P> + ?Sized>(
                 sum + axis * axis.transpose() * value.clamp(0.0, 1.0)
             })
         }
-    };
-    (x, jacobian)
+    }
 }
 
 /// `H (H + d I)⁻¹` across the unit normal `n`, with the Hessian `H` of the support function at `n`, for

@@ -310,15 +310,21 @@ pub(crate) fn onto_image<const P: usize, S: ConvexSet<P> + ?Sized>(
     let mut u = inverse * z / gauge;
     let (mut ahead, mut momentum) = (u, 1.0_f64);
     for _ in 0..100_000 {
-        let next = advance(&ahead);
+        let from = ahead;
+        let next = advance(&from);
         let change = next - u;
-        if change.amax() <= 0.5 * f64::EPSILON * u.amax() {
+        // From beyond an edge or a corner the step may lead back to where it came from, which need not be the nearest
+        // point: only a step from the point itself tells.
+        let tells = from == u;
+        let rounding = if tells { 4.0 } else { 0.5 } * f64::EPSILON;
+        let at_rest = change.amax() <= rounding * u.amax();
+        if at_rest && tells {
             break;
         }
         let next_momentum = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
-        let backwards = (ahead - next).dot(&change) > 0.0;
-        let weight = if backwards { 0.0 } else { (momentum - 1.0) / next_momentum };
-        momentum = if backwards { 1.0 } else { next_momentum };
+        let restarts = at_rest || (from - next).dot(&change) > 0.0;
+        let weight = if restarts { 0.0 } else { (momentum - 1.0) / next_momentum };
+        momentum = if restarts { 1.0 } else { next_momentum };
         ahead = next + change * weight;
         u = next;
     }

@@ -1,14 +1,15 @@
 //! How large a set fits inside another.
 
 use super::closed_form::ratio_in_closed_form;
+use super::peaks::largest_in_space;
 use super::turning_directions::TurningDirections;
 use crate::numeric::vectors::along;
 use crate::{Cancelled, ConvexSet, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
-/// In closed form where there is one ([`ratio_in_closed_form`]). Else, in the plane the
-/// boundary is scanned and every local maximum refined; in space the maxima are climbed from many directions.
+/// In closed form where there is one ([`ratio_in_closed_form`]). Else it is searched for: in the plane every local maximum
+/// of a scan of the boundary is refined, in space the highest of them.
 pub fn largest_scale_inside<const P: usize>(
     inner: &dyn ConvexSet<P>,
     outer: &dyn StarSet<P>,
@@ -19,7 +20,10 @@ pub fn largest_scale_inside<const P: usize>(
     let largest = match P {
         1 => [1.0, -1.0].map(|s| outer.gauge(&inner.support_point(&Vector::repeat(s)))),
         2 => [climb(inner, outer), largest_ratio(outer, inner).0],
-        _ => [climb(inner, outer), f64::NEG_INFINITY],
+        _ => {
+            let (ratio, at) = largest_ratio(outer, inner);
+            [ratio, ascend(inner, outer, ratio, at / inner.gauge(&at)).0]
+        }
     };
     1.0 / largest[0].max(largest[1])
 }
@@ -43,7 +47,11 @@ pub fn largest_ratio_unless<const P: usize>(
     let ratio = |d: &Vector<P>| {
         if cancelled() { f64::NEG_INFINITY } else { a.gauge(d) / b.gauge(d) }
     };
-    let mut around = directions::<P>(if P == 3 { 4000 } else { 2880 });
+    if P == 3 {
+        let (value, at) = largest_in_space(&[a, b], &ratio, cancelled);
+        return search(&ratio, value, at, 1e-4);
+    }
+    let mut around = directions::<P>(2880);
     let own = around.len();
     around.extend(a.corners().into_iter().chain(b.corners()));
     let values: Vec<f64> = around.iter().map(ratio).collect();
@@ -56,7 +64,7 @@ pub fn largest_ratio_unless<const P: usize>(
         (0..around.len()).filter(|&i| is_peak(i)).map(|i| (values[i], around[i])).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     ranked.truncate(24);
-    let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d));
+    let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d, REACH));
     let largest = refined.max_by(|p, q| p.0.total_cmp(&q.0));
     largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))
 }
@@ -77,11 +85,11 @@ fn known_ratio<const P: usize>(
     })
 }
 
-/// Largest gauge of `outer` on `inner`: from many directions, `x ← inner.support_point(∇k_outer(x))`,
-/// which never descends for a convex `outer`, then a search that shrinks around the best points.
+/// Largest gauge of `outer` on `inner` in the plane: the best of many directions climb, and a search shrinks around what
+/// they reach.
 fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f64 {
     let on_boundary = |direction: &Vector<P>| direction / inner.gauge(direction);
-    let mut starts: Vec<Vector<P>> = directions::<P>(if P == 2 { 720 } else { 4000 });
+    let mut starts: Vec<Vector<P>> = directions::<P>(720);
     starts.extend(inner.corners());
     starts.extend(outer.corners());
     let mut ranked: Vec<(f64, Vector<P>)> = starts
@@ -91,39 +99,63 @@ fn climb<const P: usize>(inner: &dyn ConvexSet<P>, outer: &dyn StarSet<P>) -> f6
         .collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     ranked.truncate(12);
-    let climbed = ranked.iter().map(|(value, x)| {
-        let (mut best, mut at) = (*value, *x);
-        for _ in 0..50 {
-            let next = inner.support_point(&outer.gauge_jet(&at).1);
-            let gauge = outer.gauge(&next);
-            if !(gauge > best) {
-                break;
-            }
-            (best, at) = (gauge, next);
-        }
-        search(&|d| outer.gauge(&on_boundary(d)), best, at).0
+    let climbed = ranked.into_iter().map(|(value, x)| {
+        let (best, at) = ascend(inner, outer, value, x);
+        search(&|d| outer.gauge(&on_boundary(d)), best, at, REACH).0
     });
     climbed.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Moves of one length before a shorter one is tried.
+/// From a point of `inner` with this gauge `x ← inner.support_point(∇k_outer(x))`, which never descends for a convex
+/// `outer`.
+fn ascend<const P: usize>(
+    inner: &dyn ConvexSet<P>,
+    outer: &dyn StarSet<P>,
+    mut best: f64,
+    mut at: Vector<P>,
+) -> (f64, Vector<P>) {
+    for _ in 0..50 {
+        let next = inner.support_point(&outer.gauge_jet(&at).1);
+        let gauge = outer.gauge(&next);
+        if !(gauge > best) {
+            break;
+        }
+        (best, at) = (gauge, next);
+    }
+    (best, at)
+}
+
+/// Moves of one length before a shorter one is tried, the first length, and the last one relative to a coordinate.
 const MOVES: usize = 30;
+const REACH: f64 = 0.02;
+const SHORTEST: f64 = 1e-13;
+/// The last length from a coordinate that is zero. A cusp on an axis can be so sharp that the largest value lies where a
+/// direction away from the axis would be rounded onto it.
+const BESIDE_AXES: f64 = 1e-60;
 
 /// Local maximum over directions around `at` by a pattern of shrinking steps.
 fn search<const P: usize>(
     value: &dyn Fn(&Vector<P>) -> f64,
     best: f64,
     at: Vector<P>,
+    reach: f64,
 ) -> (f64, Vector<P>) {
-    let (mut best, mut at, mut step, mut moves) = (best, at.normalize(), 0.02, 0);
-    while step > 1e-13 {
-        let mut moved = false;
+    let (mut best, mut at, mut step, mut moves) = (best, at.normalize(), reach, 0);
+    while step > BESIDE_AXES {
+        let (mut moved, mut tried) = (false, false);
         for i in 0..2 * P {
+            if step <= SHORTEST * at[i / 2].abs() {
+                continue;
+            }
+            tried = true;
             let trial = at + along(i / 2, if i % 2 == 0 { step } else { -step });
             let gauge = value(&trial);
             if gauge > best {
                 (best, at, moved) = (gauge, trial.normalize(), true);
             }
+        }
+        if !tried {
+            break;
         }
         // On rounding errors there is always a way up.
         moves += 1;

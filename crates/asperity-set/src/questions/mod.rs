@@ -3,6 +3,7 @@
 mod checked;
 mod closed_form;
 mod inclusion;
+mod peaks;
 mod tangent_cone;
 mod turning_directions;
 mod verdict;
