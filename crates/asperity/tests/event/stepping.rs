@@ -103,10 +103,11 @@ fn time_stepping_converges_to_the_motion() {
     compare(|name, contacts| (name, contacts) != SLOW);
 }
 
+/// All laws and numbers of contacts: of the slow ones alone most motions have several continuations, which are not compared.
 #[test]
 #[ignore = "a minute: part of `make long`"]
 fn time_stepping_converges_to_motions_that_take_long() {
-    compare(|name, contacts| (name, contacts) == SLOW);
+    compare(|_, _| true);
 }
 
 /// Contacts that bounce: the stepped motion is near, the order is lost in impacts that a step joins.
