@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from asperity import Status, problems
 from asperity.contact.grading import proves_no_solution
-from scipy.sparse import block_diag
+from scipy.sparse import block_diag, csr_array
 
 DISK = asp.FrictionLaw.isotropic(0.5)
 ELLIPSES = asp.FrictionLaw(asp.Ellipse(0.6, 0.3, angle=0.4), asp.Ellipse(0.3, 0.6))
@@ -145,13 +145,70 @@ def test_islands_that_are_solved_already_are_kept():
     assert pushed.converged
 
 
-def test_a_limit_of_time_is_told_island_by_island():
-    problem = side_by_side([problems.wall(5, columns=4, push=1.0, law=DISK)] * 3)
-    for solver in (asp.Auto(), asp.Auto(threads=2)):
-        solution = problem.solve(solver, time_limit=1e-9, on_failure="record")
-        assert solution.status is Status.TIME_LIMIT
+@pytest.mark.parametrize("measure", ["contact", "global"])
+@pytest.mark.parametrize("solver", [asp.Auto(), asp.Auto(threads=2)], ids=repr)
+def test_what_a_limit_of_time_leaves_is_told_and_belongs_to_this_solve(solver, measure):
+    walls = [problems.wall(5, columns=4, push=1.0, law=DISK)] * 3
+    kept = side_by_side(walls)
+    full = kept.solve(measure=measure)
+    limit = {"time_limit": 1e-9, "on_failure": "record", "measure": measure}
+    # Solved before, then from nothing: nothing of the first solution is left.
+    again = kept.solve(solver, **limit)
+    fresh = side_by_side(walls).solve(solver, **limit)
+    assert again.status is fresh.status is Status.TIME_LIMIT
+    assert (again.percussion == fresh.percussion).all()
+    assert again.infeasibility is None
+    assert not again.ambiguous
+    for solution in (again, fresh):
         assert {island.status for island in solution.islands} == {Status.TIME_LIMIT}
-        assert solution.residual == problem.residual(solution.percussion)
+        assert np.isfinite([island.residual for island in solution.islands]).all()
+        told = solution.natural_map if measure == "global" else solution.residual
+        true = kept.natural_map if measure == "global" else kept.residual
+        assert told == true(solution.percussion)
+    # Percussions to start from are not lost.
+    options = limit | {"tolerance": 1e-15}
+    started = kept.solve(solver, start=full, **options)
+    assert kept.residual(started.percussion) <= 1e-9
+
+
+def test_proofs_and_flags_of_a_solve_do_not_outlive_it():
+    several = asp.ContactProblem(
+        [[1.0, 0.5], [0.5, 1.0]],
+        free_velocity=[-1.0, 0.9],
+        laws=asp.FrictionLaw.isotropic(3.0, dimension=1),
+    )
+    wall = problems.wall(5, columns=4, push=1.0, law=DISK)
+    kept = side_by_side([wall, PARADOX, *[several] * 5])
+    assert kept.solve(on_failure="record").infeasibility is not None
+    for measure in ("contact", "global"):
+        limited = kept.solve(time_limit=1e-9, on_failure="record", measure=measure)
+        assert limited.infeasibility is None
+        assert not limited.ambiguous
+
+
+def test_a_proof_for_one_contact_says_nothing_of_others():
+    apart = np.zeros((4, 4))
+    apart[:2, :2] = PARADOX.delassus
+    apart[2:, 2:] = np.eye(2)
+    law = asp.FrictionLaw.isotropic(1.0, dimension=1)
+    free = [*PARADOX.free_velocity, -1.0, 0.2]
+    problem = asp.ContactProblem(apart, free_velocity=free, laws=law)
+    for solver in (asp.Auto(), asp.Exact(), asp.SemismoothNewton()):
+        solution = problem.solve(solver, on_failure="record")
+        assert [island.contacts for island in solution.islands] == [(0,), (1,)]
+        assert solution.islands[0].status is not Status.CONVERGED
+        assert solution.islands[1].status is not Status.NO_SOLUTION
+    # Zeros that a sparse array stores connect nothing.
+    stored = csr_array(np.ones((4, 4)))
+    stored.data[:] = apart.ravel()
+    islands = asp.ContactProblem(stored, free_velocity=free, laws=law).solve(on_failure="record")
+    assert [island.contacts for island in islands.islands] == [(0,), (1,)]
+
+
+def test_iterations_of_an_island_are_all_that_it_took():
+    wall = problems.wall(5, columns=4, push=1.0, law=DISK)
+    solution = side_by_side([wall, problems.sliders(1, law=DISK)]).solve()
+    assert solution.islands[0].iterations >= solution.iterations
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,8 @@ class Island(Record):
     Attributes:
         contacts: their numbers, ascending.
         status: how the solve ended there.
-        residual: value there of the measure that decided.
+        residual: value there of the measure that decided; the largest relative defect of a contact
+            where the time did not suffice, and of solvers that treat all islands together.
         iterations: sweeps or iterations there; 0 where the percussions to start from solved the
             island already.
     """

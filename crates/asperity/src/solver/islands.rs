@@ -8,7 +8,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::infeasibility::{Case, CaseState, Infeasibility};
-use super::measure::natural_residual::{Residual, is_worse};
+use super::measure::natural_residual::{Measured, Residual, is_worse, residual_of};
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Plan, Sweeper, Swept, Task, Threads};
 use super::report::{Findings, Method, SolveReport, Stage, Status};
@@ -262,9 +262,15 @@ impl<B> Parts<B> {
                     return *whole;
                 }
                 let Residual { value, worst_contact } = residual(members.of(island));
-                let solved = value <= tolerance
-                    && !matches!(whole.status, Status::NoSolution | Status::Unbounded);
-                let status = if solved { Status::Converged } else { whole.status };
+                let of_one = matches!(whole.status, Status::NoSolution | Status::Unbounded);
+                let own = members.of(island).binary_search(&whole.worst_contact).is_ok();
+                let status = match value <= tolerance {
+                    // What is said of one island says nothing of others.
+                    _ if of_one && own => whole.status,
+                    true => Status::Converged,
+                    false if of_one => Status::Stalled,
+                    false => whole.status,
+                };
                 SolveReport { status, residual: value, worst_contact, ..*whole }
             }));
         }
@@ -329,19 +335,30 @@ impl<B: Buffers + Send> Parts<B> {
         }
         solve_all(work, task, threads, solve);
         for (solved, &island) in work.drain(..).zip(&*left) {
-            solved.end(iterate);
-            if let Some(report) = solved.report {
-                let worst_contact = solved.part.contacts()[report.worst_contact];
-                reports[island] = SolveReport { worst_contact, ..report };
+            let report = &mut reports[island];
+            if let Some(found) = solved.report {
+                solved.end(iterate);
+                if iterate.infeasibility.is_none() {
+                    *iterate.infeasibility = solved.infeasibility(problem);
+                }
+                let worst_contact = solved.part.contacts()[found.worst_contact];
+                let iterations = report.iterations + found.iterations;
+                *report = SolveReport { worst_contact, iterations, ..found };
             } else {
-                reports[island].status = Status::TimeLimit;
-            }
-            if iterate.infeasibility.is_none() {
-                *iterate.infeasibility = solved.infeasibility(problem);
+                // Its turn has not come: it keeps the percussions that sweeps have led to.
+                report.status = Status::TimeLimit;
             }
             own[island] = Some(solved);
         }
-        whole(task, iterate, reports)
+        if stop.early() {
+            grade_unsolved(task, iterate, sweeper.islands(), reports);
+        }
+        let whole = whole(task, iterate, reports);
+        if whole.is_none() {
+            // What follows changes all of them.
+            reports.clear();
+        }
+        whole
     }
 }
 
@@ -373,6 +390,28 @@ fn solve_all<B: Buffers + Send>(
     }
 }
 
+/// Measures the islands that the time did not suffice for.
+#[cold]
+fn grade_unsolved(
+    task: &Task<'_>,
+    iterate: &mut Iterate<'_>,
+    members: &Members,
+    reports: &mut [SolveReport],
+) {
+    iterate.measure(task);
+    let Iterate { percussion, velocity, .. } = iterate;
+    let measured = Measured { problem: task.problem, percussion, velocity };
+    for (island, report) in reports.iter_mut().enumerate() {
+        if report.status == Status::TimeLimit {
+            let contacts = members.of(island).iter().copied();
+            let Residual { value, worst_contact } = residual_of(&measured, contacts);
+            let status =
+                if value <= task.stop.tolerance { Status::Converged } else { report.status };
+            *report = SolveReport { status, residual: value, worst_contact, ..*report };
+        }
+    }
+}
+
 /// The report on all islands; `None` where each of them is solved, but not the whole by its measure.
 fn whole(
     task: &Task<'_>,
@@ -391,8 +430,7 @@ fn whole(
             residual = Residual { value: report.residual, worst_contact: report.worst_contact };
         }
     }
-    let unknown = reports.iter().any(|report| report.residual.is_nan());
-    if stop.measure == Measure::Global || unknown {
+    if stop.measure == Measure::Global {
         residual = iterate.measure(task);
         let decided = matches!(worst.status, Status::NoSolution | Status::Unbounded);
         if !decided && residual.value <= stop.tolerance {

@@ -390,6 +390,7 @@ impl Solver {
             forget_runaways(&task, &mut iterate, sweeper.islands());
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
+            iterate.ambiguous.fill(false);
             sweeper.renew_efforts();
         }
         let ends_early = matches!(found, Some((_, Ended::TimeLimit, _)));

@@ -121,7 +121,10 @@ impl BlockMatrix {
         }
         let mut neighbours = vec![Vec::new(); sizes.len()];
         for (row, &i) in contact_of.iter().enumerate() {
-            neighbours[i].extend(matrix.row(row).0.iter().map(|&column| contact_of[column]));
+            // Zeros that are kept do not connect contacts.
+            let (columns, values) = matrix.row(row);
+            let entries = columns.iter().zip(values).filter(|(_, value)| **value != 0.0);
+            neighbours[i].extend(entries.map(|(&column, _)| contact_of[column]));
             neighbours[i].dedup();
         }
         for list in &mut neighbours {
@@ -132,7 +135,7 @@ impl BlockMatrix {
         for (row, &i) in contact_of.iter().enumerate() {
             let (columns, values) = matrix.row(row);
             let mut k = blocks.starts[i];
-            for (&column, value) in columns.iter().zip(values) {
+            for (&column, value) in columns.iter().zip(values).filter(|(_, value)| **value != 0.0) {
                 while blocks.columns[k] != contact_of[column] {
                     k += 1;
                 }
