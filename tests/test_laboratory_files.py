@@ -74,7 +74,7 @@ def test_clock_times_and_counts_of_an_encoder(write, tmp_path):
 
 
 def test_dates_and_halves_of_days():
-    from asperity.identify.records.clock import seconds
+    from asperity.identify.records.tables.clock import seconds
 
     assert seconds("2026-11-23 00:00:01") - seconds("11/22/2026 11:59:59 PM") == 2.0
     assert seconds("12:05 AM") == 300.0

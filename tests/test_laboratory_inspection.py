@@ -6,7 +6,7 @@ import pytest
 from asperity import identify
 from asperity.commands.main import main
 from asperity.errors import AsperityError, RecordError
-from asperity.identify.records import clock
+from asperity.identify.records.tables import clock
 
 RUN = lab.run(sample_rate=250.0)
 DATA = identify.process(identify.RawData([RUN]))

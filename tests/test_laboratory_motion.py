@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from asperity import identify
 from asperity.errors import RecordError
-from asperity.identify.records.slopes import slopes
-from asperity.identify.records.stretches import stretches, usual_speed
+from asperity.identify.records.sliding.slopes import slopes
+from asperity.identify.records.sliding.stretches import stretches, usual_speed
 from profiles import counts
 
 pandas = pytest.importorskip("pandas")

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from asperity import identify
 from asperity.errors import AsperityError, ParameterError, RecordError
-from asperity.identify.records import clock
+from asperity.identify.records.tables import clock
 
 pandas = pytest.importorskip("pandas")
 

@@ -125,7 +125,7 @@ def _sheet(path: Path, given: str | None) -> str | int | None:
     """Return a sheet of a spreadsheet by its name, or by its number if none has it as a name."""
     if given is None or not given.isdigit():
         return given
-    from asperity.identify.records.text_table import SPREADSHEETS, sheets_of
+    from asperity.identify.records.tables.text_table import SPREADSHEETS, sheets_of
 
     named = path.suffix.lower() in SPREADSHEETS and given in sheets_of(path)
     return given if named else int(given)

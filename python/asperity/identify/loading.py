@@ -9,7 +9,7 @@ from asperity._base.progress import Progress
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.records.configuration import Configuration
 from asperity.identify.records.reading import PathLike
-from asperity.identify.records.text_table import Source
+from asperity.identify.records.tables.text_table import Source
 
 
 def load(

@@ -3,7 +3,8 @@
 //! Every island is a problem of its own: it has its own scaling, goes through its own phases and ends by itself. Sweeps
 //! solve most islands where they are ([`Sweeper::solve_islands`]); what they leave is solved by the other methods as a
 //! problem with the rows of that island only. What an island does depends on no other, to the bit, so that islands may be
-//! solved side by side by any number of threads.
+//! solved side by side by any number of threads. Only where each of them is solved, but not the whole by the global
+//! measure, do all go on together.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,11 +12,14 @@ use super::infeasibility::{Case, CaseState, Infeasibility};
 use super::measure::natural_residual::{Measured, Residual, is_worse, residual_of};
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Plan, Sweeper, Swept, Task, Threads};
-use super::report::{Findings, Method, SolveReport, Stage, Status};
+use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
 use crate::contact::{ContactProblem, Members, Memory, Part, put, take};
 
 /// Contacts that are worth a second thread: what sweeps leave takes some tens of microseconds per contact.
 const WORTHWHILE: usize = 64;
+
+/// The residual of an island that was not looked at.
+const UNKNOWN: Residual = Residual { value: f64::INFINITY, worst_contact: 0 };
 
 /// How every island of a problem was solved.
 ///
@@ -315,17 +319,10 @@ impl<B: Buffers + Send> Parts<B> {
             let residual = together.residual();
             iterate.stages.push(Stage::of(Method::GaussSeidel, together.sweeps, residual));
         }
-        for island in reports.len()..count {
-            let (status, residual) = (Status::TimeLimit, f64::NAN);
-            let worst_contact = sweeper.islands().of(island)[0];
-            reports.push(SolveReport {
-                status,
-                iterations: 0,
-                residual,
-                worst_contact,
-                ambiguous: false,
-            });
-        }
+        // Those that the time did not suffice for are measured at the end.
+        let unvisited =
+            SolveReport::new(Ended::TimeLimit, 0, UNKNOWN, Findings::default(), stop.tolerance);
+        reports.resize(count, unvisited);
         own.resize_with(count, || None);
         for &island in &*left {
             let make = || Box::new(Own::new(Part::new(problem, sweeper.islands().of(island))));

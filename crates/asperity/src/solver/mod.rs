@@ -376,6 +376,7 @@ impl Solver {
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         parts.forget_reports();
+        iterate.ambiguous.fill(false);
         let once = self.sweeps_once(problem);
         let mut found = None;
         if once {
@@ -388,16 +389,17 @@ impl Solver {
             found = Some((1, swept.ended, residual));
         } else {
             forget_runaways(&task, &mut iterate, sweeper.islands());
-            // What sweeps find depends on the memory, not on what the workspace has seen before.
-            iterate.states.copy_from_slice(task.history);
-            iterate.ambiguous.fill(false);
-            sweeper.renew_efforts();
         }
         let ends_early = matches!(found, Some((_, Ended::TimeLimit, _)));
+        let by_islands =
+            matches!(self, Self::Auto { .. }) && sweeper.islands().count() > 1 && !ends_early;
+        if !once || by_islands {
+            // What sweeps find depends on the memory, not on what the workspace has seen before.
+            iterate.states.copy_from_slice(task.history);
+            sweeper.renew_efforts();
+        }
         match *self {
-            Self::Auto { interior_point, threads }
-                if sweeper.islands().count() > 1 && !ends_early =>
-            {
+            Self::Auto { interior_point, threads } if by_islands => {
                 // Sweeps promise nothing more, if there were any.
                 let swept = stop.measure == Measure::Contact;
                 let solve = |island: Unsolved<'_, Workspace>, stop: Stop<'_>, threads| {

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.identify.forces.strokes import Strokes
 from asperity.identify.records.record import Recording
-from asperity.identify.records.stretches import FEWEST
+from asperity.identify.records.sliding.stretches import FEWEST
 
 # A stroke whose normal force is below this part of that of loaded ones has none.
 _NO_LOAD = 0.1

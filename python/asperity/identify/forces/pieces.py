@@ -13,7 +13,7 @@ from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.forces.strokes import LACKING, Strokes, strokes_of
 from asperity.identify.records.record import Recording, goes_back
-from asperity.identify.records.stretches import stretches
+from asperity.identify.records.sliding.stretches import stretches
 
 _TURN = 2.0 * math.pi
 # A motion goes on after a gap that is no longer than this part of its longest stretch, or so many

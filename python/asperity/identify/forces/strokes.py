@@ -14,8 +14,8 @@ from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.forces.turns import sense, turn_numbers
 from asperity.identify.records.record import BACKLASH, Recording
-from asperity.identify.records.slopes import WORST, slopes
-from asperity.identify.records.stretches import FEWEST, SLOW, stretches, usual_speed
+from asperity.identify.records.sliding.slopes import WORST, slopes
+from asperity.identify.records.sliding.stretches import FEWEST, SLOW, stretches, usual_speed
 
 _TURN = 2.0 * math.pi
 # A stroke whose direction stays within this angle is straight: that of its fifths, in which noise

@@ -17,7 +17,6 @@ from asperity._base.storage.toml import COUNT, NUMBER, NUMBERS, SWITCH, TEXT, Ki
 from asperity._base.value import Value
 from asperity.errors import AsperityError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration
-from asperity.identify.records.motion import force_columns, motion_columns
 from asperity.identify.records.reading import (
     PathLike,
     Window,
@@ -26,7 +25,14 @@ from asperity.identify.records.reading import (
     sources,
 )
 from asperity.identify.records.record import CHANNELS, Processing, RawData, Recording
-from asperity.identify.records.text_table import Format, Source, name_of, names_in, read_table
+from asperity.identify.records.sliding.motion import force_columns, motion_columns
+from asperity.identify.records.tables.text_table import (
+    Format,
+    Source,
+    name_of,
+    names_in,
+    read_table,
+)
 from asperity.identify.records.units import UNITS, factors
 
 _FORMAT = ("delimiter", "decimal", "header", "encoding", "names", "thousands", "sheet")

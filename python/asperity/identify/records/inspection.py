@@ -20,11 +20,11 @@ from asperity._base.storage.files import atomic
 from asperity._base.tables import aligned
 from asperity._base.value import Value
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records import clock, labview
-from asperity.identify.records.guessing import Guess, guess, of_cells
 from asperity.identify.records.reading import PathLike
 from asperity.identify.records.record import CHANNELS
-from asperity.identify.records.text_table import (
+from asperity.identify.records.tables import clock, labview
+from asperity.identify.records.tables.guessing import Guess, guess, of_cells
+from asperity.identify.records.tables.text_table import (
     SPREADSHEETS,
     Format,
     cells_of,

@@ -18,9 +18,7 @@ from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Progress, each, reporter
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records import clock
 from asperity.identify.records import units as _units
-from asperity.identify.records.motion import force_columns, motion_columns, velocity_of
 from asperity.identify.records.record import (
     CHANNELS,
     PIECE,
@@ -29,7 +27,9 @@ from asperity.identify.records.record import (
     rows_text,
     standstill_rows,
 )
-from asperity.identify.records.text_table import (
+from asperity.identify.records.sliding.motion import force_columns, motion_columns, velocity_of
+from asperity.identify.records.tables import clock
+from asperity.identify.records.tables.text_table import (
     Format,
     Source,
     Table,
@@ -208,7 +208,7 @@ def read_records(
 def sources(paths: Source | Iterable[Source]) -> list[Source]:
     """Return the sources of one or several runs as a list, which is not empty."""
     if isinstance(paths, str | os.PathLike) or is_frame(paths):
-        return [paths]  # type: ignore[list-item]
+        return [paths]
     files = list(arrays.several(paths, "paths"))
     if not files:
         raise ParameterError("paths", "must name at least one file")

@@ -154,42 +154,45 @@ impl BlockMatrix {
     /// [`ArgumentError`] if a contact has not 1 to 4 rows, or the matrix not the rows and columns of all contacts.
     pub fn from_dense(matrix: &DMatrix<f64>, sizes: &[usize]) -> Result<Self, ArgumentError> {
         check_shape(sizes, matrix.shape())?;
-        let mut first = 0;
-        let places: Vec<Range<usize>> = sizes
-            .iter()
-            .map(|size| {
-                first += size;
-                first - size..first
-            })
-            .collect();
         // Contacts whose block is zero do not influence each other.
-        let meets = |i: &Range<usize>, j: &Range<usize>| {
-            i.clone().any(|row| j.clone().any(|column| matrix[(row, column)] != 0.0))
+        let meets = |rows: Range<usize>, columns: Range<usize>| {
+            let (first, shape) = ((rows.start, columns.start), (rows.len(), columns.len()));
+            matrix.view(first, shape).iter().any(|&value| value != 0.0)
         };
-        let row = |i| (0..sizes.len()).filter(|&j| meets(i, &places[j])).collect();
-        let neighbours: Vec<Vec<usize>> = places.iter().map(row).collect();
-        let mut blocks = Self::with_pattern(sizes, &neighbours);
-        for (i, rows) in places.iter().enumerate() {
-            for k in 0..blocks.neighbours(i).len() {
-                let (j, block) = blocks.block_mut(i, k);
-                let (columns, width) = (&places[j], sizes[j]);
-                for (at, value) in block.iter_mut().enumerate() {
-                    *value = matrix[(rows.start + at / width, columns.start + at % width)];
-                }
-            }
-        }
-        Ok(blocks)
+        Ok(Self::filled(sizes, meets, |i, j| matrix[(i, j)]))
     }
 
     /// All blocks of the matrix with these entries; rows and columns are those of contacts with `sizes` rows.
     pub(crate) fn full(sizes: &[usize], entry: impl Fn(usize, usize) -> f64) -> Self {
+        Self::filled(sizes, |_, _| true, entry)
+    }
+
+    /// The blocks, of these rows and columns, that `are_kept` of the matrix with these entries.
+    fn filled(
+        sizes: &[usize],
+        are_kept: impl Fn(Range<usize>, Range<usize>) -> bool,
+        entry: impl Fn(usize, usize) -> f64,
+    ) -> Self {
+        let mut places = Vec::with_capacity(sizes.len());
+        let mut first = 0;
+        for size in sizes {
+            places.push(first..first + size);
+            first += size;
+        }
+        let (places, are_kept) = (&places, &are_kept);
+        let row = |rows: &Range<usize>| {
+            let rows = rows.clone();
+            let kept = move |&j: &usize| are_kept(rows.clone(), places[j].clone());
+            (0..places.len()).filter(kept)
+        };
         let mut blocks = Self::default();
-        blocks.reset(sizes, sizes.iter().map(|_| 0..sizes.len()));
-        for i in 0..sizes.len() {
-            for (j, &width) in sizes.iter().enumerate() {
-                let (row, column) = (blocks.offsets[i], blocks.offsets[j]);
-                for (k, value) in blocks.block_mut(i, j).1.iter_mut().enumerate() {
-                    *value = entry(row + k / width, column + k % width);
+        blocks.reset(sizes, places.iter().map(row));
+        for (i, rows) in places.iter().enumerate() {
+            for k in 0..blocks.neighbours(i).len() {
+                let (j, block) = blocks.block_mut(i, k);
+                let width = sizes[j];
+                for (at, value) in block.iter_mut().enumerate() {
+                    *value = entry(rows.start + at / width, places[j].start + at % width);
                 }
             }
         }

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records import clock, labview
+from asperity.identify.records.tables import clock, labview
 
 if TYPE_CHECKING:
     import pandas
+    from typing_extensions import TypeIs
 
 Source: TypeAlias = "str | os.PathLike[str] | pandas.DataFrame"
 """A file with a table, or a table."""
@@ -118,7 +119,7 @@ def name_of(source: Source) -> str:
     return str(getattr(source, "attrs", {}).get("name", "table in memory"))
 
 
-def is_frame(source: Any) -> bool:
+def is_frame(source: object) -> TypeIs[pandas.DataFrame]:
     """Return whether a source is a table in memory."""
     return hasattr(source, "columns") and hasattr(source, "iloc")
 
@@ -144,7 +145,7 @@ def read_table(
     """
     if is_frame(path):
         return _of_frame(path, columns, form, clocked)
-    place = Path(path)  # type: ignore[arg-type]
+    place = Path(path)
     if place.suffix.lower() in SPREADSHEETS:
         return _of_spreadsheet(place, columns, form, clocked)
     # Cells of spreadsheets and of tables in memory are parted already.
@@ -178,8 +179,8 @@ def read_table(
 def names_in(path: Source, form: Format) -> list[str]:
     """Return the names of the columns of a table; none if it cannot be read."""
     if is_frame(path):
-        return [str(name) for name in path.columns]  # type: ignore[union-attr]
-    place = Path(path)  # type: ignore[arg-type]
+        return [str(name) for name in path.columns]
+    place = Path(path)
     try:
         if place.suffix.lower() in SPREADSHEETS:
             return _names_of_cells(cells_of(place, form.sheet), form)

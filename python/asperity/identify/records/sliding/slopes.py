@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.identify.records.stretches import stretches, usual_speed
+from asperity.identify.records.sliding.stretches import stretches, usual_speed
 
 WORST = 0.1
 """Positions that tell the speed worse than to this part of it do not tell strokes."""

@@ -33,7 +33,7 @@ def usual_speed(speed: Array) -> float:
     """Return the speed that is usual while something slides, however long it rests between.
 
     >>> import numpy as np
-    >>> from asperity.identify.records.stretches import usual_speed
+    >>> from asperity.identify.records.sliding.stretches import usual_speed
     >>> usual_speed(np.append(np.full(50, 2.0), np.zeros(5000)))
     2.0
     """

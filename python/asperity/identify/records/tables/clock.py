@@ -30,7 +30,7 @@ def seconds(text: str) -> float:
     Dates are year-month-day, day.month.year or month/day/year; a month may have its name. What
     lasts "0.5 sec" is so long.
 
-    >>> from asperity.identify.records.clock import seconds
+    >>> from asperity.identify.records.tables.clock import seconds
     >>> seconds("12:00:00.123"), seconds("1:30 PM")
     (43200.123, 48600.0)
     >>> seconds("2026-11-23T12:00:00") - seconds("23.11.2026 11:59:00")
@@ -111,7 +111,7 @@ def through_midnight(time: Array) -> Array:
 def text(time: float) -> str:
     """Return what a clock shows, with the date where there is one.
 
-    >>> from asperity.identify.records.clock import seconds, text
+    >>> from asperity.identify.records.tables.clock import seconds, text
     >>> text(86_397.5), text(seconds("23.11.2026 12:00:00"))
     ('23:59:57.5', '2026-11-23 12:00:00')
     """

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from asperity.errors import RecordError
-from asperity.identify.records import clock, labview
-from asperity.identify.records.text_table import THOUSANDS, Format, names_of, split
+from asperity.identify.records.tables import clock, labview
+from asperity.identify.records.tables.text_table import THOUSANDS, Format, names_of, split
 
 # Bytes and lines that are looked at, and bytes in the middle and at the end of what is longer.
 _BYTES, _LINES, _LATER = 1 << 18, 2000, 1 << 15

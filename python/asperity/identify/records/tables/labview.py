@@ -39,7 +39,7 @@ def begins_one(line: str) -> bool:
 def heading_of(header: Sequence[Sequence[str]]) -> Heading | None:
     r"""Return what the lines before the numbers say, cell by cell; None if they are no heading.
 
-    >>> from asperity.identify.records.labview import heading_of
+    >>> from asperity.identify.records.tables.labview import heading_of
     >>> lines = ["LabVIEW Measurement", "X_Columns\tOne", "Y_Unit_Label\tN", "X_Dimension\tTime"]
     >>> heading_of([*(line.split("\t") for line in lines), ["X_Value", "Ft"]]).units
     ['s', 'N']
