@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.identify.forces.strokes import Strokes
 from asperity.identify.records.record import Recording
-from asperity.identify.records.sliding.stretches import FEWEST
+from asperity.identify.records.sliding.stretches import FEWEST, rows_of
 
 # A stroke whose normal force is below this part of that of loaded ones has none.
 _NO_LOAD = 0.1
@@ -56,7 +56,7 @@ def loaded_strokes(
         if isinstance(one.turned, float):
             keeps[one.number[one.number >= 0]] = True
             continue
-        normal, rows[at] = pressing(at), _rows_of(one.number)
+        normal, rows[at] = pressing(at), rows_of(one.number)
         middles[at] = np.array([float(np.median(normal[part])) for part in rows[at]])
     least = _least(runs, middles)
     changed: dict[int, NDArray[np.int32]] = {}
@@ -84,7 +84,7 @@ def loaded_strokes(
         number = changed.get(at, one.number)
         number = np.where(number >= 0, new[np.maximum(number, 0)], -1).astype(np.int32)
         found.append(replace(one, number=number))
-        parts = [slice(int(part[0]), int(part[-1]) + 1) for part in _rows_of(number)]
+        parts = [slice(int(part[0]), int(part[-1]) + 1) for part in rows_of(number)]
         pressed.append(tuple(parts) if at in changed else None)
     return Loaded(found, int(total - keeps.sum()), tuple(pressed))
 
@@ -118,12 +118,6 @@ def _lifts_between(normal: Array, number: NDArray[np.int32]) -> bool:
         return False
     level = float(np.median(normal[used]))
     return bool(level > 0.0 and uniform_filter1d(normal, FEWEST)[~used].min() < _DOWN * level)
-
-
-def _rows_of(number: NDArray[np.int32]) -> list[NDArray[np.intp]]:
-    """Return the rows of each stroke."""
-    edges = np.flatnonzero(np.diff(number)) + 1
-    return [part for part in np.split(np.arange(number.size), edges) if number[part[0]] >= 0]
 
 
 def _down(normal: Array, level: float) -> slice:

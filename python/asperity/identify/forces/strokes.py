@@ -15,7 +15,13 @@ from asperity.errors import RecordError
 from asperity.identify.forces.turns import sense, turn_numbers
 from asperity.identify.records.record import BACKLASH, Recording
 from asperity.identify.records.sliding.slopes import WORST, slopes
-from asperity.identify.records.sliding.stretches import FEWEST, SLOW, stretches, usual_speed
+from asperity.identify.records.sliding.stretches import (
+    FEWEST,
+    SLOW,
+    rows_of,
+    stretches,
+    usual_speed,
+)
 
 _TURN = 2.0 * math.pi
 # A stroke whose direction stays within this angle is straight: that of its fifths, in which noise
@@ -108,10 +114,7 @@ def _straightened(turned: Array, number: NDArray[np.int32], velocity: Array) -> 
     it would seem to tell how the force changes with the direction, and bias the law.
     """
     straight = turned.copy()
-    edges = np.flatnonzero(np.diff(number)) + 1
-    for rows in np.split(np.arange(number.size), edges):
-        if number[rows[0]] < 0:
-            continue
+    for rows in rows_of(number):
         along = velocity[rows].mean(axis=0)
         parts = np.stack([velocity[part].mean(axis=0) for part in np.array_split(rows, _FIFTHS)])
         off = np.arctan2(along[0] * parts[:, 1] - along[1] * parts[:, 0], parts @ along)

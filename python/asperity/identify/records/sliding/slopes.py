@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.identify.records.sliding.stretches import stretches, usual_speed
+from asperity.identify.records.sliding.stretches import rows_of, stretches, usual_speed
 
 WORST = 0.1
 """Positions that tell the speed worse than to this part of it do not tell strokes."""
@@ -248,12 +248,8 @@ def _on_lines(position: Array, velocity: Array, noise: float) -> Array:
     """
     if position.shape[1] < 2 or not velocity.any():
         return velocity
-    number = stretches(velocity)
     found = velocity.copy()
-    edges = np.flatnonzero(np.diff(number)) + 1
-    for rows in np.split(np.arange(number.size), edges):
-        if number[rows[0]] < 0:
-            continue
+    for rows in rows_of(stretches(velocity)):
         away = position[rows] - position[rows].mean(axis=0)
         _, size, axes = np.linalg.svd(away, full_matrices=False)
         if size[1] <= _STRAIGHT * noise * math.sqrt(rows.size):

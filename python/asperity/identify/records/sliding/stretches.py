@@ -74,6 +74,12 @@ def stretches(velocity: Array) -> NDArray[np.int32]:
     return np.repeat(of_part, past - first)
 
 
+def rows_of(number: NDArray[np.int32]) -> list[NDArray[np.intp]]:
+    """Return the rows of each stretch or stroke, one after the other, of numbers per sample."""
+    edges = np.flatnonzero(np.diff(number)) + 1
+    return [part for part in np.split(np.arange(number.size), edges) if number[part[0]] >= 0]
+
+
 def _held(fast: NDArray[np.bool_], moves: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the samples from the first to the last fast one of each stretch that moves."""
     edges = np.flatnonzero(np.diff(moves.astype(np.int8)) != 0) + 1
