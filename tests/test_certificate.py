@@ -7,6 +7,7 @@ from asperity import Certificate, Status
 from asperity.contact.grading import natural_map, proves_no_solution
 from asperity.errors import NoSolutionError
 from samples import LAWS, identify, random_problem
+from scipy.linalg import block_diag
 from scipy.optimize import linprog
 
 LAW = asp.FrictionLaw.isotropic(0.5)
@@ -436,6 +437,28 @@ def test_the_checker_refuses_cases_that_leave_something_out():
     smooth = problem.replace(laws=asp.FrictionLaw.isotropic(1e-3))
     assert smooth.solve().converged
     assert not proves_no_solution(smooth, proof)
+
+
+def test_loads_of_other_islands_do_not_weaken_a_proof():
+    rng = np.random.default_rng(5)
+    problem, resistance = hinge(rng, 2)
+    while resistance > -0.1:
+        problem, resistance = hinge(rng, 2)
+    heavy = 1e9
+    beside = asp.ContactProblem(
+        block_diag(problem.delassus, np.eye(3)),
+        free_velocity=[*problem.free_velocity, -heavy, 0.3 * heavy, 0.0],
+        laws=[*problem.laws, asp.FrictionLaw.isotropic(0.2)],
+        normal_restitution=[*problem.normal_restitution, 0.0],
+        initial_velocity=[*problem.initial_velocity, 0.0, 0.0, 0.0],
+    )
+    proof = beside.solve(on_failure="record").infeasibility
+    assert proof.kind == "cases"
+    assert proves_no_solution(beside, proof)
+    # Within an island the loads of all contacts count.
+    coupled = beside.delassus.copy()
+    coupled[3, 0] = coupled[0, 3] = 1e-12
+    assert not proves_no_solution(beside.replace(delassus=coupled), proof)
 
 
 def test_contacts_that_influence_each_other_may_have_no_solution_together():

@@ -86,7 +86,8 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     A proof of the kind ``"cases"`` divides what the contacts can do into cases, which must leave
     nothing out. Each has a vector z that may be multiplied by no velocity of the case to more than
     zero, and Gᵀz by no percussion of it to less, in as many directions as above and up to the
-    rounding of the first kind, while z·(b + e∘γ_B) > 0. Where that product of Gᵀz vanishes, W z
+    rounding of the first kind, while z·(b + e∘γ_B) > 0. Loads count of the contacts of the case
+    and those that influence them, directly or by others. Where that product of Gᵀz vanishes, W z
     must vanish as well for bodies that bring less than 1e-6 of the entries of G. It is checked for
     p = 1 and p = 2.
 
@@ -110,8 +111,9 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     if proof.kind == "cases":
         whole: tuple[State, ...] = ("any",) * len(problem.laws)
         possible = [case for case in proof.cases if len(case.states) == len(whole)]
+        islands = _islands(problem)
         return _covers(problem, whole, possible) and all(
-            _is_impossible(problem, case, free) for case in possible
+            _is_impossible(problem, case, free, islands) for case in possible
         )
     weights, scale = proof.direction, np.sqrt(problem.delassus.diagonal())
     normal = np.zeros(free.size, dtype=bool)
@@ -245,7 +247,22 @@ def _parts_of(state: State, dimension: int, unilateral: bool) -> list[State]:
     return ["stick", *quadrants] if dimension == 2 else []
 
 
-def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -> bool:
+def _islands(problem: ContactProblem) -> NDArray[np.int32]:
+    """Return a number for every row: rows of contacts that influence each other have the same."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    each = sizes(problem.laws, problem.normal_force)
+    contact = np.repeat(np.arange(len(each)), each)
+    row, column = problem.delassus.nonzero()
+    meet = coo_array((np.ones(len(row)), (contact[row], contact[column])), 2 * (len(each),))
+    labels: NDArray[np.int32] = connected_components(meet, directed=False)[1]
+    return labels[contact]
+
+
+def _is_impossible(
+    problem: ContactProblem, case: InfeasibleCase, free: Array, islands: NDArray[np.int32]
+) -> bool:
     """Return whether z refutes a case."""
     z, scale = case.direction, np.sqrt(problem.delassus.diagonal())
     if z.shape != free.shape or not np.isfinite(z).all():
@@ -286,9 +303,12 @@ def _is_impossible(problem: ContactProblem, case: InfeasibleCase, free: Array) -
             return False
         vanishes |= y[rows.start] - most < 1e-10 * unit
         rounding = max(rounding, (most - y[rows.start]) / own[0])
+    # Loads of other islands call for no percussion here.
+    own = np.isin(islands, islands[(z != 0.0) | (y != 0.0)])
+    called_for = (np.abs(free) / scale)[own].max(initial=0.0)
     return bool(
         gap > 1e-10 * terms
-        and gap >= _HUGE * rounding * (np.abs(free) / scale).max()
+        and gap >= _HUGE * rounding * called_for
         and (not vanishes or _keeps_lost_bodies_at_rest(problem, z))
     )
 
