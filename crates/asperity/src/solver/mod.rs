@@ -38,7 +38,7 @@ pub use solution::Solution;
 
 use std::num::NonZeroU64;
 
-use crate::contact::{ContactProblem, ContactState, Members, Memory};
+use crate::contact::{ContactProblem, ContactRows, ContactState, Members, Memory};
 use auto::Methods;
 use islands::{Buffers, Found, Parts, Unsolved};
 use measure::growth::{self, Groups};
@@ -369,7 +369,7 @@ impl Solver {
             }
             _ => Threads::NONE,
         };
-        let task = Task { problem, stop, history: &before.states, threads, swept };
+        let mut task = Task { problem, stop, history: &before.states, threads, swept };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, .. } = workspace;
         let Workspace { sweeper, groups, next, methods, parts, .. } = workspace;
@@ -377,7 +377,7 @@ impl Solver {
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         parts.forget_reports();
         iterate.ambiguous.fill(false);
-        let once = self.sweeps_once(problem);
+        let mut once = self.sweeps_once(problem);
         let mut found = None;
         if once {
             let swept = sweeper.solve_uncoupled(&task, &mut iterate);
@@ -391,8 +391,13 @@ impl Solver {
             forget_runaways(&task, &mut iterate, sweeper.islands());
         }
         let ends_early = matches!(found, Some((_, Ended::TimeLimit, _)));
-        let by_islands =
-            matches!(self, Self::Auto { .. }) && sweeper.islands().count() > 1 && !ends_early;
+        let goes_on = matches!(self, Self::Auto { .. }) && !ends_early;
+        let by_islands = goes_on && sweeper.islands().count() > 1;
+        // With drilling friction the search of a contact is not complete: other methods may find what it has missed.
+        let drills = |rows: &ContactRows| rows.law.dimension() == 3;
+        if once && goes_on && !by_islands && problem.contacts().iter().any(drills) {
+            (once, found, task.swept) = (false, None, true);
+        }
         if !once || by_islands {
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
