@@ -37,6 +37,7 @@ mod least_norm;
 mod numeric;
 #[cfg(feature = "sparse")]
 mod order;
+mod padded_lu;
 #[cfg(feature = "sparse")]
 mod symbolic;
 #[cfg(test)]
@@ -47,6 +48,7 @@ mod unordered;
 pub(crate) use block_lu::BlockLu;
 pub(crate) use dense_lu::DenseLu;
 pub(crate) use least_norm::LeastNorm;
+pub(crate) use padded_lu::PaddedLu;
 #[cfg(feature = "sparse")]
 pub(crate) use numeric::Numeric;
 #[cfg(feature = "sparse")]
