@@ -224,7 +224,13 @@ fn column(height: usize) -> ContactProblem {
     let rows = 2 * height;
     let delassus = DMatrix::from_fn(rows, rows, |i, j| match (i / 2).abs_diff(j / 2) {
         _ if i % 2 != j % 2 => 0.0,
-        0 => if i < 2 { 1.0 } else { 2.0 },
+        0 => {
+            if i < 2 {
+                1.0
+            } else {
+                2.0
+            }
+        }
         1 => -1.0,
         _ => 0.0,
     });
@@ -238,9 +244,10 @@ fn column(height: usize) -> ContactProblem {
 /// not; a start that solves the problem is not touched.
 #[test]
 fn newton_follows_a_few_sweeps_that_creep() {
-    for (height, measure) in [10, 30].into_iter().flat_map(|height| {
-        [Measure::Contact, Measure::Global].map(|measure| (height, measure))
-    }) {
+    for (height, measure) in [10, 30]
+        .into_iter()
+        .flat_map(|height| [Measure::Contact, Measure::Global].map(|measure| (height, measure)))
+    {
         let problem = column(height);
         let stop = Stop::at(1e-9).with_measure(measure);
         let sweeps = problem.solve(&Solver::Exact { max_sweeps: 100_000 }, stop);

@@ -48,9 +48,9 @@ mod unordered;
 pub(crate) use block_lu::BlockLu;
 pub(crate) use dense_lu::DenseLu;
 pub(crate) use least_norm::LeastNorm;
-pub(crate) use padded_lu::PaddedLu;
 #[cfg(feature = "sparse")]
 pub(crate) use numeric::Numeric;
+pub(crate) use padded_lu::PaddedLu;
 #[cfg(feature = "sparse")]
 pub(crate) use symbolic::Symbolic;
 #[cfg(not(feature = "sparse"))]

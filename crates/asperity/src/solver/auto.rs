@@ -27,7 +27,8 @@ use crate::solver::report::{Ended, Method};
 /// What follows a first attempt that has failed takes as long as so many attempts, at least: sweeps that promise an end by
 /// then go on. With one and two instead, the problems that `method/cost.rs` names take the same time.
 const FOLLOWING: f64 = 3.0;
-/// Newton iterations of a step of the attempt where none was made before: enough where `G` has full rank, and soon over where it has not.
+/// Newton iterations of a step of the attempt where none was made before: enough where `G` has full rank, and soon over
+/// where it has not.
 /// Half as many save 14 factorisations on the stored problems, twice as many cost 59.
 const ATTEMPT: usize = 6;
 /// Iterations of the interior point method, after which the proximal point method starts: half as many cost 105

@@ -507,8 +507,12 @@ impl Solver {
                 return methods.automatic(*task, iterate.reborrow(), sweeper, interior_point);
             }
             Self::Newton { max_iterations } => return single(Method::Newton, max_iterations),
-            Self::ProximalPoint { max_iterations } => return single(Method::ProximalPoint, max_iterations),
-            Self::InteriorPoint { max_iterations } => return single(Method::InteriorPoint, max_iterations),
+            Self::ProximalPoint { max_iterations } => {
+                return single(Method::ProximalPoint, max_iterations);
+            }
+            Self::InteriorPoint { max_iterations } => {
+                return single(Method::InteriorPoint, max_iterations);
+            }
             Self::Admm { max_iterations } => return single(Method::Admm, max_iterations),
         };
         (iterations, ended, iterate.measure(task))

@@ -335,13 +335,15 @@ fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f
         brought += operator.norm() * largest(percussion);
         return (load, brought);
     }
-    problem.each_entry(i, row, |j, column, g| {
-        let term = g * percussion[column];
-        brought += term.abs();
-        if problem.contacts()[j].normal != NormalForce::Unilateral {
-            load += term;
+    for (j, block) in problem.delassus().blocks().row(i) {
+        let rows = &problem.contacts()[j];
+        // The normal row is the first one.
+        let terms = || block.iter().zip(&percussion[rows.rows()]).map(|(g, p)| g * p);
+        terms().for_each(|term| brought += term.abs());
+        if rows.normal != NormalForce::Unilateral {
+            terms().for_each(|term| load += term);
         }
-    });
+    }
     (load, brought)
 }
 

@@ -113,7 +113,12 @@ impl<'a> Progress<'a> {
         iterate.percussion.copy_from_slice(&buffers.best);
         let residual = if self.known {
             iterate.velocity.copy_from_slice(&buffers.velocity);
-            task.stop.residual_with_map(task.problem, iterate.percussion, iterate.velocity, self.grade)
+            task.stop.residual_with_map(
+                task.problem,
+                iterate.percussion,
+                iterate.velocity,
+                self.grade,
+            )
         } else {
             iterate.measure(&task)
         };
@@ -174,7 +179,7 @@ impl<'a> Progress<'a> {
     pub(crate) fn search_cases(&mut self) -> Option<Vec<f64>> {
         let Task { problem, stop, .. } = self.task;
         let percussion = &self.buffers.best;
-        self.known = true;
+        self.known = self.grade.is_finite();
         problem.velocity(percussion, &mut self.buffers.velocity);
         let velocity = &self.buffers.velocity;
         let worst = natural_residual::residual(&Measured { problem, percussion, velocity });

@@ -188,11 +188,7 @@ impl ProximalPoint {
 
     /// A first attempt, after few sweeps: Newton's method on the problem itself. Where sweeps have not brought percussions
     /// nearer to a solution than they were, they run away along what `G` does not see, and it starts where they did.
-    pub(crate) fn first_attempt(
-        &mut self,
-        progress: &mut Progress<'_>,
-        matrix: &mut NewtonMatrix,
-    ) {
+    pub(crate) fn first_attempt(&mut self, progress: &mut Progress<'_>, matrix: &mut NewtonMatrix) {
         let grade = progress.start_from_best(&mut self.centre);
         if grade > NEARER * progress.first_grade() {
             progress.start_from_first(&mut self.centre);
