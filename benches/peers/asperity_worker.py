@@ -1,6 +1,7 @@
 """Solve a problem with asperity as a user would: load the file, solve it, no parameter set.
 
-Nothing is kept from one solve to the next but the tables of the laws. The
+A problem keeps what it knows of its pattern and its buffers from one solve
+to the next, and laws keep their tables; percussions start from zero. The
 solver's name is a class of `asperity`, its default parameters; without a name the default solver.
 """
 

@@ -40,9 +40,9 @@ class Auto(Solver):
     """The default: one method after the other, each where it is the fastest that is known to work.
 
     Contacts that do not influence each other get one sweep of `Exact`. Others are swept while that
-    promises an end, each contact taking the first solution that continues its state. What is left
-    goes to `SemismoothNewton`, then to `InteriorPoint` where it takes the laws, then to
-    `ProximalPoint`, which takes all laws and singular Delassus operators.
+    promises an end sooner than a few factorisations, each contact taking the first solution that
+    continues its state. What is left goes to `SemismoothNewton`, then to `InteriorPoint` where it
+    takes the laws, then to `ProximalPoint`, which takes all laws and singular Delassus operators.
     ``ContactSolution.stages`` tells what was done.
 
     Args:

@@ -4,10 +4,11 @@
 use std::alloc::System as Allocator;
 use std::ops::ControlFlow;
 
+use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
-use asperity::solver::Solver;
+use asperity::solver::{Measure, Solver, Status, Stop, Workspace};
 use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{Body, Pair, Plane, PlaneMotion, RigidBodies, Shape};
 use asperity::system::{
@@ -129,6 +130,40 @@ fn allocations_of_integration(system: &dyn System, max_step: f64) -> (usize, usi
     (allocations, run.motion.steps)
 }
 
+/// Allocations of solving problems again, from no percussions, that need sweeps, Newton's method and what comes after.
+fn allocations_of_solving(contacts: usize, measure: Measure) -> usize {
+    // Bodies in a column, each twice: of two contacts one would do.
+    let place = |row: usize| (row / 2 / 2, row % 2);
+    let delassus = DMatrix::from_fn(2 * contacts, 2 * contacts, |i, j| {
+        let ((a, kind), (b, other)) = (place(i), place(j));
+        match a.abs_diff(b) {
+            _ if kind != other => 0.0,
+            0 => 2.0,
+            1 => -1.0,
+            _ => 0.0,
+        }
+    });
+    let free = (0..2 * contacts).map(|row| if row < 4 { -0.7 } else { 0.01 }).collect();
+    let contact = (FrictionLaw::<1>::isotropic(0.3).unwrap().into(), NormalForce::Unilateral);
+    let problem = ContactProblem::new(delassus, free, vec![contact; contacts]).unwrap();
+    let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
+    let stop = Stop::at(1e-9).with_measure(measure);
+    let mut solve = || {
+        memory.percussion.fill(0.0);
+        memory.states.fill(ContactState::default());
+        let report = Solver::default().solve(&problem, stop, &mut memory, &mut workspace);
+        assert_eq!(report.status, Status::Converged, "{report:?}");
+        assert!(workspace.stages().iter().any(|stage| stage.factorizations > 0));
+    };
+    let mut count = || {
+        let region = Region::new(ALLOCATOR);
+        (0..3).for_each(|_| solve());
+        let change = region.change();
+        change.allocations + change.reallocations
+    };
+    (0..4).map(|_| count()).min().unwrap()
+}
+
 /// Bytes that the scheme keeps per slider, with its solver and all states.
 fn bytes_per_slider() -> f64 {
     let law = Law::from(ellipse());
@@ -194,6 +229,12 @@ fn steps_do_not_allocate_while_contacts_stay() {
             let system = drilling(&Law::from(FrictionLaw::associated(law.clone())));
             let count = allocations(*solver, &system, system.q0(), system.u0());
             assert_eq!(count, 0, "p = 3, {law:?}, {solver:?}");
+        }
+    }
+    for contacts in [6, 12, 60] {
+        for measure in [Measure::Contact, Measure::Global] {
+            let count = allocations_of_solving(contacts, measure);
+            assert_eq!(count, 0, "{contacts} contacts solved again by {measure:?}");
         }
     }
     let bytes = bytes_per_slider();

@@ -14,7 +14,7 @@ const SOLVER: [(&str, &[&str]); 10] = [
     ("report", &["measure"]),
     ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
     ("findings", &["measure", "infeasibility", "report", "method"]),
-    ("auto", &["infeasibility", "newton_matrix", "report", "method"]),
+    ("auto", &["measure", "infeasibility", "newton_matrix", "report", "method"]),
     ("islands", &["measure", "infeasibility", "report", "method"]),
     // What users call stands above the solver.
     ("solution", &["measure", "infeasibility", "islands", "report", "Solver", "Workspace"]),

@@ -8,7 +8,9 @@ use asperity::contact::{
 };
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
-use asperity::solver::{ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map};
+use asperity::solver::{
+    Measure, Method, ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map,
+};
 use common::Random;
 use nalgebra::{DMatrix, DVector};
 
@@ -65,10 +67,20 @@ fn laws(p: usize) -> Vec<Law> {
 /// Bodies stand in a row, every contact touches two neighbours, the first and the last body also the surroundings. Some
 /// motion opens all contacts, so that percussions that friction limits can stop any approach: there is a solution.
 fn problems(p: usize, situation: Situation, random: &mut Random) -> Vec<ContactProblem> {
-    let (bodies, contacts) = match situation {
+    let counts = match situation {
         Situation::Redundant => (2, 6),
         _ => (4, 4),
     };
+    problems_of(p, situation, counts, random)
+}
+
+/// The same with so many bodies and contacts.
+fn problems_of(
+    p: usize,
+    situation: Situation,
+    (bodies, contacts): (usize, usize),
+    random: &mut Random,
+) -> Vec<ContactProblem> {
     let (size, rows, dof) = (p + 1, contacts * (p + 1), bodies * DOF);
     let mut mass = DMatrix::zeros(dof, dof);
     for body in 0..bodies {
@@ -194,7 +206,8 @@ fn methods_agree_on_random_problems() {
 fn newton_takes_the_same_way_in_contact_and_in_body_space() {
     let mut random = Random::new(4);
     for _ in 0..20 {
-        let problems = problems(2, Situation::Redundant, &mut random);
+        // More rows than those of a matrix that is factored densely.
+        let problems = problems_of(2, Situation::Redundant, (2, 12), &mut random);
         let [dense, _, factored] = [0, 1, 2].map(|k| {
             let solver = Solver::ProximalPoint { max_iterations: 5 };
             solve(solver, &problems[k])
@@ -203,6 +216,54 @@ fn newton_takes_the_same_way_in_contact_and_in_body_space() {
         for (a, b) in dense.velocity.iter().zip(&factored.velocity) {
             assert!((a - b).abs() <= 1e-5 * size, "{a} {b}");
         }
+    }
+}
+
+/// A column of bodies of equal masses that falls on the ground: sweeps carry a load from one body to the next only.
+fn column(height: usize) -> ContactProblem {
+    let rows = 2 * height;
+    let delassus = DMatrix::from_fn(rows, rows, |i, j| match (i / 2).abs_diff(j / 2) {
+        _ if i % 2 != j % 2 => 0.0,
+        0 => {
+            if i < 2 {
+                1.0
+            } else {
+                2.0
+            }
+        }
+        1 => -1.0,
+        _ => 0.0,
+    });
+    let mut free = vec![0.0; rows];
+    (free[0], free[1]) = (-1.0, 0.2);
+    let contact = (FrictionLaw::<1>::isotropic(0.3).unwrap().into(), NormalForce::Unilateral);
+    ContactProblem::new(delassus, free, vec![contact; height]).unwrap()
+}
+
+/// Sweeps that creep are soon followed by Newton's method, whatever the measure, in a matrix that is factored densely or
+/// not; a start that solves the problem is not touched.
+#[test]
+fn newton_follows_a_few_sweeps_that_creep() {
+    for (height, measure) in [10, 30]
+        .into_iter()
+        .flat_map(|height| [Measure::Contact, Measure::Global].map(|measure| (height, measure)))
+    {
+        let problem = column(height);
+        let stop = Stop::at(1e-9).with_measure(measure);
+        let sweeps = problem.solve(&Solver::Exact { max_sweeps: 100_000 }, stop);
+        assert!(sweeps.report.iterations > 100, "{height}: {:?}", sweeps.report);
+        let solution = problem.solve(&Solver::default(), stop);
+        assert_eq!(solution.report.status, Status::Converged, "{height}: {solution:?}");
+        let [first, second] = &solution.stages[..] else { panic!("{:?}", solution.stages) };
+        assert_eq!((first.method, second.method), (Method::GaussSeidel, Method::Newton));
+        assert!(first.iterations <= 10 && second.factorizations <= 8, "{:?}", solution.stages);
+        for (a, b) in solution.velocity.iter().zip(&sweeps.velocity) {
+            assert!((a - b).abs() < 1e-6, "{height}: {a} {b}");
+        }
+        let percussion = solution.percussion.clone();
+        let memory = Memory { percussion: percussion.clone(), states: solution.states.clone() };
+        let again = problem.solve_from(&Solver::default(), stop, memory);
+        assert_eq!((again.report.iterations, &again.percussion), (0, &percussion), "{height}");
     }
 }
 

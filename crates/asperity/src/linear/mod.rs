@@ -37,6 +37,7 @@ mod least_norm;
 mod numeric;
 #[cfg(feature = "sparse")]
 mod order;
+mod padded_lu;
 #[cfg(feature = "sparse")]
 mod symbolic;
 #[cfg(test)]
@@ -49,6 +50,7 @@ pub(crate) use dense_lu::DenseLu;
 pub(crate) use least_norm::LeastNorm;
 #[cfg(feature = "sparse")]
 pub(crate) use numeric::Numeric;
+pub(crate) use padded_lu::PaddedLu;
 #[cfg(feature = "sparse")]
 pub(crate) use symbolic::Symbolic;
 #[cfg(not(feature = "sparse"))]

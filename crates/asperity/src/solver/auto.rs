@@ -1,15 +1,19 @@
 //! The order in which [`Solver::Auto`](super::Solver::Auto) asks the methods, and each of them alone.
 //!
-//! Sweeps end most problems and give the others a start; Newton's method ends those of full rank and, with other prox
+//! Sweeps end many problems and give the others a start; Newton's method ends those of full rank and, with other prox
 //! parameters, those in which contacts creep; the interior point method, where the laws allow it, and the proximal
-//! point iteration end the rest. Everything is cheap against sweeps because a factorisation costs as much as some tens
-//! of them.
+//! point iteration end the rest.
+//!
+//! Where an attempt by Newton's method costs less than the sweeps that are still to come, after three of them at the
+//! earliest, it is made at once: a step costs as much as three to ten sweeps, but where bodies are wide or many some tens
+//! to hundreds (`method/cost.rs`). If it fails, sweeps go on as long as they promise to end sooner than what follows.
 
 use crate::contact::{ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
+use crate::solver::measure::natural_residual::Residual;
 use crate::solver::method::{
-    Admm, Buffers, Cones, Interior, Iterate, Progress, ProximalPoint, Rate, Sweeper, TRIAL_SWEEPS,
-    Task,
+    Admm, Buffers, Cones, Cost, Interior, Iterate, Progress, ProximalPoint, Rate, Sweeper,
+    TRIAL_SWEEPS, Task,
 };
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::{Ended, Method};
@@ -20,7 +24,11 @@ use crate::solver::report::{Ended, Method};
 // factorisations, and did so with every value that this file names. Numbers changed by up to 5 % where only the rounding of
 // factorisations did: what is less says that it hardly matters.
 
-/// Newton iterations of a step of the first attempt: enough where `G` has full rank, and soon over where it has not.
+/// What follows a first attempt that has failed takes as long as so many attempts, at least: sweeps that promise an end by
+/// then go on. With one and two instead, the problems that `method/cost.rs` names take the same time.
+const FOLLOWING: f64 = 3.0;
+/// Newton iterations of a step of the attempt where none was made before: enough where `G` has full rank, and soon over
+/// where it has not.
 /// Half as many save 14 factorisations on the stored problems, twice as many cost 59.
 const ATTEMPT: usize = 6;
 /// Iterations of the interior point method, after which the proximal point method starts: half as many cost 105
@@ -51,8 +59,9 @@ pub(crate) struct Methods {
 }
 
 impl Methods {
-    /// Forgets what depends on the pattern of `G`.
+    /// Forgets what depends on `G`.
     pub(crate) fn reset(&mut self) {
+        self.buffers.forget_operator();
         self.matrix.reset();
     }
 
@@ -63,10 +72,10 @@ impl Methods {
         iterate: Iterate<'_>,
         sweeper: &mut Sweeper,
         with_interior: bool,
-    ) -> (usize, Ended) {
+    ) -> (usize, Ended, Residual) {
         let Self { buffers, matrix, proximal, cones, interior, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
-        gauss_seidel(&mut progress);
+        let tried = first_attempt(&mut progress, proximal, matrix);
         if !progress.is_over()
             && let Some(contact) = progress.stuck()
         {
@@ -75,7 +84,7 @@ impl Methods {
             let proof = prove_one_contact(task.problem, contact, percussion);
             *progress.iterate.infeasibility = proof;
         }
-        if !progress.is_over() {
+        if !progress.is_over() && !tried {
             proximal.prepare(task.problem);
             matrix.prepare(task.problem);
             proximal.attempt(&mut progress, matrix, ATTEMPT);
@@ -104,7 +113,7 @@ impl Methods {
         iterate: Iterate<'_>,
         sweeper: &mut Sweeper,
         start: &[f64],
-    ) -> (usize, Ended) {
+    ) -> (usize, Ended, Residual) {
         let Self { buffers, matrix, proximal, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         proximal.prepare(task.problem);
@@ -121,13 +130,13 @@ impl Methods {
         sweeper: &mut Sweeper,
         method: Method,
         max_iterations: usize,
-    ) -> (usize, Ended) {
+    ) -> (usize, Ended, Residual) {
         let Self { buffers, matrix, proximal, cones, interior, admm } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         let conic = matches!(method, Method::InteriorPoint | Method::Admm);
         if conic && !cones.read(task.problem) {
-            progress.finish(false);
-            return (0, Ended::NotApplicable);
+            let (_, _, residual) = progress.finish(false);
+            return (0, Ended::NotApplicable, residual);
         }
         proximal.prepare(task.problem);
         matrix.prepare(task.problem);
@@ -147,22 +156,68 @@ impl Methods {
     }
 }
 
-/// Sweeps while their rate promises an end; one is enough where sweeps were made before, which tells of contacts that have
-/// no solution.
-fn gauss_seidel(progress: &mut Progress<'_>) {
-    let mut rate = Rate::default();
-    let mut k = 0;
-    while !progress.is_solved() {
-        progress.sweep();
-        k += 1;
-        let ends = progress.task.swept || progress.task.stop.early();
-        if !ends && !rate.is_due(k) {
-            continue;
-        }
-        let grade = progress.grade_sweeps();
-        if ends || !rate.promises(k, grade, progress.task.stop.tolerance) {
-            break;
+/// Sweeps, an attempt by Newton's method where that costs less than to go on, and further sweeps where it fails; whether
+/// it was made.
+fn first_attempt(
+    progress: &mut Progress<'_>,
+    proximal: &mut ProximalPoint,
+    matrix: &mut NewtonMatrix,
+) -> bool {
+    let problem = progress.task.problem;
+    let cost = Cost::of(problem, 0..problem.contacts().len());
+    let mut sweeps = Sweeps::new(cost.attempt(matrix.operations(problem)));
+    // One is enough where sweeps were made before, which tells of contacts that have no solution.
+    let swept = progress.task.swept;
+    sweeps.run(progress, swept);
+    let mut instead = 0.0;
+    if !progress.is_over() {
+        matrix.prepare(problem);
+        instead = cost.attempt(matrix.operations(problem));
+        sweeps.rate.instead_of(instead);
+        if !swept {
+            sweeps.run(progress, false);
         }
     }
-    progress.record(Method::GaussSeidel, k, 0);
+    progress.record(Method::GaussSeidel, sweeps.count, 0);
+    if progress.is_over() || instead > Rate::WORTHWHILE {
+        return false;
+    }
+    proximal.prepare(problem);
+    proximal.first_attempt(progress, matrix);
+    if !progress.is_over() {
+        let before = sweeps.count;
+        sweeps.rate = Rate::new(FOLLOWING * instead);
+        sweeps.run(progress, false);
+        progress.record(Method::GaussSeidel, sweeps.count - before, 0);
+    }
+    true
+}
+
+/// Sweeps that go on.
+struct Sweeps {
+    rate: Rate,
+    count: usize,
+}
+
+impl Sweeps {
+    /// In place of something that takes as long as so many sweeps.
+    fn new(instead: f64) -> Self {
+        Self { rate: Rate::new(instead), count: 0 }
+    }
+
+    /// Sweeps while their rate promises an end, or once.
+    fn run(&mut self, progress: &mut Progress<'_>, once: bool) {
+        while !progress.is_solved() {
+            progress.sweep();
+            self.count += 1;
+            let ends = once || progress.task.stop.early();
+            if !ends && !self.rate.is_due(self.count) {
+                continue;
+            }
+            let grade = progress.grade_sweeps();
+            if ends || !self.rate.promises(self.count, grade, progress.task.stop.tolerance) {
+                break;
+            }
+        }
+    }
 }

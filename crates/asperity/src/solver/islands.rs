@@ -347,10 +347,13 @@ impl<B: Buffers + Send> Parts<B> {
             }
             own[island] = Some(solved);
         }
-        if stop.early() {
+        let early = stop.early();
+        if early {
             grade_unsolved(task, iterate, sweeper.islands(), reports);
         }
-        let whole = whole(task, iterate, reports);
+        // Velocities of islands that were solved are those of their percussions.
+        let known = !early && left.len() == count;
+        let whole = whole(task, iterate, reports, known);
         if whole.is_none() {
             // What follows changes all of them.
             reports.clear();
@@ -414,6 +417,7 @@ fn whole(
     task: &Task<'_>,
     iterate: &mut Iterate<'_>,
     reports: &[SolveReport],
+    known: bool,
 ) -> Option<SolveReport> {
     let stop = task.stop;
     let ambiguous = iterate.ambiguous.contains(&true);
@@ -428,7 +432,11 @@ fn whole(
         }
     }
     if stop.measure == Measure::Global {
-        residual = iterate.measure(task);
+        residual = if known {
+            stop.residual(task.problem, iterate.percussion, iterate.velocity)
+        } else {
+            iterate.measure(task)
+        };
         let decided = matches!(worst.status, Status::NoSolution | Status::Unbounded);
         if !decided && residual.value <= stop.tolerance {
             worst.status = Status::Converged;

@@ -186,7 +186,7 @@ impl Workspace {
         self.prepared_for = problem.identity();
         self.velocity.resize(problem.rows(), 0.0);
         self.ambiguous.resize(contacts, false);
-        self.groups.resize(contacts);
+        self.groups.forget();
         self.sweeper.prepare(problem);
         self.parts.reset();
         if let Some(methods) = &mut self.methods {
@@ -209,6 +209,7 @@ impl Workspace {
     #[inline(never)]
     pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
         self.prepared_for = problem.identity();
+        self.groups.forget();
         self.sweeper.refresh(problem);
         self.parts.refresh();
         if let Some(methods) = &mut self.methods {
@@ -434,8 +435,8 @@ impl Solver {
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
             let methods = methods.get_or_insert_default();
-            (iterations, ended) = methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
-            residual = iterate.measure(&task);
+            (iterations, ended, residual) =
+                methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
             if residual.value <= stop.tolerance {
                 findings = findings::judge(&task, ended, residual, &mut iterate, groups);
             } else {
@@ -508,12 +509,16 @@ impl Solver {
             }
             Self::Auto { interior_point, .. } => {
                 let methods = methods.get_or_insert_default();
-                methods.automatic(*task, iterate.reborrow(), sweeper, interior_point)
+                return methods.automatic(*task, iterate.reborrow(), sweeper, interior_point);
             }
-            Self::Newton { max_iterations } => single(Method::Newton, max_iterations),
-            Self::ProximalPoint { max_iterations } => single(Method::ProximalPoint, max_iterations),
-            Self::InteriorPoint { max_iterations } => single(Method::InteriorPoint, max_iterations),
-            Self::Admm { max_iterations } => single(Method::Admm, max_iterations),
+            Self::Newton { max_iterations } => return single(Method::Newton, max_iterations),
+            Self::ProximalPoint { max_iterations } => {
+                return single(Method::ProximalPoint, max_iterations);
+            }
+            Self::InteriorPoint { max_iterations } => {
+                return single(Method::InteriorPoint, max_iterations);
+            }
+            Self::Admm { max_iterations } => return single(Method::Admm, max_iterations),
         };
         (iterations, ended, iterate.measure(task))
     }

@@ -1,7 +1,7 @@
 //! What is wrong with percussions, in physical units.
 
 use super::natural_map;
-use super::natural_residual::{self, Measured};
+use super::natural_residual::{Measured, Worst};
 use super::phase::phase_of;
 use crate::argument::ArgumentError;
 use crate::contact::{ContactProblem, NormalForce, Phase};
@@ -48,13 +48,8 @@ impl Certificate {
     /// The violations of the laws by percussions whose velocities are known.
     pub(crate) fn of(measured: &Measured<'_>) -> Self {
         let Measured { problem, percussion, .. } = *measured;
-        let residual = natural_residual::residual(measured);
-        let mut out = Self {
-            natural_map: natural_map::map(measured),
-            contact_residual: residual.value,
-            worst_contact: residual.worst_contact,
-            ..Self::default()
-        };
+        let mut out = Self { natural_map: natural_map::map(measured), ..Self::default() };
+        let mut worst = Worst::NONE;
         for (i, rows) in problem.contacts().iter().enumerate() {
             if rows.normal == NormalForce::Unilateral {
                 let (p, xi) = (percussion[rows.offset], measured.xi(rows.offset));
@@ -64,14 +59,17 @@ impl Certificate {
             }
             let friction = measured.friction(rows);
             raise(&mut out.cone_violation, excess(&rows.law, &friction));
-            let direction = rows.law.inclusion_defect(friction, problem.rho(i)).sqrt();
-            raise(&mut out.direction_violation, direction);
+            let direction = rows.law.inclusion_defect(friction, problem.rho(i));
+            raise(&mut out.direction_violation, direction.sqrt());
+            worst.add(measured, i, direction);
             match phase_of(measured, i).0 {
                 Phase::Slip => out.phases[2] += 1,
                 Phase::Stick => out.phases[1] += 1,
                 _ => out.phases[0] += 1,
             }
         }
+        let residual = worst.residual();
+        (out.contact_residual, out.worst_contact) = (residual.value, residual.worst_contact);
         out
     }
 }

@@ -87,11 +87,15 @@ impl Growth {
     }
 }
 
-/// Scratch: the groups of contacts, and `Q`, `L`, `A` of each.
+/// The groups of contacts, and `Q`, `L`, `A` of each.
+///
+/// Who influences whom is found when it is first asked for, which may take longer than a sweep, and kept until
+/// [`forget`](Self::forget) is called.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Groups {
     members: Components,
     sums: Vec<Powers>,
+    known: bool,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -154,26 +158,29 @@ impl Powers {
 }
 
 impl Groups {
-    /// Buffers for so many contacts.
-    pub(crate) fn resize(&mut self, contacts: usize) {
-        self.members.separate(contacts);
-        self.sums.resize(contacts, Powers::default());
+    /// The operator has other entries.
+    pub(crate) fn forget(&mut self) {
+        self.known = false;
     }
 
-    /// Joins contacts that influence each other.
-    fn join(&mut self, problem: &ContactProblem) {
-        self.resize(problem.contacts().len());
-        self.sums.fill(Powers::default());
-        for i in 0..problem.contacts().len() {
+    /// Joins contacts that influence each other, and begins new sums.
+    fn begin(&mut self, problem: &ContactProblem) {
+        let contacts = problem.contacts().len();
+        self.sums.clear();
+        self.sums.resize(contacts, Powers::default());
+        if std::mem::replace(&mut self.known, true) {
+            return;
+        }
+        self.members.separate(contacts);
+        for i in 0..contacts {
             if problem.delassus().is_matrix_free() {
                 self.members.join(i, 0);
+                continue;
             }
-            for row in problem.contacts()[i].rows() {
-                problem.each_entry(i, row, |j, _, g| {
-                    if g != 0.0 {
-                        self.members.join(i, j);
-                    }
-                });
+            for (j, block) in problem.delassus().blocks().row(i) {
+                if block.iter().any(|g| *g != 0.0) {
+                    self.members.join(i, j);
+                }
             }
         }
     }
@@ -294,7 +301,7 @@ fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {
 fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     let Measured { problem, percussion, .. } = *measured;
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);
-    groups.join(problem);
+    groups.begin(problem);
     let loads = problem.free_velocity().iter().zip(problem.restitution());
     let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
     for (i, _) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
@@ -328,13 +335,15 @@ fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f
         brought += operator.norm() * largest(percussion);
         return (load, brought);
     }
-    problem.each_entry(i, row, |j, column, g| {
-        let term = g * percussion[column];
-        brought += term.abs();
-        if problem.contacts()[j].normal != NormalForce::Unilateral {
-            load += term;
+    for (j, block) in problem.delassus().blocks().row(i) {
+        let rows = &problem.contacts()[j];
+        // The normal row is the first one.
+        let terms = || block.iter().zip(&percussion[rows.rows()]).map(|(g, p)| g * p);
+        terms().for_each(|term| brought += term.abs());
+        if rows.normal != NormalForce::Unilateral {
+            terms().for_each(|term| load += term);
         }
-    });
+    }
     (load, brought)
 }
 

@@ -66,12 +66,18 @@ impl<'a> Measured<'a> {
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
     #[inline]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
+        contact.law.inclusion_defect(self.friction(contact), rho) + self.normal_defect(contact, rho)
+    }
+
+    /// Square of that of the normal inclusion.
+    #[inline]
+    fn normal_defect(&self, contact: &ContactRows, rho: f64) -> f64 {
         let row = contact.offset;
         let normal = match contact.normal {
             NormalForce::Prescribed(_) => 0.0,
             NormalForce::Unilateral => normal_defect(self.percussion[row], self.xi(row), rho),
         };
-        contact.law.inclusion_defect(self.friction(contact), rho) + normal * normal
+        normal * normal
     }
 }
 
@@ -115,18 +121,43 @@ pub(crate) fn residual_of(
     measured: &Measured<'_>,
     contacts: impl IntoIterator<Item = usize>,
 ) -> Residual {
-    let Measured { problem, percussion, velocity } = *measured;
-    let (mut worst, mut worst_contact) = (-1.0, 0);
+    let mut worst = Worst::NONE;
     for i in contacts {
+        let Measured { problem, .. } = *measured;
         let contact = &problem.contacts()[i];
-        let defect = measured.defect(contact, problem.rho(i));
-        let relative = relative(defect, || scale(problem, i, percussion, velocity));
-        if is_worse(relative, worst) {
-            (worst, worst_contact) = (relative, i);
+        let friction = contact.law.inclusion_defect(measured.friction(contact), problem.rho(i));
+        worst.add(measured, i, friction);
+    }
+    worst.residual()
+}
+
+/// The largest relative defect of some contacts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Worst {
+    /// Its square, negative without contacts.
+    defect: f64,
+    contact: usize,
+}
+
+impl Worst {
+    /// Of no contacts.
+    pub(super) const NONE: Self = Self { defect: -1.0, contact: 0 };
+
+    /// Takes in a contact, of which the square of the defect of friction is known.
+    #[inline]
+    pub(super) fn add(&mut self, measured: &Measured<'_>, i: usize, friction: f64) {
+        let Measured { problem, percussion, velocity } = *measured;
+        let defect = friction + measured.normal_defect(&problem.contacts()[i], problem.rho(i));
+        let defect = relative(defect, || scale(problem, i, percussion, velocity));
+        if is_worse(defect, self.defect) {
+            *self = Self { defect, contact: i };
         }
     }
-    let value = if worst < 0.0 { 0.0 } else { f64::sqrt(worst) };
-    Residual { value, worst_contact }
+
+    pub(super) fn residual(self) -> Residual {
+        let value = if self.defect < 0.0 { 0.0 } else { self.defect.sqrt() };
+        Residual { value, worst_contact: self.contact }
+    }
 }
 
 /// Whether a defect is larger than another one; not-a-number is larger than all others.

@@ -77,10 +77,22 @@ impl<'a> Stop<'a> {
         let contact = natural_residual::residual(&measured);
         match self.measure {
             Measure::Contact => contact,
-            Measure::Global => {
-                let value = natural_map::map(&measured);
-                Residual { value, ..contact }
-            }
+            Measure::Global => Residual { value: natural_map::map(&measured), ..contact },
+        }
+    }
+
+    /// The same where the natural map is known.
+    pub(crate) fn residual_with_map(
+        &self,
+        problem: &ContactProblem,
+        percussion: &[f64],
+        velocity: &[f64],
+        map: f64,
+    ) -> Residual {
+        let contact = natural_residual::residual(&Measured { problem, percussion, velocity });
+        match self.measure {
+            Measure::Contact => contact,
+            Measure::Global => Residual { value: map, ..contact },
         }
     }
 

@@ -4,6 +4,7 @@
 //! What an island does depends on nothing else, and its data stay in the cache of the processor while it is swept; all
 //! contacts together would be fetched from memory in every sweep, until the slowest island has converged.
 
+use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
 use super::sweep::{BATCH, Sweeper, mark_ambiguous};
 use super::swept::Swept;
@@ -111,7 +112,13 @@ impl Sweeper {
             }
             _ => measure(task.problem, iterate, members),
         };
-        let (mut sweeps, mut rate) = (0, Rate::default());
+        let mut sweeps = 0;
+        // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
+        let instead = || Cost::of(task.problem, members.iter().copied()).dense_attempt();
+        let mut rate = match policy {
+            Policy::FirstFound if !(swept.defect <= goal) => Rate::new(instead()),
+            _ => Rate::default(),
+        };
         // The comparison also finds what is not a number.
         while !(swept.defect <= goal) {
             let in_vain = policy == Policy::FirstFound

@@ -2,6 +2,7 @@
 
 mod admm;
 mod cones;
+mod cost;
 mod interior;
 mod island_sweeps;
 mod newton;
@@ -16,6 +17,7 @@ mod threads;
 
 pub(crate) use admm::Admm;
 pub(crate) use cones::Cones;
+pub(crate) use cost::Cost;
 pub(crate) use interior::Interior;
 pub(crate) use island_sweeps::Plan;
 pub(crate) use progress::{Buffers, Progress};

@@ -20,7 +20,7 @@ const MEMORY: usize = 5;
 /// Iterations within which `‖F‖` must halve: trades what would have come to an end against iterations in vain. `Auto`
 /// hardly depends on it, with six factorisations more at half; `SemismoothNewton` alone solves 19 of the same 33 problems
 /// with 302 factorisations at half, 21 with 507, 24 with 820 at double.
-const PATIENCE: usize = 25;
+pub(super) const PATIENCE: usize = 25;
 
 /// What to solve.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,11 @@ pub(crate) struct Goal {
     pub(crate) shift: f64,
     /// `‖F‖` that will do, a percussion.
     pub(crate) tolerance: f64,
+    /// `‖F‖` from which on percussions may pass the measure of the stop, which then ends the work.
+    pub(crate) promising: f64,
     pub(crate) max_iterations: usize,
+    /// Iterations within which `‖F‖` must halve.
+    pub(crate) patience: usize,
 }
 
 /// Buffers.
@@ -169,14 +173,25 @@ impl Newton {
             if norm < best {
                 best = norm;
                 self.best.copy_from_slice(percussion);
+                if norm <= goal.promising && self.is_solved(task, percussion) {
+                    break;
+                }
             }
             let len = self.norms.len();
-            if len > PATIENCE && norm > 0.5 * self.norms[len - PATIENCE] {
+            if len > goal.patience && norm > 0.5 * self.norms[len - goal.patience] {
                 break;
             }
         }
         percussion.copy_from_slice(&self.best);
         (best, iterations)
+    }
+
+    /// Whether percussions pass the measure of the stop.
+    fn is_solved(&mut self, task: &Task<'_>, percussion: &[f64]) -> bool {
+        let Task { problem, stop, .. } = *task;
+        let velocity = &mut self.trial_xi;
+        problem.velocity(percussion, velocity);
+        stop.residual(problem, percussion, velocity).value <= 0.5 * stop.tolerance
     }
 
     /// `ξ = G P + b + e γ_B + ε(P − c)`.

@@ -8,7 +8,7 @@ use super::task::{Iterate, Task};
 use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
 use crate::solver::measure::natural_map;
-use crate::solver::measure::natural_residual::{self, Measured};
+use crate::solver::measure::natural_residual::{self, Measured, Residual};
 use crate::solver::measure::stop::Measure;
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::{Ended, Method, Stage};
@@ -21,6 +21,8 @@ const SUSPICION: f64 = 1e4;
 /// Buffers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Buffers {
+    /// Percussions that the solve began with.
+    first: Vec<f64>,
     /// Best percussions so far.
     best: Vec<f64>,
     /// The best percussions while others that continue the states of contacts are looked for.
@@ -31,6 +33,13 @@ pub(crate) struct Buffers {
     groups: Groups,
 }
 
+impl Buffers {
+    /// The operator has other entries.
+    pub(crate) fn forget_operator(&mut self) {
+        self.groups.forget();
+    }
+}
+
 /// A solve under way.
 pub(crate) struct Progress<'a> {
     pub(crate) task: Task<'a>,
@@ -38,8 +47,11 @@ pub(crate) struct Progress<'a> {
     pub(crate) iterate: Iterate<'a>,
     sweeper: &'a mut Sweeper,
     buffers: &'a mut Buffers,
+    first_grade: f64,
     /// Natural map of the best percussions.
     grade: f64,
+    /// Whether the velocities in the buffers are those of the best percussions.
+    known: bool,
     /// Whether they pass the measure of the stop.
     solved: bool,
     /// The contact of the last sweep that had no solution, the others held.
@@ -59,7 +71,6 @@ impl<'a> Progress<'a> {
         sweeper: &'a mut Sweeper,
         buffers: &'a mut Buffers,
     ) -> Self {
-        buffers.groups.resize(task.problem.contacts().len());
         for list in [&mut buffers.best, &mut buffers.velocity, &mut buffers.astray] {
             list.clear();
             list.resize(task.problem.rows(), 0.0);
@@ -71,7 +82,9 @@ impl<'a> Progress<'a> {
             iterate,
             sweeper,
             buffers,
+            first_grade: grade,
             grade,
+            known: false,
             solved,
             stuck,
             growth,
@@ -84,18 +97,31 @@ impl<'a> Progress<'a> {
             progress.iterate.percussion.fill(0.0);
             progress.grade_sweeps();
         }
+        progress.first_grade = progress.grade;
+        progress.buffers.first.clone_from(&progress.buffers.best);
         progress
     }
 
-    /// Puts the best percussions back; iterations and why it ended, `limited` by the user's number of iterations
-    /// or not.
-    pub(crate) fn finish(mut self, limited: bool) -> (usize, Ended) {
+    /// Puts the best percussions back; iterations, why it ended, `limited` by the user's number of iterations or not, and
+    /// the residual.
+    pub(crate) fn finish(mut self, limited: bool) -> (usize, Ended, Residual) {
         let early = self.task.stop.early();
         if !self.solved && !early {
             self.is_infeasible();
         }
-        let Self { iterate, buffers, growth, .. } = self;
+        let Self { task, mut iterate, buffers, growth, .. } = self;
         iterate.percussion.copy_from_slice(&buffers.best);
+        let residual = if self.known {
+            iterate.velocity.copy_from_slice(&buffers.velocity);
+            task.stop.residual_with_map(
+                task.problem,
+                iterate.percussion,
+                iterate.velocity,
+                self.grade,
+            )
+        } else {
+            iterate.measure(&task)
+        };
         let iterations = iterate.stages.iter().map(|stage| stage.iterations).sum();
         let ended = match (growth, self.stuck) {
             _ if self.solved => Ended::Done,
@@ -107,7 +133,7 @@ impl<'a> Progress<'a> {
             (_, Some(contact)) => Ended::Stuck(contact),
             _ => Ended::Stalled,
         };
-        (iterations, ended)
+        (iterations, ended, residual)
     }
 
     /// Natural map of the best percussions.
@@ -153,6 +179,7 @@ impl<'a> Progress<'a> {
     pub(crate) fn search_cases(&mut self) -> Option<Vec<f64>> {
         let Task { problem, stop, .. } = self.task;
         let percussion = &self.buffers.best;
+        self.known = self.grade.is_finite();
         problem.velocity(percussion, &mut self.buffers.velocity);
         let velocity = &self.buffers.velocity;
         let worst = natural_residual::residual(&Measured { problem, percussion, velocity });
@@ -197,7 +224,7 @@ impl<'a> Progress<'a> {
             }
             self.sweeper.sweep(&self.task, &mut self.iterate, Policy::Prove, false);
         }
-        (self.solved, self.grade, self.growth) = (true, grade, None);
+        (self.solved, self.known, self.grade, self.growth) = (true, false, grade, None);
         self.buffers.best.clone_from(&self.buffers.other);
     }
 
@@ -212,6 +239,7 @@ impl<'a> Progress<'a> {
     /// Natural map of percussions, kept if they are the best so far.
     pub(crate) fn grade(&mut self, percussion: &[f64]) -> f64 {
         let Task { problem, stop, .. } = self.task;
+        self.known = false;
         problem.velocity(percussion, &mut self.buffers.velocity);
         let velocity = &self.buffers.velocity;
         let measured = Measured { problem, percussion, velocity };
@@ -248,9 +276,19 @@ impl<'a> Progress<'a> {
         }
         let solved = small && kind != Some(GrowthKind::Separating);
         if solved || !self.solved {
-            (self.grade, self.solved, self.growth) = (grade, solved, None);
+            (self.grade, self.known, self.solved, self.growth) = (grade, true, solved, None);
             self.buffers.best.copy_from_slice(percussion);
         }
+    }
+
+    /// Natural map of the percussions that the solve began with.
+    pub(crate) fn first_grade(&self) -> f64 {
+        self.first_grade
+    }
+
+    /// Copies those percussions.
+    pub(crate) fn start_from_first(&self, percussion: &mut Vec<f64>) {
+        percussion.clone_from(&self.buffers.first);
     }
 
     /// Copies the best percussions, from which a method starts, and returns their grade.

@@ -5,14 +5,18 @@
 /// factorisations and a tenth of the iterations, of the second by one factorisation and none.
 pub(crate) const TRIAL_SWEEPS: usize = 20;
 pub(super) const MOST_SWEEPS: usize = 400;
-/// Further sweeps that are worth waiting for: they cost as much as some ten factorisations. On the stored problems half
-/// as many save 630 iterations and a hundred factorisations, twice as many cost 1130 iterations and save six; on the
-/// scenes of `benches/many_contacts.py` up to 1000 contacts they cost 27 of 206 factorisations, or save 34.
-const WORTHWHILE: f64 = 250.0;
+/// Part of the sweeps that are worth waiting for after which their rate is judged for the first time, and the least number
+/// of sweeps by then: where they cost little beside what would follow, a judgement may wait until it is a safe one. Half of
+/// the part changes the time of the 240 problems that `cost.rs` names by 1 %; with 2 and 5 sweeps it is 2 % shorter and 7 %
+/// longer.
+const TRIAL_PART: f64 = 0.1;
+const LEAST_SWEEPS: usize = 3;
 
 /// The rate at which sweeps converge, judged from time to time.
 #[derive(Debug)]
 pub(crate) struct Rate {
+    /// Further sweeps that are worth waiting for.
+    worthwhile: f64,
     last: f64,
     last_at: usize,
     next: usize,
@@ -20,11 +24,26 @@ pub(crate) struct Rate {
 
 impl Default for Rate {
     fn default() -> Self {
-        Self { last: f64::INFINITY, last_at: 0, next: 1 }
+        Self::new(Self::WORTHWHILE)
     }
 }
 
 impl Rate {
+    /// Further sweeps that are worth waiting for at most. On the stored problems half as many save 630 iterations and a
+    /// hundred factorisations, twice as many cost 1130 iterations and save six; on the scenes of
+    /// `benches/many_contacts.py` up to 1000 contacts they cost 27 of 206 factorisations, or save 34.
+    pub(crate) const WORTHWHILE: f64 = 250.0;
+
+    /// Of sweeps in place of something that takes as long as so many sweeps.
+    pub(crate) fn new(instead: f64) -> Self {
+        Self { worthwhile: instead.min(Self::WORTHWHILE), last: f64::INFINITY, last_at: 0, next: 1 }
+    }
+
+    /// The same sweeps in place of something else.
+    pub(crate) fn instead_of(&mut self, instead: f64) {
+        self.worthwhile = instead.min(Self::WORTHWHILE);
+    }
+
     /// Whether it is judged after `k` sweeps.
     pub(crate) fn is_due(&self, k: usize) -> bool {
         k >= self.next
@@ -32,11 +51,12 @@ impl Rate {
 
     /// Whether a defect of `grade` after `k` sweeps promises that further ones lead to the tolerance.
     pub(crate) fn promises(&mut self, k: usize, grade: f64, tolerance: f64) -> bool {
-        if k >= TRIAL_SWEEPS {
+        let trial = ((TRIAL_PART * self.worthwhile) as usize).clamp(LEAST_SWEEPS, TRIAL_SWEEPS);
+        if k >= trial {
             let rate = (grade / self.last).ln() / (k - self.last_at) as f64;
             let left = (0.5 * tolerance / grade).ln() / rate;
             // The comparisons also turn away NaN.
-            if !(rate < 0.0) || left > WORTHWHILE {
+            if !(rate < 0.0) || left > self.worthwhile {
                 return false;
             }
         }

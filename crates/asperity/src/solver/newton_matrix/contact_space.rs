@@ -69,7 +69,7 @@ impl ContactSpace {
 
 /// `out ← B G_ij`, row-major.
 #[inline]
-fn multiply(b: &ContactMatrix, g: &[f64], size: usize, out: &mut [f64]) {
+pub(super) fn multiply(b: &ContactMatrix, g: &[f64], size: usize, out: &mut [f64]) {
     if let (Ok(g), Ok(out)) = (<&[f64; 9]>::try_from(g), <&mut [f64; 9]>::try_from(&mut *out)) {
         for r in 0..3 {
             for c in 0..3 {
