@@ -186,7 +186,7 @@ impl Workspace {
         self.prepared_for = problem.identity();
         self.velocity.resize(problem.rows(), 0.0);
         self.ambiguous.resize(contacts, false);
-        self.groups.resize(contacts);
+        self.groups.begin(contacts);
         self.sweeper.prepare(problem);
         self.parts.reset();
         if let Some(methods) = &mut self.methods {
@@ -376,6 +376,7 @@ impl Solver {
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         parts.forget_reports();
+        groups.forget();
         iterate.ambiguous.fill(false);
         let once = self.sweeps_once(problem);
         let mut found = None;
@@ -546,6 +547,7 @@ pub(crate) fn grade(
     let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
     // A residual is small for percussions that run away, too.
     let Workspace { velocity, groups, .. } = workspace;
+    groups.forget();
     let growth = growth::of(problem, &memory.percussion, velocity, groups);
     let running = growth.and_then(|growth| growth.running());
     let findings = Findings { running, ..Findings::default() };

@@ -92,6 +92,8 @@ impl Growth {
 pub(crate) struct Groups {
     members: Components,
     sums: Vec<Powers>,
+    /// Whether contacts that influence each other are joined.
+    joined: bool,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -154,16 +156,28 @@ impl Powers {
 }
 
 impl Groups {
-    /// Buffers for so many contacts.
-    pub(crate) fn resize(&mut self, contacts: usize) {
+    /// Buffers for so many contacts, which another problem may join in another way.
+    pub(crate) fn begin(&mut self, contacts: usize) {
         self.members.separate(contacts);
         self.sums.resize(contacts, Powers::default());
+        self.joined = false;
     }
 
-    /// Joins contacts that influence each other.
+    /// The next solve may be of another operator.
+    #[inline]
+    pub(crate) fn forget(&mut self) {
+        self.joined = false;
+    }
+
+    /// Joins contacts that influence each other, once for an operator: that takes longer than the powers themselves.
     fn join(&mut self, problem: &ContactProblem) {
-        self.resize(problem.contacts().len());
+        if self.joined {
+            self.sums.fill(Powers::default());
+            return;
+        }
+        self.begin(problem.contacts().len());
         self.sums.fill(Powers::default());
+        self.joined = true;
         for i in 0..problem.contacts().len() {
             if problem.delassus().is_matrix_free() {
                 self.members.join(i, 0);

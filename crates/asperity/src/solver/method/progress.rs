@@ -59,7 +59,7 @@ impl<'a> Progress<'a> {
         sweeper: &'a mut Sweeper,
         buffers: &'a mut Buffers,
     ) -> Self {
-        buffers.groups.resize(task.problem.contacts().len());
+        buffers.groups.begin(task.problem.contacts().len());
         for list in [&mut buffers.best, &mut buffers.velocity, &mut buffers.astray] {
             list.clear();
             list.resize(task.problem.rows(), 0.0);

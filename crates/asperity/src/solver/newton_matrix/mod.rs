@@ -6,8 +6,13 @@ mod contact_space;
 
 use crate::contact::{ContactProblem, Delassus};
 use crate::law::ContactMatrix;
+use crate::linear::Symbolic;
 use body_space::BodySpace;
 use contact_space::ContactSpace;
+
+/// Operations of a factorisation that take as long as it takes a solution to read an entry of the factors: factors are read
+/// once for two operations each, while fronts stay in the cache.
+const OPERATIONS: f64 = 8.0;
 
 /// The matrix with its factors: analysed once per pattern, in the space where elimination is cheaper.
 #[derive(Debug, Clone, Default)]
@@ -51,6 +56,15 @@ impl NewtonMatrix {
 
     fn knows(&self, problem: &ContactProblem) -> bool {
         self.pattern.iter().copied().eq(pattern(problem))
+    }
+
+    /// How many solutions take as long as a factorisation.
+    pub(crate) fn solutions_per_factorization(&self) -> f64 {
+        let Symbolic { operations, entries, .. } = match (self.in_body_space, &self.body) {
+            (true, Some(body)) => &body.symbolic,
+            _ => &self.contact.symbolic,
+        };
+        operations / (OPERATIONS * entries)
     }
 
     /// Factors `A + B G`; false if that failed.
