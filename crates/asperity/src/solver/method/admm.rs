@@ -4,10 +4,11 @@
 //! Saxcé's shift `s_N = ‖ξ̂_T‖` (\[DeSaxceFeng1998\]) of the last iterate. One factorisation serves until the
 //! penalty `β` changes: the method of choice where a factorisation is too dear to be repeated.
 //!
-//! Two [`Way`]s take turns: plain iterations whose penalty keeps primal and dual residuals of one size end most problems;
-//! iterations extrapolated by Nesterov's rule, with restarts (\[GoldsteinODonoghueSetzerBaraniuk2014\]), at the penalty that the problem's
-//! own units give end piles of spheres, where balance drives the penalty to where iterations circle at 1e-4. The shift makes
-//! the problem one that is not monotone: either may circle, and which of them does depends on where it begins.
+//! Ways take turns ([`Way`]). Plain iterations whose penalty keeps primal and dual residuals of one size end most problems.
+//! Iterations that are extrapolated by Nesterov's rule with restarts (\[GoldsteinODonoghueSetzerBaraniuk2014\]), at the
+//! penalty that the problem's own units give, end piles of spheres, where balance leads the penalty to where iterations
+//! circle at 1e-4. The shift makes the problem one that is not monotone: either way may circle, and which of them does
+//! depends on where it begins.
 
 use super::cones::{Cones, own_rows};
 use super::progress::Progress;
@@ -26,11 +27,12 @@ type V = ContactVector;
 const CHECK: usize = 10;
 const EARLY: usize = 100;
 const LATE: usize = 50;
-/// Iterations within which the lowest natural map must halve. Those of `problems.pile(5)` to `pile(8)` that end halve it
-/// within 50, those that circle never do; of the stored problems slow tails need more, for which reason `ADMM` ends
-/// with a way that is not judged.
+/// Iterations within which the lowest natural map must halve. On `problems.pile(8)` it falls to a fifth and less every
+/// hundred iterations where it ends, and does not halve any more where it circles. Slow tails of two stored problems need
+/// more, for which reason `ADMM` ends with a way that is not judged.
 const STALLED: usize = 200;
-/// Part of the last change that a further step must stay below, else momentum is given up, as \[GoldsteinODonoghueSetzerBaraniuk2014\] have it.
+/// Part of the last change that a further step must stay below, else momentum is given up: the value of those who found
+/// the rule.
 const RESTART: f64 = 0.999;
 
 /// Where iterations begin, and how they are scaled.
@@ -51,10 +53,10 @@ pub(crate) struct Way {
 /// seconds each; with half the ratio of residuals 130 with 24 100 and as many problems solved, with double 82 with 24 360
 /// and one problem fewer.
 const BALANCED: Way = Way { afresh: false, accelerated: false, power: 0.0, unbalanced: 10.0 };
-/// The way of piles: `problems.pile(5)` to `pile(8)` take 260, 390, 350 and 400 iterations. At ratios of residuals of 10
-/// and 30 the last one circles at 3e-4, at 1000 all take as many; with a power of 0 it circles at 1e-4, with 0.5, 1.5 and
-/// 2 it takes 290, 580 and 700 iterations; without momentum 3000 are not enough. From percussions that sweeps or the
-/// interior point method have left it circles at 1e-4, hence afresh.
+/// The way of piles: `problems.pile(5)` to `pile(8)` take 490, 390, 350 and 400 iterations. With ratios of residuals of 10
+/// and 30 the last one circles at 3e-4, with 1000 it takes as many as with 100. With a power of 0 it circles at 1e-4, with
+/// 0.5, 1.5 and 2 it takes 290, 580 and 700 iterations; with 2 and without momentum 3000 are not enough. From percussions
+/// that sweeps or the interior point method have left it circles at 1e-4, hence afresh.
 const AFRESH: Way = Way { afresh: true, accelerated: true, power: 1.0, unbalanced: 100.0 };
 const ACCELERATED: Way = Way { afresh: false, ..AFRESH };
 
@@ -62,7 +64,7 @@ const ACCELERATED: Way = Way { afresh: false, ..AFRESH };
 pub(crate) const ALONE: &[Way] = &[BALANCED, AFRESH, BALANCED];
 /// Ways beside other methods: where the first does not end, the second improves their best percussions. From those of the
 /// interior point method on `problems.pile(7, speed=0.3, seed=1)`, which neither of them solves, proximal points take 21
-/// factorisations after ADMM and 105 without it.
+/// factorisations after 2500 iterations on the second way, and 105 without them.
 pub(crate) const BESIDE: &[Way] = &[AFRESH, ACCELERATED];
 
 /// Buffers.
