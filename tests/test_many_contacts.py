@@ -3,6 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
+from asperity import problems
 from asperity.contact.grading import natural_map
 from asperity.errors import ParameterError
 from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS, identify
@@ -96,6 +97,30 @@ def mixed(seed):
     rng = np.random.default_rng(seed)
     contacts = int(rng.integers(10, 101))
     return pile(rng, LAWS, contacts, per_pair=1 + seed % 4)
+
+
+PILES = [7, pytest.param(8, marks=pytest.mark.long)]
+"""Layers of pyramids of spheres: a fifth of their contacts is at the border of two states."""
+
+
+@pytest.mark.parametrize("layers", PILES)
+def test_piles_that_stall_the_proximal_point_iteration_are_solved(layers):
+    problem = problems.pile(layers)
+    solution = problem.solve(tolerance=1e-8, measure="global", time_limit=120.0)
+    assert solution.converged
+    assert problem.natural_map(solution.percussion) <= 1e-8
+    assert "admm" in [stage.method for stage in solution.stages]
+
+
+def test_iterations_that_circle_begin_again():
+    problem = problems.pile(8)
+    solver = asp.ADMM(max_iterations=3000)
+    solution = problem.solve(solver, tolerance=1e-8, measure="global")
+    assert problem.natural_map(solution.percussion) <= 1e-8
+    # A way that circles costs some hundred iterations, and no more than a few factorisations.
+    [stage] = solution.stages
+    assert stage.iterations < 1500
+    assert stage.factorizations < 10
 
 
 @pytest.mark.parametrize("first", range(0, 60, 10))

@@ -42,11 +42,12 @@ class Auto(Solver):
     Contacts that do not influence each other get one sweep of `Exact`. Others are swept while that
     promises an end sooner than a few factorisations, each contact taking the first solution that
     continues its state. What is left goes to `SemismoothNewton`, then to `InteriorPoint` where it
-    takes the laws, then to `ProximalPoint`, which takes all laws and singular Delassus operators.
-    ``ContactSolution.stages`` tells what was done.
+    takes the laws, then to `ProximalPoint`, which takes all laws and singular Delassus operators;
+    where factorisations are dear, `ADMM` has a turn in between. ``ContactSolution.stages`` tells
+    what was done.
 
     Args:
-        interior_point: whether the interior point may be used.
+        interior_point: whether `InteriorPoint` and `ADMM` may be used.
         threads: for work that is done contact by contact, from 513 contacts on; the result does
             not depend on it.
 
@@ -223,7 +224,9 @@ class ADMM(Solver):
     """The alternating direction method of multipliers: many iterations for one factorisation.
 
     The right one where a factorisation is too dear to repeat; it is repeated when the penalty
-    changes. It takes the contacts that `InteriorPoint` takes.
+    changes. Where its residual does not fall, it begins again without percussions and extrapolates
+    its iterates, and after that goes on as before from the best of them. It takes the contacts that
+    `InteriorPoint` takes.
 
     Args:
         max_iterations: limit of iterations.

@@ -12,13 +12,16 @@ pub(crate) struct Symbolic {
     rows: usize,
     /// Floating-point operations of a factorisation.
     pub(crate) operations: f64,
+    /// Entries of the factors.
+    pub(crate) entries: f64,
 }
 
 impl Symbolic {
     /// For any matrix.
     pub(crate) fn new(matrix: &BlockMatrix) -> Self {
         let rows = matrix.rows();
-        Self { rows, operations: 2.0 / 3.0 * (rows as f64).powi(3) }
+        let size = rows as f64;
+        Self { rows, operations: 2.0 / 3.0 * size.powi(3), entries: size * size }
     }
 }
 

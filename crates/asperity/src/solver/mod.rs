@@ -556,6 +556,7 @@ pub(crate) fn grade(
     let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
     // A residual is small for percussions that run away, too.
     let Workspace { velocity, groups, .. } = workspace;
+    groups.forget();
     let growth = growth::of(problem, &memory.percussion, velocity, groups);
     let running = growth.and_then(|growth| growth.running());
     let findings = Findings { running, ..Findings::default() };

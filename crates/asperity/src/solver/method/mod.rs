@@ -15,7 +15,7 @@ mod swept;
 mod task;
 mod threads;
 
-pub(crate) use admm::Admm;
+pub(crate) use admm::{ALONE, Admm, BESIDE};
 pub(crate) use cones::Cones;
 pub(crate) use cost::Cost;
 pub(crate) use interior::Interior;
@@ -23,7 +23,7 @@ pub(crate) use island_sweeps::Plan;
 pub(crate) use progress::{Buffers, Progress};
 pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
-pub(crate) use proximal::ProximalPoint;
+pub(crate) use proximal::{Limit, ProximalPoint};
 pub(crate) use rate::{Rate, TRIAL_SWEEPS};
 pub(crate) use sweep::{Own, Sweeper, mark_ambiguous};
 pub(crate) use swept::Swept;

@@ -107,6 +107,13 @@ const MOST_MATCHED: f64 = 1e12;
 /// With 1e-2 and 1e-6 two more of these steps stayed unsolved, without any eleven.
 const MATCHED_SHIFT: f64 = 1e-4;
 
+/// What of its limits ended the iteration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Limit {
+    Steps,
+    Factorizations,
+}
+
 /// Newton's method for the problem itself or for a step of the iteration.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ProximalPoint {
@@ -126,21 +133,26 @@ impl ProximalPoint {
         }
     }
 
-    /// Iterates until the problem is solved, the stop says so or `max_iterations` outer steps are made; whether
-    /// these are what ended it.
+    /// Iterates until the problem is solved, the stop says so or so many outer steps or factorisations are made; which of
+    /// them ended it.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
-        max_iterations: usize,
-    ) -> bool {
+        (most_steps, most_factorizations): (usize, usize),
+    ) -> Option<Limit> {
         let problem = progress.task.problem;
         let mut grade = progress.start_from_best(&mut self.centre);
         let mut schedule = Schedule::new(grade);
         self.newton.scale_rho(problem, schedule.factor());
         let mut before = self.newton.factorizations;
         let (mut outer, mut lost, mut lowest, mut asked) = (0, 0, grade, false);
-        while !progress.is_solved() && outer < max_iterations && !progress.task.stop.early() {
+        let mut limit = None;
+        while !progress.is_solved() && outer < most_steps && !progress.task.stop.early() {
+            if self.newton.factorizations - before >= most_factorizations {
+                limit = Some(Limit::Factorizations);
+                break;
+            }
             outer += 1;
             let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
             let (norm, iterations) = self.newton_from_centre(progress, matrix, goal);
@@ -183,7 +195,7 @@ impl ProximalPoint {
             }
         }
         progress.record(Method::ProximalPoint, outer, self.newton.factorizations - before);
-        outer == max_iterations
+        if outer == most_steps { Some(Limit::Steps) } else { limit }
     }
 
     /// A first attempt, after few sweeps: Newton's method on the problem itself. Where sweeps have not brought percussions

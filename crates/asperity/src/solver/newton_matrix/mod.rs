@@ -7,7 +7,7 @@ mod dense_space;
 
 use crate::contact::{ContactProblem, Delassus};
 use crate::law::ContactMatrix;
-use crate::linear::PaddedLu;
+use crate::linear::{PaddedLu, Symbolic};
 use body_space::BodySpace;
 use contact_space::ContactSpace;
 use dense_space::DenseSpace;
@@ -15,6 +15,10 @@ use dense_space::DenseSpace;
 /// Most rows of a matrix that is treated as a dense one: with 45 those of 10 to 15 contacts, which are half empty, take 9 %
 /// longer to solve, with analysis kept.
 const SMALL: usize = 30;
+
+/// Operations of a factorisation that take as long as it takes a solution to read an entry of the factors: factors are read
+/// once for two operations each, while fronts stay in the cache.
+const OPERATIONS: f64 = 8.0;
 
 /// The matrix with its factors: analysed once per pattern, in the space where elimination is cheaper.
 #[derive(Debug, Clone, Default)]
@@ -65,13 +69,28 @@ impl NewtonMatrix {
         if is_small(problem) {
             return Some(PaddedLu::operations(problem.rows()));
         }
+        self.ready.then_some(self.symbolic().operations)
+    }
+
+    /// The analysis in the space where elimination is cheaper.
+    fn symbolic(&self) -> &Symbolic {
         let body = self.body.as_ref().filter(|_| self.in_body_space);
-        let symbolic = body.map_or(&self.contact.symbolic, |body| &body.symbolic);
-        self.ready.then_some(symbolic.operations)
+        body.map_or(&self.contact.symbolic, |body| &body.symbolic)
     }
 
     fn knows(&self, problem: &ContactProblem) -> bool {
         self.pattern.iter().copied().eq(pattern(problem))
+    }
+
+    /// How many solutions take as long as a factorisation, once the pattern is analysed.
+    pub(crate) fn solutions_per_factorization(&self, problem: &ContactProblem) -> f64 {
+        let (operations, entries) = if is_small(problem) {
+            let rows = problem.rows();
+            (PaddedLu::operations(rows), (rows * rows) as f64)
+        } else {
+            (self.symbolic().operations, self.symbolic().entries)
+        };
+        operations / (OPERATIONS * entries)
     }
 
     /// Factors `A + B G`; false if that failed.

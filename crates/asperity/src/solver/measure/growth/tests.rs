@@ -205,3 +205,23 @@ fn sizes_of_contacts_add_up() {
     let other = Size::of(&[1.0; 4], None, (96.0 * 96.0, 1.0), 0.5);
     assert!(both(other, size(1.0, 0.0)));
 }
+
+/// Which contacts influence each other is found once for an operator, and again for the next one.
+#[test]
+fn groups_are_forgotten_with_their_operator() {
+    let loads = vec![-1.0, 0.0, -1.0, 0.0];
+    let law = || Law::from(FrictionLaw::<1>::isotropic(0.5).unwrap());
+    let contacts = || (0..2).map(|_| (law(), NormalForce::Unilateral));
+    let apart = ContactProblem::new(DMatrix::identity(4, 4), loads, contacts()).unwrap();
+    let pair = pushing(2, 1.0, &[-1.0; 2], &[0.0; 2]);
+    let (percussion, velocity) = ([150.0, 0.0, 10.0, 0.0], [-0.02, 0.0, -0.02, 0.0]);
+    let mut groups = Groups::default();
+    // Both bring 160 to each of them; apart one brings 150 and the other 10.
+    for (problem, factor) in [(&pair, 160.0), (&apart, 150.0), (&pair, 160.0)] {
+        groups.forget();
+        for _ in 0..2 {
+            let found = of(problem, &percussion, &velocity, &mut groups).unwrap();
+            assert!((found.factor / factor - 1.0).abs() < 1e-14, "{found:?}");
+        }
+    }
+}
