@@ -356,21 +356,21 @@ _CONDIM = {
 
 def _mujoco_friction(friction: ArrayLike | None, geom_friction: ArrayLike | None) -> Array:
     """Return the coefficients along both tangents and about the normal."""
-    if (friction is None) == (geom_friction is None):
-        raise ParameterError(
-            "friction", "of a contact or geom_friction of the two geoms must be given, one of them"
-        )
-    if geom_friction is not None:
-        slide, spin, roll = arrays.array(geom_friction, "geom_friction", (3,))
-        values = np.array([slide, slide, spin, roll, roll])
-    else:
-        values = arrays.array(friction, "friction")  # type: ignore[arg-type]
+    if friction is not None and geom_friction is None:
+        values = arrays.array(friction, "friction")
         if values.shape not in ((2,), (5,)):
             raise DimensionError(
                 "friction",
                 "must have the five numbers of mjContact.friction or the first two, got shape "
                 f"{values.shape}; three numbers of a geom are geom_friction",
             )
+    elif geom_friction is not None and friction is None:
+        slide, spin, roll = arrays.array(geom_friction, "geom_friction", (3,))
+        values = np.array([slide, slide, spin, roll, roll])
+    else:
+        raise ParameterError(
+            "friction", "of a contact or geom_friction of the two geoms must be given, one of them"
+        )
     name = "friction" if geom_friction is None else "geom_friction"
     if values.min() < 0.0 or values[:2].min() <= 0.0:
         raise ParameterError(name, f"must be positive, got {values.tolist()}")
