@@ -120,6 +120,9 @@ def rate(rng):
 def report(rng):
     if rng.random() < 0.9:
         return None
+    if rng.random() < 0.3:
+        mu, angle = rng.uniform(0.1, 1.0, 2), rng.uniform(-3.0, 3.0)
+        return asp.FrictionLaw.like("exudyn", dryFriction=mu, dryFrictionAngle=angle).report
     order = None if rng.random() < 0.5 else int(rng.integers(1, 9))
     numbers = rng.random(5)
     return asp.FlowReport(

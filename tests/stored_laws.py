@@ -29,6 +29,7 @@ LAWS = {
     "reported": asp.FrictionLaw(
         BEAN, EGG, report=asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36)
     ),
+    "engine": asp.FrictionLaw.like("exudyn", dryFriction=(0.5, 0.4), dryFrictionAngle=0.3),
     "line": asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3)),
     "drilling": asp.FrictionLaw(
         asp.CoulombContensou(0.3, pressure="uniform"), asp.Ellipsoid([1.0, 0.8, 0.5])

@@ -55,9 +55,9 @@ PAIRS = {
 """Callables with several arguments by position, and why: none of these is more the subject."""
 
 RESULTS = {
-    "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "Ensemble",
-    "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Island", "Labels",
-    "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
+    "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "EngineReport",
+    "Ensemble", "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Island",
+    "Labels", "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
     "Stability", "Stage", "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",

@@ -47,6 +47,17 @@ VALUES = [
     *LAWS,
     LAW.replace(rate=asp.Stribeck(0.1)),
     asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
+    asp.EngineReport(
+        "bullet",
+        "3.25",
+        axes="x",
+        deviation="none",
+        source="run",
+        angle=0.1,
+        creep=0.01,
+        end_error=0.0,
+    ),
+    asp.FrictionLaw.like("exudyn", dryFriction=(0.5, 0.4), dryFrictionAngle=0.3),
     asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", exponent=2.0, viscous=0.1),
     asp.LawFile(LAW, provenance=asp.Provenance(note="dry")),
     asp.Provenance(

@@ -14,6 +14,7 @@ from asperity._base.storage.provenance import Provenance
 from asperity._base.storage.toml import NUMBERS, TABLE, TEXTS, Kind, Schema, TomlFile
 from asperity._base.value import Value
 from asperity.errors import ParameterError
+from asperity.law.engine_report import EngineReport
 from asperity.law.flow import FlowReport
 from asperity.law.friction import FrictionLaw
 from asperity.law.rate import Stribeck
@@ -47,7 +48,7 @@ COMMENTS = {
     "law.reservoir": "C, the force reservoir: dimensionless like a friction coefficient",
     "law.direction": "D, the direction set: only its shape has an effect",
     "law.rate": "factor of the force in slip over the speed: speed in m/s, viscous in s/m",
-    "law.report": "how C and D were found from forces over the sliding direction",
+    "law.report": "how C and D were found",
     "parameters.covariance.turns": "covariance of the coordinates: what differs between turns",
     "parameters.covariance.calibration": "the same from errors of the calibration",
     "parameters.covariance.zeros": "the same from errors of the zeros",
@@ -68,8 +69,8 @@ def table_of(law: FrictionLaw, key: str) -> dict[str, Any]:
 def _table_of_part(value: Value, key: str) -> dict[str, Any]:
     if isinstance(value, StarSet):
         return set_file.table_of(value, key)
-    kind = Stribeck if isinstance(value, Stribeck) else FlowReport
-    _refuse_other_class(value, kind, key)
+    known = (kind for kind in (Stribeck, EngineReport) if isinstance(value, kind))
+    _refuse_other_class(value, next(known, FlowReport), key)
     return data.arguments(value, key, _table_of_part)
 
 
@@ -93,10 +94,15 @@ def law_of(table: Any, key: str) -> FrictionLaw:
         if inner == f"{key}.rate":
             return data.built(Stribeck, table, inner, set_file.set_of)
         if inner == f"{key}.report":
-            return data.built(FlowReport, table, inner, set_file.set_of)
+            return data.built(_report_kind(table), table, inner, set_file.set_of)
         return set_file.set_of(table, inner)
 
     return data.built(FrictionLaw, table, key, part)
+
+
+def _report_kind(table: Any) -> type[FlowReport | EngineReport]:
+    """Return the kind of report that a table is: only an engine's says which engine."""
+    return EngineReport if isinstance(table, dict) and "engine" in table else FlowReport
 
 
 class LawFile(Value):

@@ -15,7 +15,8 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.drawing import svg
 from asperity.errors import ParameterError
-from asperity.law import flow, samples
+from asperity.law import engines, flow, samples
+from asperity.law.engine_report import EngineReport
 from asperity.law.questions import Questions
 from asperity.law.rate import Stribeck
 from asperity.sets import Ball, Disk, Ellipse, Interval, StarSet, WedgeAsperity
@@ -38,7 +39,7 @@ class FrictionLaw(Questions):
         reservoir: force reservoir C, star-shaped.
         direction: direction set D, convex, of any scale.
         rate: factor of the force in slip that depends on the speed; none by default.
-        report: how the sets were found, of laws from a flow rule.
+        report: how the sets were found, of laws from a flow rule or like another engine's.
 
     Raises:
         ParameterError: if D is not convex or C is degenerate.
@@ -54,7 +55,7 @@ class FrictionLaw(Questions):
     [-1.897, -1.897]
     """
 
-    report: flow.FlowReport | None
+    report: flow.FlowReport | EngineReport | None
 
     def __init__(
         self,
@@ -62,12 +63,13 @@ class FrictionLaw(Questions):
         direction: StarSet,
         *,
         rate: Stribeck | None = None,
-        report: flow.FlowReport | None = None,
+        report: flow.FlowReport | EngineReport | None = None,
     ) -> None:
         checked_set(reservoir, "reservoir")
         same_dimension((direction,), "direction", reservoir.dimension)
         arrays.of_kind(rate, "rate", Stribeck | None, "a Stribeck factor or None")
-        arrays.of_kind(report, "report", flow.FlowReport | None, "a FlowReport or None")
+        kinds = flow.FlowReport | EngineReport | None
+        arrays.of_kind(report, "report", kinds, "a FlowReport, an EngineReport or None")
         factor = None if rate is None else rate._core
         core = _core.Law(reservoir._core, direction._convex("normality", "direction"), factor)
         if core.is_associated:
@@ -326,6 +328,53 @@ class FrictionLaw(Questions):
         )
         return cls(*sets, report=report)
 
+    @classmethod
+    def like(cls, engine: str, **parameters: Any) -> FrictionLaw:
+        """Make the law that another engine means by its friction parameters.
+
+        It is the law that the engine was found to compute, not the one that its words suggest.
+        ``law.report``, an `EngineReport`, says what the engine does otherwise, with numbers, and
+        where its first axis is. Coefficients of two bodies are combined before, as the engine
+        does; docs/engines.md has its rules.
+
+        ==============  ============================================================================
+        engine          parameters, in its own words
+        ==============  ============================================================================
+        ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction
+        ``cardillo``    mu, anisotropy (two factors), solver (``"Moreau"``, ``"BackwardEuler"``, …)
+        ``dart``        mu, mu2 as in SDF, along and across fdir1
+        ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
+                        discrete_contact_approximation
+        ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
+        ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
+                        (three), condim, cone (``"pyramidal"`` or ``"elliptic"``), frame (of
+                        mjContact: turns the law into the axes of the world), patch_radius (only
+                        with condim=4, in m, the third slip is the drilling times it)
+        ``pinocchio``   mu, S (factor of the tangential rows, 2 × 2, if the user scales them)
+        ``rapier``      friction
+        ``siconos``     mu, size (2 or 3), H (factor of the tangential rows, 2 × 2)
+        ``solve_nivp``  mu, or projection (the convex set that is projected onto)
+        ==============  ============================================================================
+
+        Args:
+            engine: its name.
+            parameters: by name; what is left out has the engine's default.
+
+        Raises:
+            ParameterError: for an unknown engine or parameter, and for parameters that mean
+                nothing that is a law, such as rolling friction.
+
+        >>> from asperity import FrictionLaw
+        >>> law = FrictionLaw.like("cardillo", mu=0.5, anisotropy=(1.2, 0.8), solver="Rattle")
+        >>> bool(law.is_collinear), law.report.version
+        (True, '1.0.0 (451d581)')
+        >>> law = FrictionLaw.like("mujoco", friction=(0.5, 0.5))
+        >>> law.reservoir.radius([0.0, 0.785398]).round(3).tolist()
+        [0.5, 0.354]
+        """
+        found = engines.translated(engine, parameters)
+        return cls(found.reservoir, found.direction, rate=found.rate, report=found.report)
+
     def save(self, path: str | os.PathLike[str], *, note: str = "") -> None:
         """Write the law to a readable TOML file, from which `load` makes it again to the bit.
 
@@ -412,7 +461,10 @@ class FrictionLaw(Questions):
         Ellipse(0.6, 0.2, angle=0.5)
         """
         sets = (self.reservoir.rotated(angle), self.direction.rotated(angle))
-        return FrictionLaw(*sets, rate=self.rate, report=self.report)
+        report = self.report
+        if isinstance(report, EngineReport):
+            report = report.rotated(angle)
+        return FrictionLaw(*sets, rate=self.rate, report=report)
 
 
 def _round(radius: float, dimension: int) -> StarSet:

@@ -1,0 +1,258 @@
+"""One body on a plane in another engine: where it ends, how fast it creeps where it should stick.
+
+    python benches/peers/sliding_body.py mujoco
+
+with the Python that the engine is installed in (drake, exudyn, pinocchio: `pin`, dart: `dartpy`).
+The body weighs 18 g, is launched at 1.52 m/s at 58° to x, and slides until 0.36 s in steps of
+0.1 ms; its friction coefficients are 5/9.3 along x and 4.49/9.3 along y, or 0.5. It creeps under
+half of the load that it can hold, along x. `tests/test_engines.py` compares `FrictionLaw.like` with
+these numbers.
+"""
+
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+
+MASS, GRAVITY, STEP, TIME = 0.018, 9.81, 1e-4, 0.36
+M1, M2 = 5.00 / 9.3, 4.49 / 9.3
+LAUNCH = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+REST = np.zeros(2)
+Row = tuple[str, np.ndarray, np.ndarray]
+"""What was run, position and velocity at the end."""
+
+
+def mujoco() -> Iterator[Row]:
+    """Run contact pairs; friction along y comes first, as y is this contact's first tangent."""
+    import mujoco as mj
+
+    def run(friction, cone, launch, load=0.0, **options):
+        words = " ".join(f'{name}="{value}"' for name, value in options.items())
+        # Stiffer than by default, where the path counts, but not where the creep does.
+        stiff = 'solref="0.002 1" solimp="0.95 0.99 0.001"' if load == 0.0 else ""
+        model = mj.MjModel.from_xml_string(
+            f'<mujoco><option timestep="{STEP}" gravity="{load} 0 {-GRAVITY}" cone="{cone}" '
+            f'tolerance="1e-14" iterations="200" {words}/><worldbody>'
+            '<geom name="floor" type="plane" size="5 5 .1"/><body pos="0 0 .01">'
+            '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
+            f'<joint type="slide" axis="0 0 1"/><geom name="s" type="sphere" size=".01" '
+            f'mass="{MASS}"/></body></worldbody>'
+            f'<contact><pair geom1="floor" geom2="s" condim="3" {stiff} '
+            f'friction="{friction[1]} {friction[0]} .005 .0001 .0001"/></contact></mujoco>'
+        )
+        data = mj.MjData(model)
+        for _ in range(3000):
+            mj.mj_step(model, data)
+        data.qpos[:2], data.qvel[:] = 0.0, 0.0
+        data.qvel[:2] = launch
+        for _ in range(round((TIME if load == 0.0 else 1.0) / STEP)):
+            mj.mj_step(model, data)
+        return data.qpos[:2].copy(), data.qvel[:2].copy()
+
+    for cone in ("elliptic", "pyramidal"):
+        for friction in ((0.5, 0.5), (M1, M2), (M2, M1)):
+            yield f"{cone} {friction}", *run(friction, cone, LAUNCH)
+        yield f"{cone} creep", *run((0.5, 0.5), cone, REST, 0.25 * GRAVITY)
+    yield (
+        "elliptic creep, impratio 10",
+        *run((0.5, 0.5), "elliptic", REST, 0.25 * GRAVITY, impratio=10),
+    )
+
+
+def drake() -> Iterator[Row]:
+    """Run the four discrete approximations and, with a step of zero, the continuous model."""
+    from pydrake import all as dr
+
+    def run(kind, step, static, launch, load=0.0):
+        builder = dr.DiagramBuilder()
+        plant, _ = dr.AddMultibodyPlantSceneGraph(builder, time_step=step)
+        if kind:
+            plant.set_discrete_contact_approximation(getattr(dr.DiscreteContactApproximation, kind))
+        plant.set_contact_model(dr.ContactModel.kPoint)
+        surface = dr.ProximityProperties()
+        dr.AddContactMaterial(
+            friction=dr.CoulombFriction(static, 0.5),
+            properties=surface,
+            dissipation=1.0,
+            point_stiffness=1e5,
+        )
+        plant.RegisterCollisionGeometry(
+            plant.world_body(), dr.RigidTransform(), dr.HalfSpace(), "floor", surface
+        )
+        # The continuous model needs some mass in every body.
+        light = dr.SpatialInertia(1e-9, [0, 0, 0], dr.UnitInertia(1e-3, 1e-3, 1e-3))
+        empty = dr.SpatialInertia(0.0, [0, 0, 0], dr.UnitInertia(0, 0, 0))
+        instance, last = plant.AddModelInstance("slider"), plant.world_body()
+        for axis, name in enumerate("xyz"):
+            inertia = empty if step else light
+            if name == "z":
+                inertia = dr.SpatialInertia(MASS, [0, 0, 0], dr.UnitInertia.SolidSphere(0.01))
+            body = plant.AddRigidBody(name, instance, inertia)
+            along = np.eye(3)[axis]
+            joint = dr.PrismaticJoint(f"j{name}", last.body_frame(), body.body_frame(), along)
+            plant.AddJoint(joint)
+            last = body
+        plant.RegisterCollisionGeometry(last, dr.RigidTransform(), dr.Sphere(0.01), "s", surface)
+        plant.Finalize()
+        simulator = dr.Simulator(builder.Build())
+        context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+        plant.SetPositions(context, [0.0, 0.0, 0.01 - MASS * GRAVITY / 1e5])
+        plant.SetVelocities(context, [*launch, 0.0])
+        port = plant.get_applied_generalized_force_input_port()
+        port.FixValue(context, [load, 0.0, 0.0])
+        simulator.AdvanceTo(TIME)
+        return plant.GetPositions(context)[:2], plant.GetVelocities(context)[:2]
+
+    load = 0.25 * MASS * GRAVITY
+    for kind in ("kLagged", "kSimilar", "kTamsi", "kSap"):
+        yield f"{kind}, static 0.9", *run(kind, STEP, 0.9, LAUNCH)
+        yield f"{kind}, creep, step 1 ms", *run(kind, 1e-3, 0.5, REST, load)
+    yield "continuous, static 0.9", *run(None, 0.0, 0.9, LAUNCH)
+
+
+def exudyn() -> Iterator[Row]:
+    """Run ObjectConnectorRollingDiscPenalty of a disc that cannot turn, its axis along x."""
+    import exudyn as exu
+    from exudyn import utilities as items
+
+    def run(friction, launch, *, angle=0.0, zone=1e-3, load=0.0):
+        world = exu.SystemContainer().AddSystem()
+        node = world.AddNode(
+            items.NodeRigidBodyRxyz(
+                referenceCoordinates=[0, 0, 0.01, 0, 0, 0], initialVelocities=[*launch, 0, 0, 0, 0]
+            )
+        )
+        body = world.AddObject(
+            items.ObjectRigidBody(nodeNumber=node, mass=MASS, inertia=[1e6, 1e6, 1e6, 0, 0, 0])
+        )
+        ground = world.AddMarker(
+            items.MarkerBodyRigid(bodyNumber=world.AddObject(items.ObjectGround()))
+        )
+        centre = world.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
+        world.AddLoad(items.Force(markerNumber=centre, loadVector=[load, 0, -MASS * GRAVITY]))
+        memory = items.NodeGenericData(initialCoordinates=[0, 0, 0], numberOfDataCoordinates=3)
+        world.AddObject(
+            items.ObjectConnectorRollingDiscPenalty(
+                markerNumbers=[ground, centre],
+                nodeNumber=world.AddNode(memory),
+                discRadius=0.01,
+                discAxis=[1, 0, 0],
+                planeNormal=[0, 0, 1],
+                contactStiffness=1e4,
+                contactDamping=10.0,
+                dryFriction=list(friction),
+                dryFrictionAngle=angle,
+                dryFrictionProportionalZone=zone,
+                useLinearProportionalZone=True,
+            )
+        )
+        world.Assemble()
+        settings = exu.SimulationSettings()
+        settings.timeIntegration.numberOfSteps = round(TIME / STEP)
+        settings.timeIntegration.endTime = TIME
+        settings.solution.file.write = False
+        world.SolveDynamic(settings)
+        kinds = (exu.OutputVariableType.Position, exu.OutputVariableType.Velocity)
+        return tuple(np.array(world.GetObjectOutputBody(body, one, [0, 0, 0]))[:2] for one in kinds)
+
+    for friction in ((0.5, 0.5), (M1, M2), (0.9, 0.3)):
+        yield f"disc {friction}", *run(friction, LAUNCH)
+    for angle in (0.3, -0.3):
+        yield f"disc (0.9, 0.3) turned by {angle}", *run((0.9, 0.3), LAUNCH, angle=angle)
+    yield "creep", *run((0.5, 0.5), REST, load=0.25 * MASS * GRAVITY)
+
+
+def dart() -> Iterator[Row]:
+    """Run a box on a box."""
+    import dartpy
+
+    def run(floor, body):
+        world = dartpy.simulation.World()
+        world.setGravity([0, 0, -GRAVITY])
+        world.setTimeStep(STEP)
+        for moves, size, place, mu in (
+            (False, [20, 20, 1], [0, 0, -0.5], floor),
+            (True, [0.028, 0.028, 0.013], [0, 0, 0.0065], body),
+        ):
+            one = dartpy.dynamics.Skeleton()
+            if moves:
+                _, node = one.createTranslationalJointAndBodyNodePair()
+                inertia = dartpy.dynamics.Inertia()
+                inertia.setMass(MASS)
+                node.setInertia(inertia)
+                one.setPositions(place)
+            else:
+                joint, node = one.createWeldJointAndBodyNodePair()
+                there = dartpy.math.Isometry3()
+                there.set_translation(place)
+                joint.setTransformFromParentBodyNode(there)
+            shape = node.createShapeNode(dartpy.dynamics.BoxShape(size))
+            shape.createVisualAspect()
+            shape.createCollisionAspect()
+            shape.createDynamicsAspect()
+            shape.getDynamicsAspect().setFrictionCoeff(mu)
+            world.addSkeleton(one)
+        for _ in range(200):
+            world.step()
+        one.setPositions([0, 0, one.getPositions()[2]])
+        one.setVelocities([*LAUNCH, 0.0])
+        for _ in range(round(TIME / STEP)):
+            world.step()
+        return one.getPositions()[:2], one.getVelocities()[:2]
+
+    yield "0.5 and 0.5", *run(0.5, 0.5)
+    yield "0.5 and 0.8: the smaller counts", *run(0.5, 0.8)
+
+
+def pinocchio() -> Iterator[Row]:
+    """Run a loop of one's own around the two solvers; the tangential rows are scaled by hand."""
+    import pinocchio as pin
+
+    def run(kind, scale):
+        model = pin.Model()
+        joint = model.addJoint(0, pin.JointModelTranslation(), pin.SE3.Identity(), "slider")
+        inertia = pin.Inertia(MASS, np.zeros(3), np.zeros((3, 3)))
+        model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+        one = pin.SE3.Identity()
+        contact = pin.PointContactConstraintModel(model, joint, one, 0, one)
+        contact.setFriction(0.5)
+        models, data = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+        models.append(pin.ConstraintModel(contact))
+        data.append(models[0].createData())
+        settings = getattr(pin, f"{kind}SolverSettings")()
+        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-12
+        settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0
+        settings.max_iterations, settings.solve_ncp = 2000, True
+        solver = getattr(pin, f"{kind}ConstraintSolver")(3)
+        result = getattr(pin, f"{kind}SolverResult")()
+        rows = np.diag([*scale, 1.0])
+        delassus = pin.DelassusOperatorDense(rows @ rows.T / MASS)
+        q, u = np.zeros(3), np.array([*LAUNCH, 0.0])
+        for _ in range(round(TIME / STEP)):
+            free = u + STEP * np.array([0.0, 0.0, -GRAVITY])
+            solver.solve(delassus, rows @ free, models, data, settings, result)
+            after = free + rows.T @ np.array(result.retrieveConstraintImpulses()) / MASS
+            q, u = q + 0.5 * STEP * (u + after), after
+        return q[:2], u[:2]
+
+    for kind in ("PGS", "ADMM"):
+        for scale in ((1.0, 1.0), (M1 / 0.5, M2 / 0.5)):
+            yield f"{kind}, rows times {np.round(scale, 5)}", *run(kind, scale)
+
+
+ENGINES = {one.__name__: one for one in (dart, drake, exudyn, mujoco, pinocchio)}
+
+
+def main() -> None:
+    """Print what the engine does."""
+    if sys.argv[1:2] not in [[name] for name in ENGINES]:
+        sys.exit(f"one of {', '.join(ENGINES)}")
+    for what, position, velocity in ENGINES[sys.argv[1]]():
+        x, y = position
+        speed = np.linalg.norm(velocity)
+        angle = np.rad2deg(np.arctan2(y, x))
+        print(f"{what:45} {x:.7f} {y:.7f} m  {angle:7.3f}°  {speed:.5e} m/s")
+
+
+if __name__ == "__main__":
+    main()

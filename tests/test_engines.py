@@ -1,0 +1,430 @@
+"""`FrictionLaw.like` against what other engines were seen to compute.
+
+The sliding experiment: a body of 18 g on a horizontal plane, launched at 1.52 m/s at 58° to x, with
+coefficients 5/9.3 and 4.49/9.3 along x and y, 0.5 where they are equal, and steps of 0.1 ms.
+"""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity.law.engines import ENGINES
+
+M1, M2 = 5.00 / 9.3, 4.49 / 9.3
+SCALE = {"mu": 0.5, "anisotropy": (M1 / 0.5, M2 / 0.5)}
+ROWS = np.diag([M1, M2]) / 0.5
+# Of a sphere on a horizontal plane: the first tangent is y.
+FRAME = [0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0]
+ELLIPTIC = {"cone": "elliptic", "frame": FRAME}
+BULLET = {"lateralFriction": 1.0, "anisotropicFriction": (M1, M2, 1.0)}
+TIME = 0.36
+"""At which bodies that do not rest yet are compared."""
+
+RECORDED = [
+    # version, engine, parameters, position in m, time in s at which it stops if it does
+    ("4.4.0", "siconos", {"mu": 0.5}, (0.1248038, 0.1997279), 0.30990),
+    ("4.4.0", "siconos", {"mu": 0.5, "H": ROWS}, (0.1157060, 0.2067613), 0.31330),
+    ("1.0.0 (451d581)", "cardillo", {"mu": 0.5}, (0.1248038, 0.1997279), 0.3099),
+    ("1.0.0 (451d581)", "cardillo", SCALE, (0.1157060, 0.2067612), 0.3133),
+    (
+        "1.0.0 (451d581)",
+        "cardillo",
+        {**SCALE, "solver": "BackwardEuler"},
+        (0.1276572, 0.2042943),
+        0.3122,
+    ),
+    (
+        "1.0.0 (451d581)",
+        "cardillo",
+        {**SCALE, "solver": "DualStormerVerlet"},
+        (0.1256887, 0.2011440),
+        0.3121,
+    ),
+    ("4.0.0", "mujoco", {"friction": (0.5, 0.5), **ELLIPTIC}, (0.1247643, 0.1996646), 0.3105),
+    ("4.0.0", "mujoco", {"friction": (M1, M2), **ELLIPTIC}, (0.1270200, 0.1867595), 0.2994),
+    ("4.0.0", "mujoco", {"friction": (M2, M1), **ELLIPTIC}, (0.1176056, 0.2055078), 0.3134),
+    ("4.0.0", "mujoco", {"friction": (0.5, 0.5), "frame": FRAME}, (0.2040509, 0.2320364), None),
+    ("4.0.0", "mujoco", {"friction": (M1, M2), "frame": FRAME}, (0.2042723, 0.2176197), None),
+    ("4.0.0", "mujoco", {"friction": (M2, M1), "frame": FRAME}, (0.1968984, 0.2406280), None),
+    ("1.51.1", "drake", {"dynamic_friction": 0.5}, (0.124804, 0.199728), 0.3098),
+    (
+        "1.51.1",
+        "drake",
+        {"dynamic_friction": 0.5, "discrete_contact_approximation": "tamsi"},
+        (0.124764, 0.199663),
+        0.3097,
+    ),
+    (
+        "1.51.1",
+        "drake",
+        {
+            "dynamic_friction": 0.5,
+            "static_friction": 0.9,
+            "discrete_contact_approximation": "similar",
+        },
+        (0.124759, 0.199657),
+        0.3098,
+    ),
+    (
+        "1.51.1",
+        "drake",
+        {"dynamic_friction": 0.5, "discrete_contact_approximation": "sap"},
+        (0.124764, 0.199663),
+        0.3099,
+    ),
+    (
+        "1.51.1",
+        "drake",
+        {"dynamic_friction": 0.5, "static_friction": 0.9, "time_step": 0.0},
+        (0.124804, 0.199729),
+        None,
+    ),
+    ("4.1.0", "pinocchio", {"mu": 0.5}, (0.124804, 0.199728), 0.3099),
+    ("4.1.0", "pinocchio", {"mu": 0.5, "S": ROWS}, (0.115700, 0.206765), 0.3133),
+    (
+        "pybullet 3.2.7",
+        "bullet",
+        {"lateralFriction": 0.5, "enableConeFriction": True},
+        (0.124764, 0.199663),
+        0.3097,
+    ),
+    ("pybullet 3.2.7", "bullet", {"lateralFriction": 0.5}, (0.066096, 0.169314), 0.2626),
+    ("pybullet 3.2.7", "bullet", {**BULLET, "enableConeFriction": 1}, (0.125648, 0.201080), 0.3119),
+    ("pybullet 3.2.7", "bullet", BULLET, (0.061466, 0.175350), 0.272),
+    ("1.13.6", "exudyn", {"dryFriction": (0.5, 0.5)}, (0.124809, 0.199735), 0.3095),
+    ("1.13.6", "exudyn", {"dryFriction": (M1, M2)}, (0.120619, 0.203852), 0.3120),
+    (
+        "0.1.2",
+        "solve_nivp",
+        {"projection": asp.Ellipse(M1, M2)},
+        (0.115706, 0.206761),
+        0.3133,
+    ),
+    ("0.21.0", "rapier", {"friction": 0.5}, (0.124805, 0.199730), 0.3097),
+    ("6.20.0", "dart", {"mu": 0.5}, (0.0660957, 0.1693144), 0.2626),
+]
+
+LAWS = {
+    "isotropic": asp.FrictionLaw.isotropic(0.5),
+    "associated ellipse": asp.FrictionLaw.associated(asp.Ellipse(M1, M2)),
+    "ellipse, axes exchanged": asp.FrictionLaw.associated(asp.Ellipse(M2, M1)),
+    "collinear": asp.FrictionLaw.collinear(asp.Ellipse(M1, M2)),
+    "tensor": asp.FrictionLaw.tensor([[M1, 0.0], [0.0, M2]]),
+    "square": asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5)),
+    "box": asp.FrictionLaw.associated(asp.Rectangle(M1, M2)),
+    "square diamond": asp.FrictionLaw.associated(asp.Superellipse(0.5, 0.5, 1.0)),
+    "diamond": asp.FrictionLaw.associated(asp.Superellipse(M1, M2, 1.0)),
+    "diamond, axes exchanged": asp.FrictionLaw.associated(asp.Superellipse(M2, M1, 1.0)),
+}
+
+
+def slide(law):
+    """Return the end of the sliding experiment and the time of rest."""
+    speed = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    path = asp.simulate(asp.SlidingPoint(0.018, law=law), dt=1e-4, t_end=TIME, u0=speed)
+    slow = np.linalg.norm(path.u, axis=-1) < 1e-6
+    return path.q[-1], path.t[slow.argmax()] if slow.any() else None
+
+
+ENDS = {name: slide(law)[0] for name, law in LAWS.items()}
+
+
+def like(engine, parameters):
+    return asp.FrictionLaw.like(engine, **parameters)
+
+
+def name_of(case):
+    return (
+        f"{case[1]}-{'-'.join(f'{k}={v}' for k, v in case[2].items() if isinstance(v, str | bool))}"
+    )
+
+
+@pytest.mark.parametrize("case", RECORDED, ids=name_of)
+def test_the_law_is_the_one_that_the_engine_computes(case):
+    version, engine, parameters, position, stop = case
+    law = like(engine, parameters)
+    end, rest = slide(law)
+    off = np.linalg.norm(end - position)
+    assert law.report.engine == engine
+    assert law.report.version == version
+    assert off <= law.report.end_error + 1e-6  # half a digit of what was recorded
+    others = {name: np.linalg.norm(there - position) for name, there in ENDS.items()}
+    # No other law that the same coefficients may mean is nearer.
+    assert off <= min(others.values()) + 1e-9, others
+    assert (stop is None) or abs(rest - stop) < 7e-4
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_stated_errors_are_those_that_were_recorded(engine):
+    seen = {}
+    for _, name, parameters, position, _ in RECORDED:
+        if name == engine:
+            law = like(engine, parameters)
+            stated, off = law.report.end_error, np.linalg.norm(slide(law)[0] - position)
+            seen[stated] = max(off, seen.get(stated, 0.0))
+    assert seen
+    for stated, largest in seen.items():
+        assert stated <= 1.5 * largest + 1e-6, (stated, largest)
+
+
+CREEP = [
+    ("mujoco", {"friction": (0.5, 0.5), "cone": "elliptic"}, 2.20667e-3),
+    ("mujoco", {"friction": (1.0, 1.0), "cone": "elliptic"}, 4.41334e-3),
+    ("mujoco", {"friction": (0.5, 0.5)}, 3.21935e-3),
+    ("drake", {"dynamic_friction": 0.5, "static_friction": 0.9}, 5.77351e-5),
+    (
+        "drake",
+        {"dynamic_friction": 0.5, "discrete_contact_approximation": "similar"},
+        5.77350e-5,
+    ),
+    ("drake", {"dynamic_friction": 0.5, "discrete_contact_approximation": "tamsi"}, 2.92929e-5),
+    ("drake", {"dynamic_friction": 0.5, "discrete_contact_approximation": "sap"}, 1.41595e-6),
+    (
+        "drake",
+        {
+            "dynamic_friction": 0.5,
+            "discrete_contact_approximation": "sap",
+            "time_step": 1e-4,
+        },
+        1.41595e-7,
+    ),
+    (
+        "exudyn",
+        {"dryFriction": (0.5, 0.5), "dryFrictionProportionalZone": 1e-3},
+        5.0e-4,
+    ),
+]
+"""Speeds in m/s under half of the load that a contact can hold, of bodies that the laws hold."""
+
+
+@pytest.mark.parametrize(("engine", "parameters", "speed"), CREEP)
+def test_the_stated_creep_is_what_was_recorded(engine, parameters, speed):
+    report = like(engine, parameters).report
+    assert report.creep == pytest.approx(speed, rel=1e-3)
+    shown = 1e3 * speed if engine == "mujoco" else speed
+    assert f"{shown:.2g} m" in report.deviation
+
+
+def belt(law):
+    """Return the sliding equilibrium of a mass pressed with 10 N onto a belt at 50°, 1 N/m."""
+    phi = np.deg2rad(50.0)
+    system = asp.MassOnBelt(
+        1.0,
+        stiffness=1.0,
+        law=law,
+        normal_force=10.0,
+        belt_velocity=[np.cos(phi), np.sin(phi)],
+    )
+    return asp.equilibrium(system).q
+
+
+def test_belt_of_siconos():
+    turn = np.deg2rad(30.0)
+    axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    rows = (axes @ np.diag([3.0, 1.0])).T
+    law = like("siconos", {"mu": 1.0, "H": rows})
+    assert np.allclose(belt(law), [25.189, 15.934], atol=1e-3)
+    assert np.allclose(belt(like("pinocchio", {"mu": 1.0, "S": rows})), belt(law), atol=1e-12)
+
+
+def test_belt_of_mujoco_is_as_far_off_as_is_said():
+    # The axes of the experiment were turned by -30°; the recorded centre is turned back.
+    law = like("mujoco", {"friction": (1.0, 3.0), **ELLIPTIC}).rotated(np.deg2rad(30.0))
+    here, recorded = belt(law), np.array([20.25, 17.31])
+    angles = np.rad2deg([np.arctan2(q[1], q[0]) for q in (here, recorded)])
+    assert abs(angles[1] - angles[0] - 8.2) < 0.1
+    assert "8°" in law.report.deviation
+
+
+def test_belt_of_bullet():
+    law = like(
+        "bullet",
+        {"lateralFriction": 1.0, "anisotropicFriction": (3.0, 1.0, 1.0), "enableConeFriction": 1},
+    )
+    q = belt(law)
+    assert abs(np.rad2deg(np.arctan2(q[1], q[0])) - 50.0) < 0.05
+    assert abs(np.linalg.norm(q) - 12.57) < 0.005
+
+
+def test_coefficients_of_continuous_drake_over_the_speed():
+    recorded = {
+        1.0e-4: 0.9,
+        1.2e-4: 0.896576,
+        1.5e-4: 0.85859375,
+        2.0e-4: 0.7,
+        2.5e-4: 0.54140625,
+        3.0e-4: 0.5,
+        1.0e-3: 0.5,
+    }
+    law = like("drake", {"dynamic_friction": 0.5, "static_friction": 0.9, "time_step": 0})
+    slip = np.array([[speed, 0.0] for speed in recorded])
+    off = np.abs(-law.force(slip)[:, 0] - np.array(list(recorded.values())))
+    assert off.max() <= 0.023 * 0.4 + 1e-6
+    assert "0.0092" in law.report.deviation
+    assert law.report.creep == 0.5e-4
+
+
+def test_torsional_friction_of_mujoco():
+    """Forces over the normal force that mj_contactForce tells of slip and spin at once."""
+    given = {"friction": (0.4, 0.5, 0.003, 1e-4, 1e-4), "condim": 4, "patch_radius": 0.01}
+    units = np.array([1.0, 1.0, 1.0 / 0.01])
+    ellipsoid = like("mujoco", {**given, "cone": "elliptic"})
+    force = units * [[-0.2533862, 0.27006522, -0.00166217], [-0.10589111, 0.11459817, -0.00281007]]
+    assert np.allclose(ellipsoid.reservoir.gauge(force), 1.0, atol=1e-6)
+    octahedron = like("mujoco", given)
+    force = units * [[-0.21479263, 0.11056309, -0.00072568], [0.0, 0.0, -0.003]]
+    assert np.allclose(octahedron.reservoir.gauge(force), 1.0, atol=1e-6)
+
+
+def test_the_angle_of_exudyn_turns_as_it_does_there():
+    recorded = {
+        0.0: (0.0961038, 0.2866512),
+        0.3: (0.0600772, 0.2273640),
+        -0.3: (0.1476228, 0.3113975),
+    }
+    for angle, position in recorded.items():
+        law = like("exudyn", {"dryFriction": (0.9, 0.3), "dryFrictionAngle": angle})
+        assert np.linalg.norm(slide(law)[0] - position) < 1e-4
+        assert law.report.angle == angle
+
+
+def test_scaled_rows_are_what_the_engine_solves():
+    rows, slip = np.array([[1.0, 0.2], [-0.3, 0.7]]), np.array([0.3, -0.8])
+    scaled = rows @ slip
+    expected = -rows.T @ (0.5 * scaled / np.linalg.norm(scaled))
+    for engine, name in (("siconos", "H"), ("pinocchio", "S")):
+        assert np.allclose(like(engine, {"mu": 0.5, name: rows}).force(slip), expected)
+
+
+def test_a_law_on_a_line():
+    law = like("siconos", {"mu": 0.3, "size": 2})
+    assert law.reservoir == asp.Interval(-0.3, 0.3)
+    assert like("solve_nivp", {"mu": 0.3}).reservoir == law.reservoir
+
+
+def test_geoms_of_mujoco_are_isotropic():
+    law = like("mujoco", {"geom_friction": (0.7, 0.005, 0.0001), "cone": "elliptic"})
+    assert law.reservoir == asp.Disk(0.7)
+    assert like("mujoco", {"friction": (0.7, 0.7), "cone": "elliptic"}) == law
+
+
+def test_the_report_turns_with_the_law():
+    law = like("mujoco", {"friction": (M2, M1), **ELLIPTIC})
+    assert law.report.angle == pytest.approx(0.5 * np.pi)
+    assert law.rotated(0.25 * np.pi).report.angle == pytest.approx(0.75 * np.pi)
+    assert law.rotated(np.pi).report.angle == pytest.approx(-0.5 * np.pi)
+    assert law.replace(reservoir=asp.Disk(0.5)).report is None
+
+
+@pytest.mark.parametrize("case", RECORDED, ids=name_of)
+def test_laws_with_their_reports_come_back_from_files(case, tmp_path):
+    law = like(case[1], case[2])
+    law.save(tmp_path / "law.toml")
+    again = asp.FrictionLaw.load(tmp_path / "law.toml")
+    assert again == law
+    assert repr(again) == repr(law)
+
+
+REFUSED = [
+    ("mujco", {}, "engine: 'mujco' is not known, did you mean 'mujoco'?"),
+    (3, {}, "engine: 3 is not known; known are bullet, cardillo"),
+    ("mujoco", {"mu": 0.5}, "mu: is no parameter of mujoco; known are friction, geom_friction"),
+    ("bullet", {"lateralFricton": 0.5}, "did you mean 'lateralFriction'"),
+    ("siconos", {}, "mu: is missing: siconos has mu, size, H"),
+    ("mujoco", {}, "friction: of a contact or geom_friction"),
+    ("mujoco", {"friction": (1.0, 0.005, 0.0001)}, "three numbers of a geom are geom_friction"),
+    ("mujoco", {"friction": (1.0, 1.0), "condim": 1}, "condim: 1 means contact without friction"),
+    ("mujoco", {"friction": (1.0, 1.0), "condim": 6}, "condim: 6 has rolling friction"),
+    ("mujoco", {"friction": (1.0, 1.0), "condim": 5}, "condim: must be 3 or 4, got 5"),
+    ("mujoco", {"friction": (1.0, 1.0), "condim": 4}, "patch_radius: is missing"),
+    (
+        "mujoco",
+        {"friction": (1.0, 1.0), "condim": 4, "patch_radius": 0.1},
+        "friction: must have a positive third number",
+    ),
+    ("mujoco", {"friction": (1.0, 1.0), "patch_radius": 0.1}, "condim=3 has not"),
+    ("mujoco", {"friction": (1.0, 0.0)}, "friction: must be positive"),
+    ("mujoco", {"geom_friction": (0.0, 0.1, 0.1)}, "geom_friction: must be positive"),
+    ("mujoco", {"friction": (1.0, 1.0), "cone": "round"}, "cone: must be 'pyramidal' or"),
+    ("mujoco", {"friction": (1.0, 1.0), "frame": np.eye(3)}, "frame: must have a vertical normal"),
+    ("mujoco", {"friction": (1.0, 1.0), "frame": np.ones(9)}, "frame: must have orthonormal rows"),
+    ("mujoco", {"friction": (1.0, 1.0), "frame": np.ones(4)}, "the nine numbers"),
+    ("bullet", {"spinningFriction": 0.1}, "spinningFriction: is not translated"),
+    ("bullet", {"rollingFriction": 0.1}, "rollingFriction: is not translated"),
+    ("bullet", {"enableConeFriction": "yes"}, "enableConeFriction: must be True or False"),
+    ("bullet", {"anisotropicFriction": (1.0, -1.0, 1.0)}, "anisotropicFriction: must be positive"),
+    ("drake", {"static_friction": 0.5}, "dynamic_friction: is missing"),
+    ("drake", {"dynamic_friction": 0.5, "static_friction": 0.2}, "must not be below"),
+    (
+        "drake",
+        {"dynamic_friction": 0.5, "discrete_contact_approximation": "lag"},
+        "discrete_contact_approximation: must be 'lagged'",
+    ),
+    ("cardillo", {"mu": 0.3, "solver": "moreau"}, "solver: must be 'Moreau' or"),
+    ("exudyn", {"dryFriction": 0.3}, "dryFriction: must have shape"),
+    ("siconos", {"mu": 0.3, "size": 5}, "size: 5 has rolling friction"),
+    ("siconos", {"mu": 0.3, "size": 4}, "size: must be 2 or 3"),
+    ("siconos", {"mu": 0.3, "size": 2, "H": np.eye(2)}, "H: is for size=3"),
+    ("siconos", {"mu": 0.3, "H": np.ones((2, 2))}, "H: must be regular"),
+    ("solve_nivp", {}, "mu: of CoulombProjection"),
+    ("solve_nivp", {"projection": 0.5}, "projection: "),
+    ("solve_nivp", {"projection": asp.Superellipse(1.0, 1.0, 0.5)}, "projection: must be a convex"),
+]
+
+
+@pytest.mark.parametrize(("engine", "parameters", "words"), REFUSED)
+def test_what_means_no_law_is_refused_in_the_engines_words(engine, parameters, words):
+    with pytest.raises(asp.ParameterError) as refused:
+        like(engine, parameters)
+    assert words in str(refused.value)
+
+
+NUMBERS = [
+    (engine, parameters, name)
+    for engine, parameters in (
+        ("bullet", {**BULLET, "spinningFriction": 0.0, "rollingFriction": 0.0}),
+        ("cardillo", SCALE),
+        ("dart", {"mu": 0.5, "mu2": 0.4}),
+        (
+            "drake",
+            {
+                "dynamic_friction": 0.5,
+                "static_friction": 0.9,
+                "time_step": 1e-3,
+                "stiction_tolerance": 1e-4,
+            },
+        ),
+        (
+            "exudyn",
+            {
+                "dryFriction": (0.5, 0.4),
+                "dryFrictionAngle": 0.1,
+                "dryFrictionProportionalZone": 1e-3,
+            },
+        ),
+        ("mujoco", {"friction": (0.5, 0.4), "frame": FRAME}),
+        ("mujoco", {"geom_friction": (0.5, 0.4, 0.1), "condim": 4, "patch_radius": 0.1}),
+        ("pinocchio", {"mu": 0.5, "S": ROWS}),
+        ("rapier", {"friction": 0.5}),
+        ("siconos", {"mu": 0.5, "H": ROWS, "size": 3}),
+        ("solve_nivp", {"mu": 0.5}),
+    )
+    for name in parameters
+]
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1.0 + 1.0j, "0.5"])
+@pytest.mark.parametrize(("engine", "parameters", "name"), NUMBERS)
+def test_what_is_no_number_is_refused_by_name(engine, parameters, name, bad):
+    like(engine, parameters)
+    value = np.array(parameters[name], dtype=object)
+    value.flat[0] = bad
+    spoilt = value.tolist()
+    with pytest.raises(asp.ParameterError) as refused:
+        like(engine, {**parameters, name: spoilt})
+    assert refused.value.argument == name
+
+
+def test_every_engine_was_recorded_and_is_documented():
+    assert {case[1] for case in RECORDED} == set(ENGINES)
+    words = asp.FrictionLaw.like.__doc__
+    assert all(f"``{engine}``" in words for engine in ENGINES)
