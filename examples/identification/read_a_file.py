@@ -57,6 +57,8 @@ recording, processing = raw.recordings[0], raw.processing
 print(f"{recording.turns:.1f} turns at {recording.sample_rate:.0f} Hz; {processing}")
 data = identify.process(raw)
 average = data.turn_averages()["tangential"]
+means = data.averaged()
+print(f"{means.count.sum()} samples in {len(means.phi)} directions")
 print(f"turns differ by at most {np.ptp(average.offset):.4f} in their mean coefficients")
 
 # %%

@@ -21,6 +21,12 @@ folder = tempfile.TemporaryDirectory()
 truth = asp.FrictionLaw(asp.Superellipse(0.537, 0.457, 2.94), asp.Superellipse(1.84, 1.19, 2.51))
 machine = identify.VirtualTribometer(truth, normal_force=9.3, turns=4, sample_rate=300.0, seed=8)
 fit = identify.fit_law(identify.process(machine.record()))
+phi = np.deg2rad(np.arange(0.0, 91.0, 15.0))
+forces = fit.bands(phi)
+for angle, (along, _), (width, _) in zip(
+    phi, forces.resistance, forces.resistance_half_width, strict=True
+):
+    print(f"friction coefficient at {np.rad2deg(angle):2.0f}°: {along:.4f} ± {width:.4f}")
 scenario_file, law_file = predict.write_example("sliding point", folder.name)
 fit.save_law(law_file)
 identified = identify.IdentifiedLaw.load(law_file)

@@ -1,8 +1,8 @@
-"""A friction law from filmed paths
-================================
+"""Can filmed paths tell a friction law?
+=====================================
 
-A body is launched in six directions and filmed until it stops. Which friction law is it, without
-any force sensor?
+A body is launched in six directions and filmed until it stops. Learn how a law is fitted to the
+paths, without any force sensor, and what paths do not tell.
 """
 
 import asperity as asp
@@ -46,6 +46,10 @@ fit = identify.fit_paths(
     length_error=0.001,
 )
 print(fit.summary())
+first = fit.paths[0]
+print(
+    f"the first path is missed by {1e3 * first.rms:.3f} mm, its launch was {first.launch_speed} m/s"
+)
 
 # %%
 # Paths and sets

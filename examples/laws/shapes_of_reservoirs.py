@@ -1,5 +1,5 @@
 """Which shapes can a force reservoir have?
-=========================================
+========================================
 
 A reservoir is any set that is star-shaped with respect to the origin. Learn which ready sets there
 are, how to combine them, and how to find out whether an outline of your own qualifies.
@@ -34,9 +34,11 @@ sets = {
 # ------------
 # Sets are intersected, united, added, and mapped by a matrix; any of these is a set again.
 
-sets["Intersection  &"] = asp.Ellipse(1.0, 0.6) & asp.Rectangle(0.7, 0.9, angle=0.3)
-sets["Union  |"] = asp.Ellipse(1.0, 0.35) | asp.Ellipse(0.35, 0.8)
-sets["MinkowskiSum  +"] = asp.Rectangle(0.5, 0.3) + asp.Ellipse(0.4, 0.2, angle=0.7)
+both = asp.Ellipse(1.0, 0.6) & asp.Rectangle(0.7, 0.9, angle=0.3)
+either = asp.Ellipse(1.0, 0.35) | asp.Ellipse(0.35, 0.8)
+total = asp.Rectangle(0.5, 0.3) + asp.Ellipse(0.4, 0.2, angle=0.7)
+print(f"a sum of convex sets is convex: {bool(total.is_convex)}, a union: {bool(either.is_convex)}")
+sets |= {"Intersection  &": both, "Union  |": either, "MinkowskiSum  +": total}
 sets["Mapped"] = asp.Superellipse(0.8, 0.6, 3.0).mapped([[1.0, 0.5], [0.0, 1.0]])
 for name, one in sets.items():
     largest = one.radius(np.linspace(0.0, 2.0 * np.pi, 721)).max()

@@ -1,8 +1,9 @@
-"""Where a sliding disk comes to rest
-=====================================
+"""Where does a sliding disk come to rest?
+=======================================
 
-A disk is launched over a ground surface, at an angle to the grooves. Does it matter which sliding
-direction belongs to a friction force, if the forces themselves are known?
+A disk is launched over a ground surface, at an angle to the grooves. Learn that it is not enough
+to know the friction forces: which sliding direction belongs to a force decides where the disk
+stops.
 """
 
 import asperity as asp

@@ -1,9 +1,8 @@
-"""A mass on a belt sticks and slips
-====================================
+"""How does a mass on a belt stick and slip?
+=========================================
 
-A mass on two springs lies on a belt whose friction is anisotropic. What does it do if the belt
-runs at
-50°? This is Fig. 17 of Walker & Leine (2019).
+A mass on two springs lies on a belt whose friction is anisotropic. Learn what it does if the belt
+runs at 50°, as in Fig. 17 of Walker & Leine (2019).
 """
 
 import asperity as asp

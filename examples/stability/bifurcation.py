@@ -1,5 +1,5 @@
 """What does a vibration become when a parameter changes?
-=======================================================
+======================================================
 
 Vibrations begin, grow and vanish as a speed or a direction is changed. Learn how to follow steady
 sliding and limit cycles over any parameter of any system, and where both are possible.

@@ -1,5 +1,5 @@
 """Does a system forget how it began?
-===================================
+==================================
 
 If two motions of one system approach each other from any start, the system forgets its start. Learn
 how to measure their distance as energy, and which friction laws make it grow.

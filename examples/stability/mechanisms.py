@@ -1,5 +1,5 @@
 """Which mechanism makes my system unstable?
-==========================================
+=========================================
 
 Friction shakes systems in several ways, and ``stability`` names the one at work. Learn to ask it
 for the reason, with the classical mechanisms at hand, and where their limits are.
@@ -37,6 +37,8 @@ for name, family in families.items():
 
 steady = asp.equilibrium(mechanisms.mode_coupling(0.5))
 print(steady.summary())
+state = asp.stability(mechanisms.mode_coupling(0.9))
+print("what each cause does to the growth:", state.mechanisms)
 
 # %%
 # Growth rates

@@ -1,5 +1,5 @@
 """How far may grooves be turned before sliding shakes?
-=====================================================
+====================================================
 
 Anisotropic friction alone makes steady sliding unstable if the reservoir is turned far enough
 against the direction set. Learn how to ask for limits, directions and growth rates.
