@@ -3,8 +3,11 @@
 Run: PYTHONPATH=examples python docs/make_figures.py
 """
 
+import contextlib
 import re
 import runpy
+import shutil
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -351,6 +354,16 @@ def charts() -> None:
         asp.plot.save_figure(plt.gcf(), IMAGES / f"{script.stem}.png", dpi=110)
 
 
+def tutorials() -> None:
+    """Run the tutorials; the pictures that they save are those that they show."""
+    for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
+        blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            exec(compile("\n".join(blocks), str(page), "exec"), {"__name__": "__main__"})
+            for picture in sorted(Path(folder).glob("*.png")):
+                shutil.copy(picture, IMAGES / f"{page.stem}_{picture.name}")
+
+
 def paper() -> None:
     """Draw the figures of the paper that the documentation shows."""
     for number in (10, 12):
@@ -376,6 +389,7 @@ if __name__ == "__main__":
         bifurcation,
         conveyor,
         charts,
+        tutorials,
         paper,
         identified,
     ):

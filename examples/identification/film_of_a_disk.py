@@ -69,7 +69,7 @@ image = next(iter(camera.frames()))
 with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.4), layout="constrained")
     asp.plot.plot_track(seen, ax=left, image=image)
-    left.set_title("Centres of the mark, on the first image")
+    left.set_title("Centres of the mark; pink: with a reflection")
     speed = np.linalg.norm(path.velocity, axis=-1)
     right.errorbar(path.time, speed, np.hypot(*path.velocity_error.T), fmt=".", label="film")
     right.plot(run.t, np.linalg.norm(run.u, axis=-1), label="truth")

@@ -59,6 +59,7 @@ with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 5.0), layout="constrained")
     asp.plot.plot_fitted_paths(fit, ax=left)
     left.set_title("Measured and simulated paths")
-    asp.plot.plot_law(fit.law, ax=right)
+    asp.plot.plot_law(fit.law, ax=right, legend=False)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     right.set_title("The law that was found")
 plt.show()

@@ -45,9 +45,9 @@ for name, law in laws.items():
 # extended one by more than five centimetres.
 
 with asp.plot.style():
-    figure, ax = plt.subplots(layout="constrained")
+    figure, ax = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
     for name, path in paths.items():
         asp.plot.plot_path(path, ax=ax, label=name)
     ax.set(xlabel="$x$ across the grooves in m", ylabel="$y$ along the grooves in m")
-    ax.legend()
+    ax.legend(loc="upper left")
 plt.show()

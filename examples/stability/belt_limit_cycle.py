@@ -27,9 +27,10 @@ print(motion.summary())
 # After the transient the mass repeats a cycle of stick and slip around the unstable equilibrium.
 
 with asp.plot.style():
-    figure, ax = plt.subplots(layout="constrained")
+    figure, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
     asp.plot.plot_path(motion.slice(150.0, 200.0), ax=ax, contact=0)
     ax.plot(*belt.equilibrium, "+", color="black", markersize=10.0, label="unstable equilibrium")
     ax.set(xlabel="$x$ in m", ylabel="$y$ in m")
-    ax.legend(loc="upper left")
+    ax.get_legend().remove()
+    figure.legend(loc="outside upper center", ncols=3)
 plt.show()
