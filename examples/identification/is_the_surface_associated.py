@@ -55,5 +55,5 @@ with asp.plot.style():
         ax.plot(*sets.direction_by_support.T, ".", markersize=3.0, label="$D$")
         asp.plot.plot_set(surfaces[name].direction, ax=ax, color="black", linewidth=0.8, alpha=0.6)
         ax.set(title=name, xlim=(-0.65, 0.65), ylim=(-0.5, 0.62))
-        ax.legend(loc="upper center", ncols=2)
+        ax.legend(loc="upper center", ncols=2, markerscale=3.0)
 plt.show()

@@ -24,7 +24,8 @@ data.write_text("angle [deg],force [N]\n0,4.99\n90,4.25\n")
 law = asp.FrictionLaw(asp.Superellipse(0.537, 0.457, 2.94), asp.Superellipse(1.84, 1.19, 2.51))
 source = asp.Provenance.of_files([data], note="PVC on ground steel, dry", made_by="a script")
 asp.LawFile(law, provenance=source).save(file)
-print(file.read_text())
+text = file.read_text(encoding="utf-8")
+print(text)
 
 # %%
 # Read again
@@ -34,9 +35,10 @@ print(file.read_text())
 
 read = asp.LawFile.load(file)
 print(f"the same law: {read.law == law}; {read.provenance.note}")
-file.with_name("wrong.toml").write_text(file.read_text().replace("exponent", "exponnet"))
+wrong = file.with_name("wrong.toml")
+wrong.write_text(text.replace("exponent", "exponnet"), encoding="utf-8")
 try:
-    asp.FrictionLaw.load(file.with_name("wrong.toml"))
+    asp.FrictionLaw.load(wrong)
 except asp.ConfigurationError as refused:
     print(f"line {refused.line}: {refused.key}: {str(refused).split(': ', 2)[-1]}")
 

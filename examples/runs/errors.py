@@ -5,6 +5,7 @@ An error names the argument, the file, the line or the step, and says what is al
 Learn which errors there are, and how to catch those of one kind.
 """
 
+import os
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -117,7 +118,7 @@ with asp.plot.style():
         parents = [base.__name__ for base in kind.__bases__ if base.__module__ == "builtins"]
         ax.annotate(kind.__name__, (0.03 * depth, -row), weight="bold", va="center")
         ax.annotate(", ".join(parents), (0.27, -row), color="0.4", va="center")
-        text = messages.get(kind, "").replace(str(folder.name) + "/", "")
+        text = messages.get(kind, "").replace(folder.name + os.sep, "")
         ax.annotate(
             shorten(text, 72, placeholder=" …"), (0.42, -row), va="center", fontsize="small"
         )

@@ -15,6 +15,7 @@ import numpy as np
 # Any function of one number that returns a system: here the direction of the belt below a mass on
 # two springs.
 
+SIZE = 16
 law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
 
 
@@ -31,11 +32,12 @@ def belt(degrees):
 # -------------------------------
 # Where cycles are found is where motions end that begin at rest with relaxed springs.
 
-degrees = np.linspace(38.0, 78.0, 16)
+degrees = np.linspace(38.0, 78.0, SIZE)
 diagram = asp.bifurcation_diagram(belt, parameter="degrees", values=degrees)
 print(diagram.summary())
-cycle = diagram.cycles[5]
-print(f"at {degrees[5]:.0f}°: {cycle.summary()}")
+middle = SIZE // 2
+cycle = diagram.cycles[middle]
+print(f"at {degrees[middle]:.0f}°: {cycle.summary()}")
 
 # %%
 # Both at once
