@@ -120,7 +120,7 @@ with asp.plot.style():
         ax.annotate(", ".join(parents), (0.27, -row), color="0.4", va="center")
         text = messages.get(kind, "").replace(folder.name + os.sep, "")
         ax.annotate(
-            shorten(text, 72, placeholder=" …"), (0.42, -row), va="center", fontsize="small"
+            shorten(text, 92, placeholder=" …"), (0.42, -row), va="center", fontsize="small"
         )
     ax.set(xlim=(0.0, 1.15), ylim=(0.6 - len(rows), 0.6))
     ax.axis("off")
