@@ -3,7 +3,11 @@
 Run: PYTHONPATH=examples python docs/make_figures.py
 """
 
+import contextlib
+import re
 import runpy
+import shutil
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +26,14 @@ ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 STEPS = (0.4, 1.0, 1.6)
 """r λ_max(G) of the constant iteration, r̃ λ_max(G) of the adaptive one."""
+
+SIZES = {
+    "amplitude_chart": 64,
+    "basins_of_attraction": 60,
+    "loads_with_several_solutions": 120,
+    "uncertain_path": 1000,
+}
+"""Points along an axis of docs/charts.md; the scripts have fewer, to take less than 10 s."""
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=np.deg2rad(30.0)), asp.Ellipse(3.0, 1.0))
 
@@ -332,10 +344,24 @@ def conveyor() -> None:
 
 
 def charts() -> None:
-    """Run the examples of docs/charts.md."""
+    """Run the examples of docs/charts.md with the numbers of points that are named there."""
     for script in sorted((ROOT / "examples" / "charts").glob("*.py")):
-        runpy.run_path(str(script))
+        size = SIZES[script.stem]
+        text = re.sub(
+            r"^(SIZE\b.*? = )\d+", rf"\g<1>{size}", script.read_text(), flags=re.MULTILINE
+        )
+        exec(compile(text, str(script), "exec"), {"__name__": "__main__"})
         asp.plot.save_figure(plt.gcf(), IMAGES / f"{script.stem}.png", dpi=110)
+
+
+def tutorials() -> None:
+    """Run the tutorials; the pictures that they save are those that they show."""
+    for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
+        blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            exec(compile("\n".join(blocks), str(page), "exec"), {"__name__": "__main__"})
+            for picture in sorted(Path(folder).glob("*.png")):
+                shutil.copy(picture, IMAGES / f"{page.stem}_{picture.name}")
 
 
 def paper() -> None:
@@ -363,6 +389,7 @@ if __name__ == "__main__":
         bifurcation,
         conveyor,
         charts,
+        tutorials,
         paper,
         identified,
     ):

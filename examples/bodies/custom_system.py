@@ -1,9 +1,8 @@
-"""A system of one's own
-========================
+"""How do I write a system of my own?
+==================================
 
-A pendulum hangs in a rough bearing. After how many swings does it rest, and how far from the
-vertical? The system is written in Python: mass matrix, forces, and the direction of each friction
-force.
+A pendulum hangs in a rough bearing and swings until it rests. Learn how to write a system in
+Python: mass matrix, forces, and the direction of each friction force.
 """
 
 import asperity as asp

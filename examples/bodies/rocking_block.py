@@ -1,8 +1,8 @@
-"""A block rocks from edge to edge
-==================================
+"""How does a block rock from edge to edge?
+========================================
 
-A slender block is tilted and let go. How much of its energy does each impact take? Housner's
-formula of 1963 answers it for a block that does not slide.
+A slender block is tilted and let go. Learn how much of its energy each impact takes, and what
+Housner's formula of 1963 says of a block that does not slide.
 """
 
 import asperity as asp

@@ -1,7 +1,8 @@
-"""A spinning ball is dropped on a table
+"""When does a spinning ball begin to roll?
 ========================================
 
-It slides at first. When does it roll, and how fast?
+A spinning ball is dropped on a table, where it slides at first. Learn when it rolls and how fast,
+and how contact forces are read in the axes of the world.
 """
 
 import asperity as asp

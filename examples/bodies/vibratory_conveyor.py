@@ -1,9 +1,8 @@
-"""Where a vibratory conveyor carries a part
-============================================
+"""Where does a vibratory conveyor carry a part?
+=============================================
 
-A tray swings along a line that rises at 20°, and a part on it creeps forward. Its surface has
-grooves: friction is stronger across them than along them. How fast is the part carried, and how
-far off the direction of shaking?
+A tray swings along a line that rises at 20°, and a part creeps forward on its grooves. Learn how
+fast it is carried, and how far grooves lead it off the direction of shaking.
 """
 
 import asperity as asp

@@ -1,14 +1,15 @@
-"""How far a mass on a belt swings
-===============================
+"""How far does a mass on a belt swing?
+====================================
 
-Where steady sliding is unstable small motions grow. How large do they get, and only there?
+Where steady sliding is unstable small motions grow. Learn how large they get, and that they are
+there before steady sliding has lost its stability.
 """
 
 import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
 
-SIZE, LOOK = 64, {"vmin": 2.0, "vmax": 36.0, "cmap": "viridis"}
+SIZE, LOOK = 36, {"vmin": 2.0, "vmax": 36.0, "cmap": "viridis"}
 law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0), asp.Ellipse(3.0, 1.0))
 belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
 (phi, zeta), fine = (np.linspace([30.0, 10.0], [90.0, 80.0], n).T for n in (SIZE, 300))

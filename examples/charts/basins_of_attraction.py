@@ -1,14 +1,14 @@
-"""Where a mass on a belt ends up
-==============================
+"""Which starts end in stick and slip?
+===================================
 
-It slides steadily, or it sticks and slips for ever. Which starts lead to which?
+A mass on a belt slides steadily, or it sticks and slips for ever. Learn which starts lead to which.
 """
 
 import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
 
-SIZE, ENDS = 60, {"slides": "#0072B2", "sticks, then slides": "#56B4E9", "cycle": "#F5DEB3"}
+SIZE, ENDS = 30, {"slides": "#0072B2", "sticks, then slides": "#56B4E9", "cycle": "#F5DEB3"}
 law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
 belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
 

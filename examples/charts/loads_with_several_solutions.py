@@ -1,14 +1,14 @@
-"""Loads with several solutions
-============================
+"""Which loads have several solutions?
+===================================
 
-A block is loaded so that it can stick, and can slip just as well. Which loads are these?
+A block is loaded so that it can stick, and can slip just as well. Learn which loads these are.
 """
 
 import asperity as asp
 import matplotlib.pyplot as plt
 import numpy as np
 
-SIZE, C, D = 120, asp.Ellipse(0.6, 0.2), asp.Ellipse(3.0, 1.0)
+SIZE, C, D = 72, asp.Ellipse(0.6, 0.2), asp.Ellipse(3.0, 1.0)
 block = asp.SlidingPoint(1.0, law=asp.FrictionLaw(C, D), gravity=1.0)
 zeta, theta = np.linspace([10.0, 0.0], [80.0, 60.0], SIZE).T  # of C and of the load in degrees
 size, half = np.linspace(0.9, 1.2, SIZE), SIZE // 2  # of the load, 1 on the boundary of C

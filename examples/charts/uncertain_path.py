@@ -1,7 +1,7 @@
-"""How certain a sliding path is
-=============================
+"""How certain is a sliding path?
+==============================
 
-A law was measured, with errors. Where may a disk slide, and where did one slide that was filmed?
+A law was measured, with errors. Learn where a disk may slide under the laws that agree with it.
 """
 
 import tempfile
@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from asperity import identify, predict, track
 
-SIZE, RUN = 1000, {"t_end": 0.32, "u0": [1.28903, 0.80548]}  # 1.52 m/s at 32°
+SIZE, RUN = 400, {"t_end": 0.32, "u0": [1.28903, 0.80548]}  # 1.52 m/s at 32°
 
 # %%
 # A virtual tribometer measures the law of a surface, a virtual camera films a disk on it.

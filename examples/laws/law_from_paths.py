@@ -1,8 +1,8 @@
-"""A friction law from filmed paths
-================================
+"""Can filmed paths tell a friction law?
+=====================================
 
-A body is launched in six directions and filmed until it stops. Which friction law is it, without
-any force sensor?
+A body is launched in six directions and filmed until it stops. Learn how a law is fitted to the
+paths, without any force sensor, and what paths do not tell.
 """
 
 import asperity as asp
@@ -46,6 +46,10 @@ fit = identify.fit_paths(
     length_error=0.001,
 )
 print(fit.summary())
+first = fit.paths[0]
+print(
+    f"the first path is missed by {1e3 * first.rms:.3f} mm, its launch was {first.launch_speed} m/s"
+)
 
 # %%
 # Paths and sets
@@ -55,6 +59,7 @@ with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 5.0), layout="constrained")
     asp.plot.plot_fitted_paths(fit, ax=left)
     left.set_title("Measured and simulated paths")
-    asp.plot.plot_law(fit.law, ax=right)
+    asp.plot.plot_law(fit.law, ax=right, legend=False)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     right.set_title("The law that was found")
 plt.show()

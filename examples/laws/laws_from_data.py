@@ -1,8 +1,8 @@
-"""A friction law from measured forces
-======================================
+"""How do I make a law of measured forces?
+=======================================
 
-The friction force was measured in 36 sliding directions, with noise. Which law is it, and how far
-can it be trusted?
+The friction force was measured in 36 sliding directions, with noise. Learn how a law is made of
+such samples, or of a friction tensor, and how far it can be trusted.
 """
 
 import asperity as asp

@@ -1,8 +1,9 @@
-"""Where a sliding disk comes to rest
-=====================================
+"""Where does a sliding disk come to rest?
+=======================================
 
-A disk is launched over a ground surface, at an angle to the grooves. Does it matter which sliding
-direction belongs to a friction force, if the forces themselves are known?
+A disk is launched over a ground surface, at an angle to the grooves. Learn that it is not enough
+to know the friction forces: which sliding direction belongs to a force decides where the disk
+stops.
 """
 
 import asperity as asp
@@ -44,9 +45,9 @@ for name, law in laws.items():
 # extended one by more than five centimetres.
 
 with asp.plot.style():
-    figure, ax = plt.subplots(layout="constrained")
+    figure, ax = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
     for name, path in paths.items():
         asp.plot.plot_path(path, ax=ax, label=name)
     ax.set(xlabel="$x$ across the grooves in m", ylabel="$y$ along the grooves in m")
-    ax.legend()
+    ax.legend(loc="upper left")
 plt.show()

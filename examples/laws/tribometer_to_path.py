@@ -1,8 +1,8 @@
-"""From a tribometer to a sliding path
-======================================
+"""How do I get from a tribometer to a sliding path?
+=================================================
 
-A pin-on-disk tribometer has written its readings to files. Which law did it measure, and where
-will a disk of this material come to rest?
+A pin-on-disk tribometer has written its readings to files. Learn which law it measured, and where
+a disk of this material will come to rest.
 """
 
 import tempfile

@@ -1,8 +1,8 @@
-"""Friction laws of pushed bodies
-==============================
+"""Which friction laws do pushed bodies have?
+==========================================
 
-Robots have pushed bodies over boards and measured force and motion. Are the boards isotropic, and
-which law does a whole contact patch have?
+Robots have pushed bodies over boards and measured force and motion. Learn whether the boards are
+isotropic, and which law a whole contact patch has.
 
 Run: ``python measured_pushes.py FOLDER``; FOLDER holds ``real_pushes.npz``.
 """

@@ -1,9 +1,8 @@
-"""A mass on a belt sticks and slips
-====================================
+"""How does a mass on a belt stick and slip?
+=========================================
 
-A mass on two springs lies on a belt whose friction is anisotropic. What does it do if the belt
-runs at
-50°? This is Fig. 17 of Walker & Leine (2019).
+A mass on two springs lies on a belt whose friction is anisotropic. Learn what it does if the belt
+runs at 50°, as in Fig. 17 of Walker & Leine (2019).
 """
 
 import asperity as asp
@@ -28,9 +27,10 @@ print(motion.summary())
 # After the transient the mass repeats a cycle of stick and slip around the unstable equilibrium.
 
 with asp.plot.style():
-    figure, ax = plt.subplots(layout="constrained")
+    figure, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
     asp.plot.plot_path(motion.slice(150.0, 200.0), ax=ax, contact=0)
     ax.plot(*belt.equilibrium, "+", color="black", markersize=10.0, label="unstable equilibrium")
     ax.set(xlabel="$x$ in m", ylabel="$y$ in m")
-    ax.legend(loc="upper left")
+    ax.get_legend().remove()
+    figure.legend(loc="outside upper center", ncols=3)
 plt.show()

@@ -1,8 +1,8 @@
-"""Which belt directions shake a mass
-=====================================
+"""Which belt directions shake a mass?
+===================================
 
-For which directions of a belt does anisotropic friction alone make the mass on it unstable, how
-fast do its motions grow, and where do they end?
+Anisotropic friction alone can make the mass on a belt unstable. Learn for which directions that
+happens, how fast small motions grow, and in which cycles they end.
 """
 
 import asperity as asp

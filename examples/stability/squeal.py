@@ -1,9 +1,9 @@
-"""Why a brake squeals
-======================
+"""Why does a brake squeal?
+========================
 
-Friction does not fall with the speed, and yet steady sliding is unstable: two modes of vibration
-couple through the normal force. From which friction coefficient on, and what happens then? This is
-the mechanism of Fig. 13b of Walker & Leine (2019).
+Friction does not fall with the speed, and yet two modes of vibration couple through the normal
+force, as in Fig. 13b of Walker & Leine (2019). Learn from which coefficient on, and what happens
+then.
 """
 
 import asperity as asp
