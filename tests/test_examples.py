@@ -28,7 +28,7 @@ GALLERY = sorted(set(SCRIPTS) - ON_DATA)
 CHARTS = EXAMPLES / "charts"
 LINES = 40
 SIZE = re.compile(r"^(SIZE\b.*? = )\d+", re.MULTILINE)
-ROOMS = ("", ".identify", ".mechanisms", ".plot", ".predict", ".problems", ".track")
+ROOMS = ("", ".identify", ".law", ".mechanisms", ".plot", ".predict", ".problems", ".track")
 
 
 # Libraries of extras, without which a script is left out.
