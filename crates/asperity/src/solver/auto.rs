@@ -165,14 +165,14 @@ fn first_attempt(
 ) -> bool {
     let problem = progress.task.problem;
     let cost = Cost::of(problem, 0..problem.contacts().len());
-    let mut sweeps = Sweeps::new(cost.attempt(matrix.operations(problem)));
+    let mut sweeps = Sweeps::new(cost.attempt(NewtonMatrix::known_operations(problem)));
     // One is enough where sweeps were made before, which tells of contacts that have no solution.
     let swept = progress.task.swept;
     sweeps.run(progress, swept);
     let mut instead = 0.0;
     if !progress.is_over() {
         matrix.prepare(problem);
-        instead = cost.attempt(matrix.operations(problem));
+        instead = cost.attempt(Some(matrix.operations(problem)));
         sweeps.rate.instead_of(instead);
         if !swept {
             sweeps.run(progress, false);
