@@ -6,7 +6,7 @@
 //!
 //! Where an attempt by Newton's method costs less than the sweeps that are still to come, after three of them at the
 //! earliest, it is made at once: a step costs as much as three to ten sweeps, but where bodies are wide or many some tens
-//! to hundreds (`method/cost.rs`). If it fails, sweeps go on as long as they promise to end sooner than what follows.
+//! to hundreds (`method/cost.rs`). If it fails, sweeps go on as long as they promise an end.
 
 use crate::contact::{ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
@@ -24,9 +24,6 @@ use crate::solver::report::{Ended, Method};
 // factorisations, and did so with every value that this file names. Numbers changed by up to 5 % where only the rounding of
 // factorisations did: what is less says that it hardly matters.
 
-/// What follows a first attempt that has failed takes as long as so many attempts, at least: sweeps that promise an end by
-/// then go on. With one and two instead, the problems that `method/cost.rs` names take the same time.
-const FOLLOWING: f64 = 3.0;
 /// Newton iterations of a step of the attempt where none was made before: enough where `G` has full rank, and soon over
 /// where it has not.
 /// Half as many save 14 factorisations on the stored problems, twice as many cost 59.
@@ -186,7 +183,8 @@ fn first_attempt(
     proximal.first_attempt(progress, matrix);
     if !progress.is_over() {
         let before = sweeps.count;
-        sweeps.rate = Rate::new(FOLLOWING * instead);
+        // What follows may take hundreds of factorisations, and many more from a worse start.
+        sweeps.rate = Rate::default();
         sweeps.run(progress, false);
         progress.record(Method::GaussSeidel, sweeps.count - before, 0);
     }
