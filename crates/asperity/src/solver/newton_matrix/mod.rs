@@ -64,12 +64,15 @@ impl NewtonMatrix {
         }
     }
 
-    /// Floating-point operations of a factorisation; `None` before the pattern is analysed.
-    pub(crate) fn operations(&self, problem: &ContactProblem) -> Option<f64> {
-        if is_small(problem) {
-            return Some(PaddedLu::operations(problem.rows()));
-        }
-        self.ready.then_some(self.symbolic().operations)
+    /// Floating-point operations of a factorisation where these are known without an analysis of the pattern, whether one
+    /// was made before or not: what is decided by them must not depend on it.
+    pub(crate) fn known_operations(problem: &ContactProblem) -> Option<f64> {
+        is_small(problem).then(|| PaddedLu::operations(problem.rows()))
+    }
+
+    /// The same of the matrix that has been prepared.
+    pub(crate) fn operations(&self, problem: &ContactProblem) -> f64 {
+        Self::known_operations(problem).unwrap_or(self.symbolic().operations)
     }
 
     /// The analysis in the space where elimination is cheaper.
