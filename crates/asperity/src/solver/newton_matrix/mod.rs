@@ -53,6 +53,14 @@ impl NewtonMatrix {
         self.pattern.iter().copied().eq(pattern(problem))
     }
 
+    /// Floating-point operations of a factorisation.
+    pub(crate) fn operations(&self) -> f64 {
+        match (self.in_body_space, &self.body) {
+            (true, Some(body)) => body.symbolic.operations,
+            _ => self.contact.symbolic.operations,
+        }
+    }
+
     /// Factors `A + B G`; false if that failed.
     pub(crate) fn factor(
         &mut self,
