@@ -5,6 +5,7 @@
 
 use super::sweep::Sweeper;
 use super::task::{Iterate, Task};
+use crate::contact::{ContactRows, NormalForce};
 use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
 use crate::solver::measure::natural_map;
@@ -17,6 +18,11 @@ use crate::vectors::norm;
 /// Growth at which a proof is tried for the first time, and its factor to the next time: percussions come closer
 /// to a direction that proves it the more they grow.
 const SUSPICION: f64 = 1e4;
+/// Velocity relative to the largest load from which on a contact separates, and the part of the contacts that may do so in
+/// what may stand. Stacks, walls and arches have at most 4 % after their first sweeps, and so have five of the twenty stored
+/// problems that sweeps do not end.
+const SEPARATING: f64 = 1e-3;
+const FEW_SEPARATE: f64 = 0.05;
 
 /// Buffers.
 #[derive(Debug, Clone, Default)]
@@ -134,6 +140,24 @@ impl<'a> Progress<'a> {
             _ => Ended::Stalled,
         };
         (iterations, ended, residual)
+    }
+
+    /// Whether hardly a contact separates with the best percussions: bodies may rest on each other then.
+    pub(crate) fn may_stand(&mut self) -> bool {
+        let problem = self.task.problem;
+        let Buffers { best, velocity, .. } = &mut *self.buffers;
+        problem.velocity(best, velocity);
+        let loads = problem.free_velocity().iter().zip(problem.restitution());
+        let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
+        let measured = Measured { problem, percussion: best, velocity };
+        let separates = |rows: &&ContactRows| {
+            let row = rows.offset;
+            // What is pressed by a prescribed force rests upon nothing.
+            rows.normal != NormalForce::Unilateral
+                || best[row] <= 0.0 && measured.xi(row) > SEPARATING * largest
+        };
+        let count = problem.contacts().iter().filter(separates).count();
+        (count as f64) < FEW_SEPARATE * problem.contacts().len() as f64
     }
 
     /// Natural map of the best percussions.

@@ -1,0 +1,117 @@
+//! Sweeps with Anderson's acceleration.
+//!
+//! A sweep is a map `x ↦ g(x)` of percussions with the solution as its fixed point. The next one starts from the
+//! combination `Σ θ_j g(x_j)`, `Σ θ_j = 1`, of the last images whose defects `f_j = g(x_j) − x_j`, combined in the same
+//! way, are the smallest (\[WalkerNi2011\]): where contacts keep their states the map is linear, and this is a Krylov
+//! method that needs the root of the number of sweeps. Where a state changes it may lead astray: as soon as a defect is
+//! larger than the one before, what is remembered is forgotten, and a plain sweep follows from the last image.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::progress::Progress;
+use super::rate::TRIAL_SWEEPS;
+use crate::solver::report::Method;
+use crate::vectors::dot;
+
+/// Differences that are remembered. After 600 sweeps over columns of spheres with 960 contacts the natural map is 8e-9 with 3
+/// of them, 4e-10 with 5, 3e-11 with 10, 4e-9 with 20, and 2e-5 without any.
+const DEPTH: usize = 5;
+/// Part of the trace by which the normal equations are regularised; with 1e-6 and 1e-14 the natural map of 3000 contacts
+/// falls in the same way.
+const REGULARIZED: f64 = 1e-10;
+
+/// Part of the natural map that may be left after three tenths more sweeps: columns of 3000 and of 10 330 contacts stall at
+/// 1e-5 and 1e-4, whatever is remembered.
+const FALLING: f64 = 0.9;
+
+/// Buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Accelerated {
+    /// Where the sweep began.
+    from: Vec<f64>,
+    image: Vec<f64>,
+    defect: Vec<f64>,
+    /// Differences of images and of defects that follow each other, in a ring.
+    images: [Vec<f64>; DEPTH],
+    defects: [Vec<f64>; DEPTH],
+}
+
+impl Accelerated {
+    /// At most so many sweeps from the best percussions, as long as their defects fall.
+    pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, most: usize) {
+        let rows = progress.task.problem.rows();
+        let Self { from, image, defect, images, defects } = self;
+        for list in [&mut *image, &mut *defect]
+            .into_iter()
+            .chain(images.iter_mut())
+            .chain(defects.iter_mut())
+        {
+            list.clear();
+            list.resize(rows, 0.0);
+        }
+        let mut grade = progress.start_from_best(from);
+        progress.iterate.percussion.copy_from_slice(from);
+        let (mut remembered, mut next, mut last) = (0, 0, f64::INFINITY);
+        let (mut sweeps, mut judged_at) = (0, 0);
+        while sweeps < most && !progress.task.stop.early() {
+            progress.sweep();
+            sweeps += 1;
+            let swept = &*progress.iterate.percussion;
+            let size = swept.iter().zip(&*from).map(|(g, x)| (g - x) * (g - x)).sum::<f64>().sqrt();
+            if size > last {
+                // From the last image again, as if nothing had been before.
+                (remembered, last) = (0, f64::INFINITY);
+                from.copy_from_slice(image);
+                progress.iterate.percussion.copy_from_slice(image);
+                continue;
+            }
+            let (change, turn) = (&mut images[next], &mut defects[next]);
+            for row in 0..rows {
+                let now = swept[row] - from[row];
+                change[row] = swept[row] - image[row];
+                turn[row] = now - defect[row];
+                (image[row], defect[row]) = (swept[row], now);
+            }
+            if last.is_finite() {
+                next = (next + 1) % DEPTH;
+                remembered = (remembered + 1).min(DEPTH);
+            }
+            last = size;
+            if sweeps >= judged_at + (judged_at * 3 / 10).max(TRIAL_SWEEPS) {
+                let found = progress.grade(image);
+                // The comparison also turns away what is not a number.
+                if progress.is_over() || !(found < FALLING * grade) {
+                    break;
+                }
+                (grade, judged_at) = (found, sweeps);
+            }
+            let share = weights(&defects[..remembered], defect);
+            from.copy_from_slice(image);
+            for (images, share) in images.iter().zip(share.iter()) {
+                for (from, image) in from.iter_mut().zip(images) {
+                    *from -= share * image;
+                }
+            }
+            progress.iterate.percussion.copy_from_slice(from);
+        }
+        progress.record(Method::GaussSeidel, sweeps, 0);
+    }
+}
+
+/// Shares of the differences with which the defect is the smallest.
+fn weights(defects: &[Vec<f64>], defect: &[f64]) -> SVector<f64, DEPTH> {
+    let mut normal = SMatrix::<f64, DEPTH, DEPTH>::identity();
+    let mut right = SVector::<f64, DEPTH>::zeros();
+    let mut trace = 0.0;
+    for (i, own) in defects.iter().enumerate() {
+        right[i] = dot(own, defect);
+        for (j, other) in defects.iter().enumerate().take(i + 1) {
+            let product = dot(own, other);
+            (normal[(i, j)], normal[(j, i)]) = (product, product);
+        }
+        trace += normal[(i, i)];
+    }
+    (0..defects.len()).for_each(|i| normal[(i, i)] += REGULARIZED * trace);
+    // Without an answer the plain image is the next start.
+    normal.cholesky().map(|factored| factored.solve(&right)).unwrap_or_default()
+}

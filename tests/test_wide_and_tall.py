@@ -1,0 +1,81 @@
+"""The work on problems that are high or wide: it grows with the contacts, not with how many lie upon each other."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity import problems
+from scipy.sparse import csc_array
+
+TOLERANCE = 1e-8
+
+
+def solved(problem, **options):
+    """Return the solution by the measure of engines, which is asserted to be one."""
+    solution = problem.solve(tolerance=TOLERANCE, measure="global", **options)
+    assert problem.natural_map(solution.percussion) <= TOLERANCE
+    return solution
+
+
+def factorizations(solution):
+    """Return how many there were."""
+    return sum(stage.factorizations for stage in solution.stages)
+
+
+SCENES = {
+    "stack": (problems.stack, (25, 250, 2500), 1),
+    "wall": (lambda side: problems.wall(side, columns=side, push=1.0), (4, 11, 35), 1),
+    "arch": (problems.arch, (24, 249, 2499), 20),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_factorisations_do_not_grow_with_the_size(scene):
+    make, sizes, most = SCENES[scene]
+    for size in sizes:
+        assert factorizations(solved(make(size))) <= most
+
+
+def test_a_stack_carries_what_lies_on_it():
+    boxes = 2500
+    solution = solved(problems.stack(boxes))
+    normal = solution.percussion[0::3].reshape(boxes, 4).sum(axis=1)
+    carried = 9.81 * 0.01 * np.arange(boxes, 0, -1)
+    np.testing.assert_allclose(normal, carried, rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", [None, asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.4))])
+def test_a_stack_whose_top_slides_is_solved(law):
+    # Not everything sticks: that everything would is the wrong guess.
+    solution = solved(problems.stack(250, push=8.0, law=law))
+    assert np.linalg.norm(solution.velocity[-12:].reshape(4, 3)[:, 1:], axis=1).min() > 1e-3
+
+
+def test_accelerated_sweeps_find_what_factorisations_do():
+    problem = problems.columns(18, height=10)
+    swept = solved(problem)
+    accelerated = swept.stages[1]
+    assert accelerated.method == "gauss_seidel" and accelerated.iterations > 20
+    assert factorizations(swept) <= 10
+    factored = solved(problem, solver=asp.ProximalPoint())
+    np.testing.assert_allclose(swept.velocity, factored.velocity, atol=1e-5)
+
+
+@pytest.mark.parametrize("make", [lambda: problems.columns(18, height=10), lambda: problems.arch(99)])
+def test_the_order_of_contacts_does_not_matter(make):
+    problem = make()
+    solution = solved(problem)
+    order = np.random.default_rng(1).permutation(len(problem.laws))
+    rows = (3 * order[:, None] + np.arange(3)).ravel()
+    other = asp.ContactProblem.from_bodies(
+        problem.mass,
+        directions=csc_array(problem.directions)[:, rows],
+        free_velocity=problem.free_velocity[rows],
+        laws=[problem.laws[i] for i in order],
+    )
+    np.testing.assert_allclose(solved(other).velocity, solution.velocity[rows], atol=1e-5)
+
+
+def test_threads_do_not_change_accelerated_sweeps():
+    problem = problems.columns(36, height=10)
+    one, two = (solved(problem, solver=asp.Auto(threads=n)) for n in (1, 2))
+    assert np.array_equal(one.percussion, two.percussion)
