@@ -60,17 +60,17 @@ impl NewtonMatrix {
         }
     }
 
-    /// Floating-point operations of a factorisation where these are known without an analysis of the pattern, whether one
-    /// was made before or not: what is decided by them must not depend on it.
-    pub(crate) fn known_operations(problem: &ContactProblem) -> Option<f64> {
-        is_small(problem).then(|| PaddedLu::operations(problem.rows()))
+    /// Floating-point operations of a factorisation with so many rows where these are known without an analysis of the
+    /// pattern, whether one was made before or not: what is decided by them must not depend on it.
+    pub(crate) fn known_operations(rows: usize) -> Option<f64> {
+        (rows <= SMALL).then(|| PaddedLu::operations(rows))
     }
 
     /// The same of the matrix that has been prepared.
     pub(crate) fn operations(&self, problem: &ContactProblem) -> f64 {
         let body = self.body.as_ref().filter(|_| self.in_body_space);
         let symbolic = body.map_or(&self.contact.symbolic, |body| &body.symbolic);
-        Self::known_operations(problem).unwrap_or(symbolic.operations)
+        Self::known_operations(problem.rows()).unwrap_or(symbolic.operations)
     }
 
     fn knows(&self, problem: &ContactProblem) -> bool {
