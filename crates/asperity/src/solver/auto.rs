@@ -209,16 +209,18 @@ fn first_attempts(
     let problem = progress.task.problem;
     let contacts = problem.contacts().len();
     let cost = Cost::of(problem, 0..contacts);
-    let mut sweeps = Sweeps::new(cost.attempt(NewtonMatrix::known_operations(problem)));
-    // One is enough where sweeps were made before, which tells of contacts that have no solution.
+    let estimate = cost.first_estimate();
+    let mut sweeps = Sweeps::new(estimate);
+    // One is enough where sweeps were made before, as long as they were worth it, which tells of contacts that have no
+    // solution.
     let swept = progress.task.swept;
     sweeps.run(progress, swept);
     let mut instead = 0.0;
     if !progress.is_over() {
         matrix.prepare(problem);
-        instead = cost.attempt(Some(matrix.operations(problem)));
+        instead = cost.attempt(matrix.operations(problem));
         sweeps.rate.instead_of(instead);
-        if !swept {
+        if !swept || instead > estimate {
             sweeps.run(progress, false);
         }
     }

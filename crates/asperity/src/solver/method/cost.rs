@@ -1,7 +1,7 @@
 //! What sweeps and steps of Newton's method cost: how many sweeps one has the choice to make instead.
 
 use crate::contact::ContactProblem;
-use crate::linear::PaddedLu;
+use crate::solver::newton_matrix::NewtonMatrix;
 
 /// Operations on floating-point numbers in the time that is spent on a contact besides those on entries of `G`, in a sweep
 /// and in a step of Newton's method.
@@ -41,15 +41,17 @@ impl Cost {
         Self { rows, sweep, step }
     }
 
-    /// Sweeps in the time of an attempt with so many operations per factorisation; the pattern is analysed first where
-    /// they are not known.
-    pub(crate) fn attempt(&self, factorization: Option<f64>) -> f64 {
-        let analysis = if factorization.is_some() { 0.0 } else { ANALYSIS };
-        STEPS * (factorization.unwrap_or(0.0) + self.step) / self.sweep + analysis
+    /// Sweeps in the time of an attempt, as far as that is known before the pattern is analysed; its analysis counts, whether
+    /// one was made before or not.
+    pub(crate) fn first_estimate(&self) -> f64 {
+        match NewtonMatrix::known_operations(self.rows) {
+            Some(operations) => self.attempt(operations),
+            None => self.attempt(0.0) + ANALYSIS,
+        }
     }
 
-    /// The same where the matrix is factored whatever its pattern.
-    pub(crate) fn dense_attempt(&self) -> f64 {
-        self.attempt(Some(PaddedLu::operations(self.rows)))
+    /// Sweeps in the time of an attempt with so many operations per factorisation.
+    pub(crate) fn attempt(&self, factorization: f64) -> f64 {
+        STEPS * (factorization + self.step) / self.sweep
     }
 }

@@ -114,7 +114,7 @@ impl Sweeper {
         };
         let mut sweeps = 0;
         // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
-        let instead = || Cost::of(task.problem, members.iter().copied()).dense_attempt();
+        let instead = || Cost::of(task.problem, members.iter().copied()).first_estimate();
         let mut rate = match policy {
             Policy::FirstFound if !(swept.defect <= goal) => Rate::new(instead()),
             _ => Rate::default(),

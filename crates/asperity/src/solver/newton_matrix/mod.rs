@@ -64,15 +64,15 @@ impl NewtonMatrix {
         }
     }
 
-    /// Floating-point operations of a factorisation where these are known without an analysis of the pattern, whether one
-    /// was made before or not: what is decided by them must not depend on it.
-    pub(crate) fn known_operations(problem: &ContactProblem) -> Option<f64> {
-        is_small(problem).then(|| PaddedLu::operations(problem.rows()))
+    /// Floating-point operations of a factorisation with so many rows where these are known without an analysis of the
+    /// pattern, whether one was made before or not: what is decided by them must not depend on it.
+    pub(crate) fn known_operations(rows: usize) -> Option<f64> {
+        (rows <= SMALL).then(|| PaddedLu::operations(rows))
     }
 
     /// The same of the matrix that has been prepared.
     pub(crate) fn operations(&self, problem: &ContactProblem) -> f64 {
-        Self::known_operations(problem).unwrap_or(self.symbolic().operations)
+        Self::known_operations(problem.rows()).unwrap_or(self.symbolic().operations)
     }
 
     /// The analysis in the space where elimination is cheaper.
