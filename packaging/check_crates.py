@@ -1,4 +1,4 @@
-"""Package the crates as the registry will hold them, and use them from a crate outside of the repository.
+"""Package the crates as the registry will hold them, and use them from a crate outside.
 
     python packaging/check_crates.py --tests
 

@@ -5,8 +5,8 @@
     python packaging/check_install.py dist/asperity-*.tar.gz --tests
 
 It makes an environment, installs the artefact, imports it far from the repository, and lets
-``asperity demo`` compare its numbers. For a wheel there is no cargo on the path. With ``--tests`` it
-runs the tests of a folder, by default of the source distribution itself, on what is installed.
+``asperity demo`` compare its numbers. For a wheel there is no cargo on the path. With ``--tests``
+it runs the tests of a folder, by default of the source distribution itself, on what is installed.
 Exit code 0 if all of it is good.
 """
 
@@ -76,6 +76,9 @@ def _check(artefact: Path, scratch: Path, options: argparse.Namespace) -> None:
     if options.tests is not None:
         folder = Path(options.tests).resolve() if options.tests else _unpacked(artefact, scratch)
         words = ["-m", "pytest", "--numprocesses", "auto", "--dist", "loadscope"]
+        # Tests read and write their own files as Python 3.15 does on every system. That the package
+        # names its encodings is a test of its own.
+        environment = {**environment, "PYTHONUTF8": "1"}
         _run([str(python), *words, *options.pytest.split()], folder, environment)
 
 

@@ -1,4 +1,4 @@
-"""What a release changes in the repository: version, citation, changelog, and the project's addresses.
+"""What a release changes in the repository: version, citation, changelog, addresses.
 
     python packaging/release.py bump 0.2.0 --dry-run    shows what would change
     python packaging/release.py bump 0.2.0              changes it, all files or none

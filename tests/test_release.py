@@ -1,4 +1,4 @@
-"""What a release stands on: versions that agree, addresses, extras, and archives that are complete."""
+"""What a release stands on: versions and addresses that agree, extras, complete archives."""
 
 import ast
 import datetime
