@@ -1,0 +1,150 @@
+"""Sphinx: names in backticks become links, formulas stay Unicode, nothing is loaded from outside."""
+
+from __future__ import annotations
+
+import html
+import re
+from typing import Any
+
+from docutils import nodes
+from sphinx import addnodes
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.util import logging
+from words import PACKAGE
+
+_log = logging.getLogger(__name__)
+
+_SYMBOLS = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "varepsilon": "ε",
+    "zeta": "ζ", "eta": "η", "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν",
+    "xi": "ξ", "pi": "π", "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ", "varphi": "φ",
+    "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ", "Sigma": "Σ", "Psi": "Ψ",
+    "Omega": "Ω", "cdot": "·", "times": "×", "leq": "≤", "le": "≤", "geq": "≥", "ge": "≥",
+    "neq": "≠", "approx": "≈", "in": "∈", "subset": "⊂", "subseteq": "⊆", "to": "→", "infty": "∞",
+    "partial": "∂", "nabla": "∇", "sum": "Σ", "int": "∫", "pm": "±", "perp": "⊥", "circ": "°",
+    "ldots": "…", "dots": "…", "quad": " ", "top": "ᵀ", "|": "‖", ",": " ", ";": " ", " ": " ",
+    "left": "", "right": "", "sin": "sin", "cos": "cos", "tan": "tan", "ln": "ln", "exp": "exp",
+    "max": "max", "min": "min",
+}  # fmt: skip
+_UPRIGHT = ("mathrm", "text", "operatorname", "mathbf", "mathit")
+_GROUP = r"\{((?:[^{}]|\{[^{}]*\})*)\}"
+
+
+def formula(latex: str) -> str:
+    """Return HTML of a short formula, without a script that draws it.
+
+    Raises:
+        ValueError: naming a command that is not known.
+
+    >>> formula(r"R\\dot\\varphi")
+    'Rφ̇'
+    """
+    text = latex.strip()
+    text = re.sub(r"\\(?:%s)%s" % ("|".join(_UPRIGHT), _GROUP), r"\1", text)
+    text = re.sub(r"\\sqrt" + _GROUP, r"√(\1)", text)
+    text = re.sub(r"\\[dt]?frac" + _GROUP + _GROUP, r"(\1)/(\2)", text)
+    dots: list[str] = []
+
+    def dotted(match: re.Match[str]) -> str:
+        dots.append("\u0307" if match[1] == "dot" else "\u0308")
+        return f"{match[2] or match[3]}\0"
+
+    text = re.sub(r"\\(d?dot)(?:\{([^{}]*)\}|\s*(\\\w+|\w))", dotted, text)
+
+    def symbol(match: re.Match[str]) -> str:
+        try:
+            return _SYMBOLS[match[1]]
+        except KeyError:
+            raise ValueError(f"\\{match[1]} in {latex!r} is not known to site/extension.py") from None
+
+    text = re.sub(r"\\([A-Za-z]+|.)\s*", symbol, text)
+    marks = iter(dots)
+    text = re.sub("\0", lambda _: next(marks), text)
+    text = html.escape(text, quote=False)
+    for mark, tag in (("_", "sub"), ("^", "sup")):
+        text = re.sub(rf"{re.escape(mark)}(?:\{{([^{{}}]*)\}}|(\S))", rf"<{tag}>\1\2</{tag}>", text)
+    return text.replace("{", "").replace("}", "")
+
+
+def _inline_formula(self: Any, node: nodes.math) -> None:
+    try:
+        self.body.append(f'<em class="formula">{formula(node.astext())}</em>')
+    except ValueError as error:
+        _log.warning("%s", error, location=node)
+    raise nodes.SkipNode
+
+
+def _displayed_formula(self: Any, node: nodes.math_block) -> None:
+    try:
+        self.body.append(f'<p class="formula"><em>{formula(node.astext())}</em></p>')
+    except ValueError as error:
+        _log.warning("%s", error, location=node)
+    raise nodes.SkipNode
+
+
+def name_role(
+    name: str, rawtext: str, text: str, lineno: int, inliner: Any, *_: Any
+) -> tuple[list[nodes.Node], list[nodes.system_message]]:
+    """Link what is a public name; everything else in backticks is code."""
+    env: BuildEnvironment = inliner.document.settings.env
+    inside = env.ref_context.get("py:class") or ""
+    module = env.ref_context.get("py:module") or ""
+    inside = f"{module}.{inside}" if module and inside else inside
+    path = PACKAGE.resolve(text, inside)
+    code = nodes.literal(rawtext, text)
+    if path is None or path == inside:
+        return [code], []
+    link = addnodes.pending_xref(
+        rawtext, code, refdomain="py", reftype="obj", reftarget=path, refexplicit=True
+    )
+    link["refdoc"] = env.docname
+    return [link], []
+
+
+def public_target(
+    app: Sphinx, env: BuildEnvironment, node: addnodes.pending_xref, inner: nodes.TextElement
+) -> nodes.Node | None:
+    """Resolve annotations, which name modules that users do not import from.
+
+    What has no page, such as an alias for an array, is text; a name that looks like one of the
+    public ones, and is none, dangles.
+    """
+    if node.get("refdomain") != "py":
+        return None
+    target = node["reftarget"]
+    path = PACKAGE.resolve(target)
+    domain = env.domains.python_domain
+    if path is not None and path in domain.objects:
+        found = domain.objects[path]
+        return domain_link(app, node, inner, found.docname, found.node_id, path)
+    if node.get("reftype") in ("class", "exc", "data", "obj") and not target.startswith("asperity."):
+        if path is None and target.rpartition(".")[2] in _PLAIN:
+            return inner
+        if path is None and "." not in target:
+            return inner
+    if "asperity." in target and re.search(r"\._|asperity\.\w+\.\w+", target):
+        return inner
+    return None
+
+
+def domain_link(
+    app: Sphinx, node: nodes.Node, inner: nodes.Node, document: str, anchor: str, title: str
+) -> nodes.reference:
+    """Return a link to an object of the reference."""
+    from sphinx.util.nodes import make_refnode
+
+    return make_refnode(app.builder, node["refdoc"], document, anchor, [inner], title)
+
+
+_PLAIN = frozenset({"ArrayLike", "NDArray", "Array", "Progress", "Model", "Laws", "Run", "Solver"})
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register all of it."""
+    app.add_role("name", name_role)
+    app.connect("missing-reference", public_target)
+    app.add_html_math_renderer(
+        "unicode", (_inline_formula, None), (_displayed_formula, None)
+    )
+    return {"parallel_read_safe": True, "parallel_write_safe": True, "version": "1"}
