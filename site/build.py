@@ -11,6 +11,8 @@ must lead somewhere, and no page may load anything from outside.
 from __future__ import annotations
 
 import argparse
+import importlib
+import inspect
 import os
 import re
 import shutil
@@ -99,6 +101,8 @@ def pages(*, rust: bool) -> Iterator[tuple[str, bytes]]:
         elif path.suffix in (".png", ".svg"):
             yield name, path.read_bytes()
     yield from scripts()
+    for path in sorted((SITE / "inventories").glob("*.txt")):
+        yield f"inventories/{path.stem}.inv", inventory(path.read_text(encoding="utf-8"))
     yield "reference/index.rst", contents().encode()
     yield "reference/equations.rst", equations().encode()
     for room in ROOMS:
@@ -139,14 +143,15 @@ def contents() -> str:
 def reference(room: str) -> str:
     """Return the page of a room, with a table of its names."""
     names = [name for name in PACKAGE.names if name.room == room]
-    lines = [_title(ROOMS[room], "="), f".. automodule:: asperity.{room}", "   :no-members:"]
-    lines += ["   :no-index:", ""]
+    said = inspect.getdoc(importlib.import_module(f"asperity.{room}")) or ""
+    # A directive for modules would be taken by autosummary for where the names below are.
+    lines = [_title(ROOMS[room], "="), said, ""]
     for title, group in (
         ("Classes", [name for name in names if name.is_class]),
         ("Functions", [name for name in names if not name.is_class]),
     ):
         if group:
-            lines += [_title(title, "-"), ".. currentmodule:: asperity", ""]
+            lines += [_title(title, "-")]
             lines += [".. autosummary::", "   :toctree: names", ""]
             lines += [*(f"   ~{name.path}" for name in group), ""]
     return "\n".join(lines)

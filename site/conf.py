@@ -30,7 +30,7 @@ extensions = [
 ]
 nitpicky = True
 default_role = "name"
-exclude_patterns = ["gallery/**/*.ipynb"]
+exclude_patterns = ["scripts/**", "**.ipynb", ".doctrees"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 suppress_warnings = ["config.cache"]
 
@@ -45,8 +45,8 @@ autosummary_generate_overwrite = False
 autosummary_context = {
     "members": {name.path: PACKAGE.members(name) for name in PACKAGE.names if name.is_class}
 }
-autodoc_typehints = "signature"
-autodoc_typehints_format = "short"
+# Signatures are written by the extension, with the annotations as the sources have them.
+autodoc_typehints = "none"
 autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 autodoc_class_signature = "mixed"
@@ -57,19 +57,16 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False
 add_module_names = False
 toc_object_entries_show_parents = "hide"
-# What Python has no page for, and the inventories do not list.
-nitpick_ignore_regex = [("py:.*", r".*\b(?:optional|Self)")]
 
 # Other projects, by inventories that are stored here: nothing is fetched.
 intersphinx_mapping = {
-    "python": ("https://docs.python.org/3/", str(SITE / "inventories" / "python.inv")),
-    "numpy": ("https://numpy.org/doc/stable/", str(SITE / "inventories" / "numpy.inv")),
-    "matplotlib": ("https://matplotlib.org/stable/", str(SITE / "inventories" / "matplotlib.inv")),
-    "pandas": ("https://pandas.pydata.org/docs/", str(SITE / "inventories" / "pandas.inv")),
-    "xarray": ("https://docs.xarray.dev/en/stable/", str(SITE / "inventories" / "xarray.inv")),
-}
-intersphinx_mapping = {
-    name: places for name, places in intersphinx_mapping.items() if Path(places[1]).exists()
+    name: (address, str(Path("inventories") / f"{name}.inv"))
+    for name, address in {
+        "python": "https://docs.python.org/3/",
+        "numpy": "https://numpy.org/doc/stable/",
+        "matplotlib": "https://matplotlib.org/stable/",
+        "xarray": "https://docs.xarray.dev/en/stable/",
+    }.items()
 }
 
 # Gallery

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import inspect
 import re
 from typing import Any
 
@@ -11,6 +12,7 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 from sphinx.util import logging
+from sphinx.util.inspect import stringify_signature
 from words import PACKAGE
 
 _log = logging.getLogger(__name__)
@@ -105,27 +107,27 @@ def name_role(
 def public_target(
     app: Sphinx, env: BuildEnvironment, node: addnodes.pending_xref, inner: nodes.TextElement
 ) -> nodes.Node | None:
-    """Resolve annotations, which name modules that users do not import from.
+    """Resolve annotations, which name things as the sources import them.
 
-    What has no page, such as an alias for an array, is text; a name that looks like one of the
-    public ones, and is none, dangles.
+    What has no page is text: names of the package that users do not import, and variables of types.
+    Of other projects everything must be in the inventories.
     """
     if node.get("refdomain") != "py":
         return None
     target = node["reftarget"]
     path = PACKAGE.resolve(target)
-    domain = env.domains.python_domain
-    if path is not None and path in domain.objects:
-        found = domain.objects[path]
+    objects = env.domains.python_domain.objects
+    if path is not None and path in objects:
+        found = objects[path]
         return domain_link(app, node, inner, found.docname, found.node_id, path)
-    if node.get("reftype") in ("class", "exc", "data", "obj") and not target.startswith("asperity."):
-        if path is None and target.rpartition(".")[2] in _PLAIN:
-            return inner
-        if path is None and "." not in target:
-            return inner
-    if "asperity." in target and re.search(r"\._|asperity\.\w+\.\w+", target):
-        return inner
-    return None
+    last = target.rpartition(".")[2]
+    if last in _ELSEWHERE:
+        node["reftarget"] = _ELSEWHERE[last]
+        return None
+    if target.startswith("np."):
+        node["reftarget"] = f"numpy.{target.removeprefix('np.')}"
+        return None
+    return inner if target.startswith("asperity.") or "." not in target else None
 
 
 def domain_link(
@@ -137,13 +139,85 @@ def domain_link(
     return make_refnode(app.builder, node["refdoc"], document, anchor, [inner], title)
 
 
-_PLAIN = frozenset({"ArrayLike", "NDArray", "Array", "Progress", "Model", "Laws", "Run", "Solver"})
+_ELSEWHERE = {
+    "ArrayLike": "numpy.typing.ArrayLike",
+    "NDArray": "numpy.typing.NDArray",
+    "Axes": "matplotlib.axes.Axes",
+    "Figure": "matplotlib.figure.Figure",
+    "Dataset": "xarray.Dataset",
+    "Callable": "collections.abc.Callable",
+    "Iterable": "collections.abc.Iterable",
+    "Iterator": "collections.abc.Iterator",
+    "Mapping": "collections.abc.Mapping",
+    "Sequence": "collections.abc.Sequence",
+    "Executor": "concurrent.futures.Executor",
+    "AbstractContextManager": "contextlib.AbstractContextManager",
+    "IntEnum": "enum.IntEnum",
+    "IntFlag": "enum.IntFlag",
+    "StrEnum": "enum.StrEnum",
+    "PathLike": "os.PathLike",
+    "Path": "pathlib.Path",
+}
+"""Where other projects describe what the sources import by its last name."""
+
+
+def written_signature(
+    app: Sphinx, what: str, name: str, value: Any, options: Any, given: str, returned: str
+) -> tuple[str, str] | None:
+    """Return signatures with annotations as they are written: an alias says more than its parts."""
+    del app, options, given, returned
+    if what not in ("class", "exception", "function", "method"):
+        return None
+    try:
+        signature = inspect.signature(value)
+    except (TypeError, ValueError):
+        return None
+    if what == "method":
+        signature = _without_self(signature)
+    text = stringify_signature(signature, show_return_annotation=False)
+    result = signature.return_annotation
+    if what in ("class", "exception") or result is inspect.Signature.empty:
+        return text, ""
+    return text, result if isinstance(result, str) else inspect.formatannotation(result)
+
+
+def _without_self(signature: inspect.Signature) -> inspect.Signature:
+    given = list(signature.parameters.values())
+    if given and given[0].name in ("self", "cls"):
+        given = given[1:]
+    return signature.replace(parameters=given)
+
+
+def plain_bars(
+    app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]
+) -> None:
+    """Let bars be absolute values, and equations of [WL19] lead to their index.
+
+    reStructuredText takes bars for substitutions.
+    """
+    del app, what, name, value, options
+    for i, line in enumerate(lines):
+        if not line.lstrip().startswith((">>>", "...")):
+            parts = re.split(r"(``.*?``|`[^`]*`)", line)
+            parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+            lines[i] = "".join(parts)
+        if "[WL19]" in line:
+            head, mark, rest = lines[i].partition("[WL19]")
+            lines[i] = head + mark + re.sub(r"\((\d+)\)", _to_index, rest)
+
+
+def _to_index(match: re.Match[str]) -> str:
+    known = int(match[1]) in PACKAGE.equations()
+    return f":ref:`({match[1]}) <eq-{match[1]}>`" if known else match[0]
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register all of it."""
+    app.setup_extension("sphinx.ext.autodoc")
     app.add_role("name", name_role)
-    app.connect("missing-reference", public_target)
+    app.connect("missing-reference", public_target, priority=100)
+    app.connect("autodoc-process-signature", written_signature)
+    app.connect("autodoc-process-docstring", plain_bars)
     app.add_html_math_renderer(
         "unicode", (_inline_formula, None), (_displayed_formula, None)
     )

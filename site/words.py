@@ -8,7 +8,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any
 
@@ -180,6 +180,7 @@ class Package:
                     text = getattr(getattr(value, "__func__", value), "__doc__", None) or ""
                     yield f"{name.path}.{member}", inspect.cleandoc(text)
 
+    @lru_cache(maxsize=1)  # noqa: B019: there is one package
     def equations(self) -> dict[int, list[str]]:
         """Return what states or uses each equation of [WL19], as its docstring says."""
         found: dict[int, set[str]] = defaultdict(set)

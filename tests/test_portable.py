@@ -44,6 +44,23 @@ def test_every_text_has_an_encoding():
     assert not [line for path in SOURCES for line in unnamed_encodings(path)]
 
 
+NUMPY_2 = {"acos", "asin", "atan", "atan2", "bitwise_count", "concat", "cumulative_sum", "isdtype",
+           "matrix_transpose", "permute_dims", "trapezoid", "unstack", "vecdot"}  # fmt: skip
+"""Names that NumPy 1.26, which will do, does not have."""
+
+
+def test_names_of_numpy_are_those_of_all_its_releases():
+    found = {
+        f"{path.relative_to(ROOT)}: {node.attr}"
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute)
+        and getattr(node.value, "id", "") == "np"
+        and node.attr in NUMPY_2
+    }
+    assert not found
+
+
 @pytest.fixture
 def law(tmp_path):
     asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(1.8, 1.2)).save(tmp_path / "law.toml")
