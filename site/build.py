@@ -165,7 +165,7 @@ def equations() -> str:
     lines += ["   * - equation", "     - stated or used by"]
     for number, paths in PACKAGE.equations().items():
         names = ", ".join(f":name:`{path.removeprefix('asperity.')}`" for path in paths)
-        lines += [f"   * - .. _eq-{number}:", "", f"       ({number})", f"     - {names}"]
+        lines += [f"   * - .. _eq-{number}:", "", f"       \\({number})", f"     - {names}"]
     return "\n".join([*lines, ""])
 
 

@@ -43,7 +43,7 @@ templates_path = [str(SITE / "templates")]
 autosummary_generate = True
 autosummary_generate_overwrite = False
 autosummary_context = {
-    "members": {name.path: PACKAGE.members(name) for name in PACKAGE.names if name.is_class}
+    "on_page": {name.path: PACKAGE.members(name) for name in PACKAGE.names if name.is_class}
 }
 # Signatures are written by the extension, with the annotations as the sources have them.
 autodoc_typehints = "none"
@@ -65,6 +65,7 @@ intersphinx_mapping = {
         "python": "https://docs.python.org/3/",
         "numpy": "https://numpy.org/doc/stable/",
         "matplotlib": "https://matplotlib.org/stable/",
+        "pandas": "https://pandas.pydata.org/docs/",
         "xarray": "https://docs.xarray.dev/en/stable/",
     }.items()
 }

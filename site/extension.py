@@ -117,7 +117,9 @@ def public_target(
     target = node["reftarget"]
     path = PACKAGE.resolve(target)
     objects = env.domains.python_domain.objects
-    if path is not None and path in objects:
+    if path is not None:
+        if path not in objects:
+            return None
         found = objects[path]
         return domain_link(app, node, inner, found.docname, found.node_id, path)
     last = target.rpartition(".")[2]
@@ -127,7 +129,7 @@ def public_target(
     if target.startswith("np."):
         node["reftarget"] = f"numpy.{target.removeprefix('np.')}"
         return None
-    return inner if target.startswith("asperity.") or "." not in target else None
+    return None if target.partition(".")[0] in _PROJECTS else inner
 
 
 def domain_link(
@@ -139,6 +141,7 @@ def domain_link(
     return make_refnode(app.builder, node["refdoc"], document, anchor, [inner], title)
 
 
+_PROJECTS = ("matplotlib", "numpy", "pandas", "scipy", "xarray")
 _ELSEWHERE = {
     "ArrayLike": "numpy.typing.ArrayLike",
     "NDArray": "numpy.typing.NDArray",
@@ -188,6 +191,17 @@ def _without_self(signature: inspect.Signature) -> inspect.Signature:
     return signature.replace(parameters=given)
 
 
+def public_bases(
+    app: Sphinx, name: str, value: type, unused: dict[str, Any], bases: list[Any]
+) -> None:
+    """Leave out bases that only share code."""
+    del app, name, unused
+    shared = (base for base in value.__mro__[1:] if base.__module__.startswith("asperity"))
+    known = [one for one in shared if f"{one.__module__}.{one.__qualname__}" in PACKAGE.by_home]
+    outside = [one for one in value.__bases__ if not one.__module__.startswith("asperity")]
+    bases[:] = known[:1] or outside or [object]
+
+
 def plain_bars(
     app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]
 ) -> None:
@@ -206,6 +220,16 @@ def plain_bars(
             lines[i] = head + mark + re.sub(r"\((\d+)\)", _to_index, rest)
 
 
+def sentence_first(
+    app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]
+) -> None:
+    """Keep Napoleon from taking what stands before a colon for the type of a property."""
+    del app, name, value, options
+    if what == "property":
+        # An empty comment: it drops empty lines.
+        lines[:0] = ["..", ""]
+
+
 def _to_index(match: re.Match[str]) -> str:
     known = int(match[1]) in PACKAGE.equations()
     return f":ref:`({match[1]}) <eq-{match[1]}>`" if known else match[0]
@@ -217,7 +241,9 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_role("name", name_role)
     app.connect("missing-reference", public_target, priority=100)
     app.connect("autodoc-process-signature", written_signature)
+    app.connect("autodoc-process-bases", public_bases)
     app.connect("autodoc-process-docstring", plain_bars)
+    app.connect("autodoc-process-docstring", sentence_first, priority=400)
     app.add_html_math_renderer(
         "unicode", (_inline_formula, None), (_displayed_formula, None)
     )

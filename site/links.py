@@ -42,7 +42,9 @@ def problems(folder: Path) -> list[str]:
     Anchors within the pages of the crates are left to rustdoc, which checks and partly makes them
     while the page is shown.
     """
-    parsed = {path: _parsed(path) for path in sorted(folder.rglob("*.html"))}
+    # What the theme brings there are templates of its own.
+    pages = (path for path in sorted(folder.rglob("*.html")) if "_static" not in path.parts)
+    parsed = {path: _parsed(path) for path in pages}
     found = []
     for path, page in parsed.items():
         inside = path.relative_to(folder)
