@@ -44,7 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--pytest", default="", help="options of pytest, in one text")
     parser.add_argument("--demo", type=Path, help="keep what the demo writes here")
     parser.add_argument(
-        "--no-demo", action="store_true", help="import only, where there is no matplotlib to install"
+        "--no-demo",
+        action="store_true",
+        help="import only, where there is no matplotlib to install",
     )
     options = parser.parse_args(arguments)
     if len(options.artefact) > 1:

@@ -163,7 +163,7 @@ def equations() -> str:
     lines += ["description says; :doc:`/NOTATION` leads from symbols to names.", ""]
     lines += [".. list-table::", "   :header-rows: 1", "   :widths: 10 90", ""]
     lines += ["   * - equation", "     - stated or used by"]
-    for number, paths in PACKAGE.equations().items():
+    for number, paths in PACKAGE.equations.items():
         names = ", ".join(f":name:`{path.removeprefix('asperity.')}`" for path in paths)
         lines += [f"   * - .. _eq-{number}:", "", f"       \\({number})", f"     - {names}"]
     return "\n".join([*lines, ""])
@@ -171,7 +171,7 @@ def equations() -> str:
 
 def notation(text: str) -> str:
     """Link names and equations of the tables of symbols."""
-    known = PACKAGE.equations()
+    known = PACKAGE.equations
     classes = [name.path for name in PACKAGE.names if name.is_class]
 
     def name(match: re.Match[str]) -> str:

@@ -43,7 +43,8 @@ templates_path = [str(SITE / "templates")]
 autosummary_generate = True
 autosummary_generate_overwrite = False
 autosummary_context = {
-    "on_page": {name.path: PACKAGE.members(name) for name in PACKAGE.names if name.is_class}
+    "derived": {name.path for name in PACKAGE.names if name.is_class and PACKAGE.bases(name)},
+    "on_page": {name.path: PACKAGE.members(name) for name in PACKAGE.names if name.is_class},
 }
 # Signatures are written by the extension, with the annotations as the sources have them.
 autodoc_typehints = "none"

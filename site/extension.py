@@ -1,4 +1,4 @@
-"""Sphinx: names in backticks become links, formulas stay Unicode, nothing is loaded from outside."""
+"""Sphinx: names in backticks become links, formulas are text, nothing comes from outside."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ _GROUP = r"\{((?:[^{}]|\{[^{}]*\})*)\}"
 
 
 def formula(latex: str) -> str:
-    """Return HTML of a short formula, without a script that draws it.
+    r"""Return HTML of a short formula, without a script that draws it.
 
     Raises:
         ValueError: naming a command that is not known.
 
-    >>> formula(r"R\\dot\\varphi")
+    >>> formula(r"R\dot\varphi")
     'Rφ̇'
     """
     text = latex.strip()
-    text = re.sub(r"\\(?:%s)%s" % ("|".join(_UPRIGHT), _GROUP), r"\1", text)
+    text = re.sub(rf"\\(?:{'|'.join(_UPRIGHT)}){_GROUP}", r"\1", text)
     text = re.sub(r"\\sqrt" + _GROUP, r"√(\1)", text)
     text = re.sub(r"\\[dt]?frac" + _GROUP + _GROUP, r"(\1)/(\2)", text)
     dots: list[str] = []
@@ -58,7 +58,9 @@ def formula(latex: str) -> str:
         try:
             return _SYMBOLS[match[1]]
         except KeyError:
-            raise ValueError(f"\\{match[1]} in {latex!r} is not known to site/extension.py") from None
+            raise ValueError(
+                f"\\{match[1]} in {latex!r} is not known to site/extension.py"
+            ) from None
 
     text = re.sub(r"\\([A-Za-z]+|.)\s*", symbol, text)
     marks = iter(dots)
@@ -191,15 +193,12 @@ def _without_self(signature: inspect.Signature) -> inspect.Signature:
     return signature.replace(parameters=given)
 
 
-def public_bases(
-    app: Sphinx, name: str, value: type, unused: dict[str, Any], bases: list[Any]
-) -> None:
+def public_bases(app: Sphinx, name: str, value: type, unused: Any, bases: list[Any]) -> None:
     """Leave out bases that only share code."""
     del app, name, unused
-    shared = (base for base in value.__mro__[1:] if base.__module__.startswith("asperity"))
-    known = [one for one in shared if f"{one.__module__}.{one.__qualname__}" in PACKAGE.by_home]
-    outside = [one for one in value.__bases__ if not one.__module__.startswith("asperity")]
-    bases[:] = known[:1] or outside or [object]
+    path = PACKAGE.by_home.get(f"{value.__module__}.{value.__qualname__}")
+    if path is not None:
+        bases[:] = PACKAGE.bases(PACKAGE.by_path[path]) or bases
 
 
 def plain_bars(
@@ -231,7 +230,7 @@ def sentence_first(
 
 
 def _to_index(match: re.Match[str]) -> str:
-    known = int(match[1]) in PACKAGE.equations()
+    known = int(match[1]) in PACKAGE.equations
     return f":ref:`({match[1]}) <eq-{match[1]}>`" if known else match[0]
 
 
@@ -244,7 +243,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("autodoc-process-bases", public_bases)
     app.connect("autodoc-process-docstring", plain_bars)
     app.connect("autodoc-process-docstring", sentence_first, priority=400)
-    app.add_html_math_renderer(
-        "unicode", (_inline_formula, None), (_displayed_formula, None)
-    )
+    app.add_html_math_renderer("unicode", (_inline_formula, None), (_displayed_formula, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True, "version": "1"}

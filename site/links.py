@@ -1,4 +1,4 @@
-"""Are all links within a built site good, and is everything that its pages load in it?"""
+"""Whether all links within a built site are good, and all that its pages load is in it."""
 
 from __future__ import annotations
 
@@ -64,9 +64,10 @@ def problems(folder: Path) -> list[str]:
                 target = (path.parent / place.split("?")[0]).resolve()
             if not target.exists():
                 found.append(f"{inside}: {address} leads nowhere")
-            elif anchor and target in parsed and "rust" not in target.relative_to(folder).parts:
-                if anchor not in parsed[target].anchors:
-                    found.append(f"{inside}: {address} has no such place")
+            elif anchor and target in parsed and (folder / "rust") not in target.parents:
+                if anchor in parsed[target].anchors:
+                    continue
+                found.append(f"{inside}: {address} has no such place")
     for path in sorted(folder.rglob("*.css")):
         for match in _IN_STYLE.finditer(path.read_text(encoding="utf-8", errors="replace")):
             found.append(f"{path.relative_to(folder)}: loads {match[1] or match[2]}")

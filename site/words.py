@@ -1,4 +1,4 @@
-"""What the site knows of the package: public names, where they live, and which equations they state."""
+"""What the site knows of the package: public names, their homes, the equations they state."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
+from itertools import islice
 from types import ModuleType
 from typing import Any
 
@@ -103,6 +104,15 @@ class Package:
             if hasattr(name.value, "__qualname__")
         }
 
+    def bases(self, name: Name) -> list[type]:
+        """Return the nearest public base of a class, or those from outside; none but `object`."""
+        for base in name.value.__mro__[1:]:
+            if f"{base.__module__}.{base.__qualname__}" in self.by_home:
+                return [base]
+        outside = (base for base in name.value.__mro__[1:] if base is not object)
+        found = (base for base in outside if not base.__module__.startswith(("asperity", "abc")))
+        return list(islice(found, 1))
+
     def members(self, name: Name) -> list[str]:
         """Return the members that the page of a class has: its own, and those of private bases.
 
@@ -180,9 +190,9 @@ class Package:
                     text = getattr(getattr(value, "__func__", value), "__doc__", None) or ""
                     yield f"{name.path}.{member}", inspect.cleandoc(text)
 
-    @lru_cache(maxsize=1)  # noqa: B019: there is one package
+    @cached_property
     def equations(self) -> dict[int, list[str]]:
-        """Return what states or uses each equation of [WL19], as its docstring says."""
+        """What states or uses each equation of [WL19], as its docstring says."""
         found: dict[int, set[str]] = defaultdict(set)
         for path, text in self.docstrings():
             for number in cited(text):
