@@ -35,6 +35,7 @@ FILES = ("REFERENCES.bib", "CITATION.cff")
 EXAMPLE = re.compile(r"\]\((?:\.\./)?examples/([\w/]+)\.py\)")
 """Links to scripts, which have pages in the gallery."""
 CRATES = ("asperity-set", "asperity")
+_SET = "asperity_set"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -85,10 +86,7 @@ def pages(*, rust: bool) -> Iterator[tuple[str, bytes]]:
     yield "conf.py", (SITE / "conf.py").read_bytes()
     for path in sorted((SITE / "pages").rglob("*")):
         if path.is_file():
-            text = path.read_text(encoding="utf-8")
-            if not rust:
-                text = text.replace("(rust/asperity/index.html)", "(reference/index.rst)")
-            yield path.relative_to(SITE / "pages").as_posix(), text.encode()
+            yield path.relative_to(SITE / "pages").as_posix(), path.read_bytes()
     for name in ROOT_PAGES:
         text = _linked((ROOT / name).read_text(encoding="utf-8"))
         yield name, (notation(text) if name == "NOTATION.md" else text).encode()
@@ -103,7 +101,7 @@ def pages(*, rust: bool) -> Iterator[tuple[str, bytes]]:
     yield from scripts()
     for path in sorted((SITE / "inventories").glob("*.txt")):
         yield f"inventories/{path.stem}.inv", inventory(path.read_text(encoding="utf-8"))
-    yield "reference/index.rst", contents().encode()
+    yield "reference/index.rst", contents(rust=rust).encode()
     yield "reference/equations.rst", equations().encode()
     for room in ROOMS:
         yield f"reference/{room}.rst", reference(room).encode()
@@ -123,10 +121,15 @@ def scripts() -> Iterator[tuple[str, bytes]]:
         yield f"scripts/{gallery}{inside.as_posix()}", path.read_bytes()
 
 
-def contents() -> str:
+def contents(*, rust: bool) -> str:
     """Return the front page of the reference."""
-    lines = [_title("Reference", "="), "What a program imports, room by room.", ""]
-    lines += ["* :doc:`equations`: which function belongs to which equation of [WL19]", ""]
+    lines = [_title("Reference", "="), "What a program in Python imports, room by room.", ""]
+    if rust:
+        # Sphinx does not know these pages: they come when it is done.
+        pages = (f'<a href="../rust/{name}/index.html">{name}</a>' for name in ("asperity", _SET))
+        lines += [".. raw:: html", "", f"   <p>The crates in Rust: {', '.join(pages)}.</p>", ""]
+    lines += [":doc:`equations` leads from equations of [WL19] to names, :doc:`/NOTATION` from"]
+    lines += ["symbols.", ""]
     lines += [".. toctree::", "   :maxdepth: 1", "", *(f"   {room}" for room in ROOMS)]
     lines += ["   equations", ""]
     lines += [_title("What all values have in common", "-")]
