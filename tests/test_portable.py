@@ -9,6 +9,7 @@ from pathlib import Path
 
 import asperity as asp
 import pytest
+from asperity import identify
 from asperity.commands.main import main
 from asperity.commands.options import quoted
 
@@ -107,6 +108,24 @@ def test_the_command_prints_where_nothing_but_ascii_is_known(law):
     done = subprocess.run(command, env=environment, capture_output=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     assert b"dissipative" in done.stdout
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".toml", ".xlsx"])
+def test_folders_are_called_so_on_every_system(tmp_path, monkeypatch, suffix):
+    """Windows does not permit to open them; Linux says what they are."""
+    folder = tmp_path / f"record{suffix}"
+    folder.mkdir()
+
+    def not_permitted(self, *arguments, **keywords):
+        raise PermissionError(13, "Permission denied", str(self))
+
+    for name in ("open", "read_bytes"):
+        monkeypatch.setattr(Path, name, not_permitted)
+    with pytest.raises(asp.AsperityError, match="is a folder: name the file in it"):
+        asp.FrictionLaw.load(folder) if suffix == ".toml" else identify.read_csv(folder)
+    if suffix == ".csv":
+        with pytest.raises(asp.AsperityError, match="is a folder: name the file in it"):
+            identify.inspect_file(folder)
 
 
 def test_paths_are_quoted_as_the_shell_takes_them(monkeypatch):
