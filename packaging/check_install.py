@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -86,7 +87,7 @@ def _check(artefact: Path, scratch: Path, options: argparse.Namespace) -> None:
         # Tests read and write their own files as Python 3.15 does on every system. That the package
         # names its encodings is a test of its own.
         environment = {**environment, "PYTHONUTF8": "1"}
-        _run([str(python), *words, *options.pytest.split()], folder, environment)
+        _run([str(python), *words, *shlex.split(options.pytest)], folder, environment)
 
 
 def _environment(scripts: Path, *, without_rust: bool) -> Mapping[str, str]:
