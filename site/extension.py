@@ -97,6 +97,8 @@ def name_role(
     inside = f"{module}.{inside}" if module and inside else inside
     path = PACKAGE.resolve(text, inside)
     code = nodes.literal(rawtext, text)
+    if path is None and PACKAGE.dangles(text):
+        _log.warning("%r is no public name", text, location=(env.docname, lineno))
     if path is None or path == inside:
         return [code], []
     link = addnodes.pending_xref(

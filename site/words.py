@@ -156,7 +156,17 @@ class Package:
         if not member:
             return paths[0]
         owner = self._owner(paths[0], member)
-        return f"{owner}.{member}" if owner else None
+        if owner:
+            return f"{owner}.{member}"
+        # Fields and members of enumerations are described on the page of their class.
+        value = self.by_path[paths[0]].value
+        described = re.search(rf"^\s*{member}: ", inspect.getdoc(value) or "", re.MULTILINE)
+        return paths[0] if described or hasattr(value, member) else None
+
+    def dangles(self, text: str) -> bool:
+        """Return whether words in backticks look like a public class and are none."""
+        looks = re.fullmatch(r"(?:asp\.)?([A-Z]\w*[a-z]\w*)(?:\.\w+)?(?:\(\))?", text)
+        return looks is not None and self.resolve(text) is None
 
     def _public(self, words: str) -> str:
         """Return the public path of what is named by the module that defines it."""

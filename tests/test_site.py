@@ -1,5 +1,6 @@
 """What the site is made of: names that become links, the index of equations, the check of links."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -45,7 +46,9 @@ def test_members_are_on_the_page_of_the_class_that_has_them():
         ("identify.fit_law", "", "asperity.identify.fit_law"),
         ("fit_law()", "", "asperity.identify.fit_law"),
         ("asperity.law.friction.FrictionLaw", "", "asperity.FrictionLaw"),
-        ("Phase.STICK", "", None),
+        ("Phase.STICK", "", "asperity.Phase"),
+        ("RawData.normal_load", "", "asperity.identify.RawData"),
+        ("Phase.nothing", "", None),
         ("force", "", None),
         ("numpy.ndarray", "", None),
         # There are two of them.
@@ -54,6 +57,22 @@ def test_members_are_on_the_page_of_the_class_that_has_them():
 )
 def test_words_in_backticks_are_resolved(text, inside, path):
     assert PACKAGE.resolve(text, inside) == path
+
+
+def test_names_that_dangle_are_told():
+    assert not PACKAGE.dangles("FrictionLaw.force")
+    assert not PACKAGE.dangles("D")
+    assert not PACKAGE.dangles("alpha_min")
+    assert PACKAGE.dangles("FrictionLaws")
+    assert PACKAGE.dangles("FrictionLaw.forces")
+
+
+def test_no_docstring_names_what_is_not_public():
+    found = []
+    for path, text in PACKAGE.docstrings():
+        words_of_it = re.findall(r"(?<!`)`([^`]+)`(?!`)", text)
+        found += [f"{path}: {word}" for word in words_of_it if PACKAGE.dangles(word)]
+    assert not found
 
 
 @pytest.mark.parametrize(
