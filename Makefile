@@ -126,8 +126,9 @@ $(VENV)/.optimised: $(VENV)/.created $(RUST_SOURCES) pyproject.toml
 # What the extra `docs` adds to `dev`, without building the package once more.
 DOCS = import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]
 $(VENV)/.documented: $(VENV)/.created pyproject.toml
-	$(BIN)/python -c '$(DOCS); print(*(one for one in extras["docs"] if "asperity" not in one), sep="\n")' > $@
-	$(BIN)/pip install --quiet --requirement $@
+	$(BIN)/python -c '$(DOCS); print(*(one for one in extras["docs"] if "asperity" not in one), sep="\n")' > $(VENV)/docs.txt
+	$(BIN)/pip install --quiet --requirement $(VENV)/docs.txt
+	touch $@
 
 $(VENV)/.created:
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed" if sys.version_info < (3, 11) else 0)'
