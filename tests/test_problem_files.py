@@ -22,7 +22,7 @@ def scattered(rng, shape, *, density):
 def blocks(rng, bodies):
     """Mass matrix of bodies with six coordinates each."""
     factors = rng.normal(size=(bodies, 6, 6))
-    return block_diag([a @ a.T + np.eye(6) for a in factors], format="csr")
+    return block_diag([csr_array(a @ a.T + np.eye(6)) for a in factors], format="csr")
 
 
 def plain(law=DISK, contacts=4):
