@@ -6,7 +6,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo figures test test-rust test-python bench many peers linear long fuzz format clean
+.PHONY: demo figures site test test-rust test-python bench many peers linear long fuzz format clean
 
 demo: $(VENV)/.optimised
 	$(BIN)/asperity demo --out out/demo
@@ -39,6 +39,10 @@ test-python: $(VENV)/.installed
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest asperity._core --ignore-disjoint-bases
 	$(BIN)/pytest --numprocesses auto --dist loadscope
+
+# Pages, gallery and reference, without a network; what has not changed is not built again.
+site: $(VENV)/.installed $(VENV)/.documented
+	$(BIN)/python site/build.py --out out/site
 
 bench: $(VENV)/.optimised
 	cargo bench --locked
@@ -118,6 +122,13 @@ $(VENV)/.installed: $(VENV)/.created $(RUST_SOURCES) pyproject.toml
 $(VENV)/.optimised: $(VENV)/.created $(RUST_SOURCES) pyproject.toml
 	$(BIN)/pip install --quiet --editable '.[dev]'
 	touch $(VENV)/.installed $@
+
+# What the extra `docs` adds to `dev`, without building the package once more.
+DOCS = import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]
+$(VENV)/.documented: $(VENV)/.created pyproject.toml
+	$(BIN)/python -c '$(DOCS); print(*(one for one in extras["docs"] if "asperity" not in one), sep="\n")' > $(VENV)/docs.txt
+	$(BIN)/pip install --quiet --requirement $(VENV)/docs.txt
+	touch $@
 
 $(VENV)/.created:
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed" if sys.version_info < (3, 11) else 0)'

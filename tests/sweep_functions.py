@@ -33,10 +33,14 @@ def noted(a, b, rng, log, pause):
     return several(a, b, rng)
 
 
+# On Windows SIGTERM ends a process at once, too.
+KILLED = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
 def deadly(a, victim):
     """The worker is killed at one point."""
     if a == victim:
-        os.kill(os.getpid(), signal.SIGKILL)
+        os.kill(os.getpid(), KILLED)
     return a
 
 
@@ -44,7 +48,7 @@ def deadly_once(a, victim, marker):
     """The worker is killed at one point, the first time only."""
     if a == victim and not Path(marker).exists():
         Path(marker).touch()
-        os.kill(os.getpid(), signal.SIGKILL)
+        os.kill(os.getpid(), KILLED)
     return a
 
 

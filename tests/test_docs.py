@@ -18,7 +18,8 @@ MODULES = [
         if module.name not in ("asperity.__main__", "asperity._core")
     ),
 ]
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
+FOLDERS = (ROOT / "docs", ROOT / "site" / "pages")
+PAGES = sorted([ROOT / "README.md", *(page for one in FOLDERS for page in one.rglob("*.md"))])
 SOURCES = sorted([*PAGES, *(ROOT / "python" / "asperity").rglob("*.py")])
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 

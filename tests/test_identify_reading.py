@@ -256,7 +256,7 @@ def test_binary_files_are_refused(tmp_path, content):
 def test_files_that_are_not_there(tmp_path):
     with pytest.raises(RecordError, match="cannot be read: No such file"):
         read_csv(tmp_path / "none.csv")
-    with pytest.raises(RecordError, match="cannot be read: Is a directory"):
+    with pytest.raises(RecordError, match="is a folder: name the file in it"):
         read_csv(tmp_path)
     with pytest.raises(ParameterError, match="paths"):
         read_csv([])

@@ -32,7 +32,7 @@ def side_by_side(parts):
         mass = block_diag([part.mass for part in parts], format="csr")
         directions = block_diag([part.directions for part in parts], format="csr")
         return asp.ContactProblem.from_bodies(mass, directions=directions, **options)
-    operators = [part.delassus for part in parts]
+    operators = [csr_array(part.delassus) for part in parts]
     return asp.ContactProblem(block_diag(operators, format="csr"), **options)
 
 

@@ -72,7 +72,7 @@ def pile(rng, laws, contacts, per_pair, unilateral=0.8):
     directions = csr_array(np.vstack(rows).T)
     velocity = np.tile(0.01 * GRAVITY, bodies) + 0.05 * rng.normal(size=6 * bodies)
     return asp.ContactProblem.from_bodies(
-        block_diag(blocks, format="csr"),
+        block_diag([csr_array(block) for block in blocks], format="csr"),
         directions=directions,
         free_velocity=directions.T @ velocity,
         laws=chosen,

@@ -1,5 +1,6 @@
 """The measure, the files and the bookkeeping of the comparison in `benches/peers`."""
 
+import signal
 import sys
 from pathlib import Path
 
@@ -112,8 +113,12 @@ def test_an_engine_does_not_grade_itself(fake):
     assert not engines.solved(found, 1e-8)
 
 
-def test_what_went_wrong_is_told(fake):
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the limit is a timer of POSIX")
+def test_a_time_limit_is_told(fake):
     assert fake("slow").label == "time limit"
+
+
+def test_what_went_wrong_is_told(fake):
     assert "no such thing" in fake("broken").label
     assert fake("none").label == "not for this problem"
 

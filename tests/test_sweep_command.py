@@ -96,7 +96,7 @@ def test_without_libraries_the_line_says_what_installs_them(chart, monkeypatch, 
     monkeypatch.setitem(sys.modules, "zarr", None)
     call = ["sweep", f"{chart}:point", "--grid", "phi=1", "mu=1", "--store", "x.zarr"]
     assert main(call) == 2
-    assert capsys.readouterr().err == "asperity: zarr is missing: pip install 'asperity[sweep]'\n"
+    assert capsys.readouterr().err == 'asperity: zarr is missing: pip install "asperity[sweep]"\n'
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert main([*call, "--scheduler", "tcp://nowhere:1"]) == 2
     expected = "asperity: distributed is missing: pip install distributed\n"

@@ -260,4 +260,4 @@ def test_videos_without_pyav_say_what_to_install(tmp_path, folder, capsys, monke
     (tmp_path / "slow.mp4").write_bytes(b"\0\0\0\x18ftypmp42")
     arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
-    assert "pip install 'asperity[video]'" in capsys.readouterr().err
+    assert 'pip install "asperity[video]"' in capsys.readouterr().err

@@ -3,11 +3,13 @@
 import copy
 import inspect
 import pickle
+import sys
 
 import asperity as asp
 import numpy as np
 import pytest
-from asperity._base.value import Value
+from asperity._base.value import Value, _check_of
+from numpy.typing import NDArray
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
 
@@ -302,3 +304,24 @@ def test_enumerations(member):
 def test_every_failure_has_advice(status):
     assert bool(status.advice) == (status is not asp.Status.CONVERGED)
     assert status.message
+
+
+class Alias:
+    """An alias as Python 3.12 and newer have them."""
+
+    __value__ = NDArray[np.float64]
+
+
+@pytest.mark.parametrize("hint", [NDArray[np.float64], Alias()], ids=["array", "alias"])
+def test_fields_with_arrays_are_known_by_every_name(hint):
+    """NumPy 2.5 has made its name for arrays such an alias: loaded lists stayed lists."""
+    found = _check_of(hint)([1.0, 2.0], "name")
+    assert isinstance(found, np.ndarray)
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="Python 3.11 has no such aliases")
+def test_fields_with_aliases_that_take_types_are_known():
+    names = {"np": np}
+    exec("type Row[Kind: np.generic] = np.ndarray[tuple[int], np.dtype[Kind]]", names)
+    found = _check_of(names["Row"][np.float64] | None)([1.0, 2.0], "name")
+    assert isinstance(found, np.ndarray)

@@ -66,7 +66,7 @@ def summary(rows: list[Row], engines: list[str], tolerance: float) -> str:
 def write(path: Path, rows: list[Row], tolerance: float) -> None:
     """Write one line per problem and engine."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
+    with path.open("w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file)
         lines.writerow(COLUMNS)
         for name, contacts, answers in rows:

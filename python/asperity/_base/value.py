@@ -154,7 +154,17 @@ def _checks_of(kind: type[Any]) -> dict[str, Check]:
     return {name: _check_of(hints[name]) for name in kind.__signature__.parameters}
 
 
+def _meaning(hint: Any) -> Any:
+    """Return what an alias stands for; `numpy.typing.NDArray` is one from NumPy 2.5 on."""
+    alias = get_origin(hint) or hint
+    if not hasattr(alias, "__value__"):
+        return hint
+    parts = get_args(hint)
+    return _meaning(alias.__value__[parts] if parts else alias.__value__)
+
+
 def _check_of(hint: Any, ending: str = "") -> Check:
+    hint = _meaning(hint)
     parts = get_args(hint)
     if isinstance(hint, UnionType) or get_origin(hint) is Union:
         (inner,) = (_check_of(part, " or None") for part in parts if part is not NoneType)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 from pathlib import Path
 
-from asperity.commands.options import SUCCESS, Commands
+from asperity.commands.options import SUCCESS, Commands, quoted
 
 _KINDS = ("sliding point", "sliding disk", "mass on belt", "rigid bodies")
 
@@ -35,5 +34,5 @@ def run(options: argparse.Namespace) -> int:
     from asperity.predict.examples import write_example
 
     scenario, law = write_example(options.kind, options.out)
-    print(f"wrote {scenario} and {law}\nnow: asperity simulate {shlex.quote(str(scenario))}")
+    print(f"wrote {scenario} and {law}\nnow: asperity simulate {quoted(scenario)}")
     return SUCCESS

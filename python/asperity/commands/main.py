@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import codecs
+import io
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -41,6 +44,7 @@ _VERBS = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code (0 good, 1 doubtful, 2 user error)."""
+    _take_every_character()
     options = _parser().parse_args(arguments)
     try:
         code: int = options.run(options)
@@ -51,6 +55,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"asperity: {_explained(error, options)}", file=sys.stderr)
         return USER_ERROR
     return code
+
+
+def _take_every_character() -> None:
+    """Let what is printed hold Greek letters and signs, wherever it goes.
+
+    Files and pipes of Windows have an encoding that lacks them, unless Python 3.15 or newer writes
+    there: they are written as UTF-8 then, as all files of asperity are. A terminal keeps its
+    encoding, and so does what ``PYTHONIOENCODING`` asks for: what these lack becomes "?".
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if (
+            not isinstance(stream, io.TextIOWrapper)
+            or codecs.lookup(stream.encoding).name == "utf-8"
+        ):
+            continue
+        if stream.isatty() or "PYTHONIOENCODING" in os.environ:
+            stream.reconfigure(errors="replace")
+        else:
+            stream.reconfigure(encoding="utf-8")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -74,7 +97,7 @@ def _explained(error: Exception, options: argparse.Namespace) -> str:
         if error.name == "distributed":
             return "distributed is missing: pip install distributed"
         extra = extras.get(error.name or "", "plot")
-        return f"{error.name} is missing: pip install 'asperity[{extra}]'"
+        return f'{error.name} is missing: pip install "asperity[{extra}]"'
     if isinstance(error, ParameterError):
         # In the words of the command line, if it is an option of it.
         option = f"--{error.argument.replace('_', '-')}"

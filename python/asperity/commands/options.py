@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shlex
+import subprocess
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -17,6 +20,11 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """Where verbs are added."""
 
 SUCCESS, DOUBTFUL, USER_ERROR, INTERRUPTED = 0, 1, 2, 130
+
+
+def quoted(path: Path) -> str:
+    """Return a path as the shell of this system takes it."""
+    return subprocess.list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))
 
 
 def add_out(parser: argparse.ArgumentParser, *, required: bool = True) -> None:

@@ -309,7 +309,7 @@ class ContactProblem(Value):
 
         Args:
             path: ending in ``.npz``, or in ``.hdf5`` or ``.h5`` for the layout of FCLIB, which
-                needs ``pip install 'asperity[data]'``. What both formats hold:
+                needs ``pip install "asperity[data]"``. What both formats hold:
                 `asperity.contact.files`.
         """
         from asperity.contact.files import save

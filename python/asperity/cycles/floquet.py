@@ -59,4 +59,6 @@ def _has_neighbours(returns: ReturnMap, fixed: Return) -> bool:
 def _mean(motion: Motion) -> NDArray[np.float64]:
     """Return the mean state of a motion that is sampled densely."""
     states = np.concatenate([motion.q, motion.u], axis=1)
-    return np.trapezoid(states, motion.t, axis=0) / motion.t[-1]
+    # NumPy has called this `trapezoid` since 2.0, and no longer by its older name.
+    means = (states[1:] + states[:-1]) / 2.0
+    return (np.diff(motion.t)[:, None] * means).sum(axis=0) / motion.t[-1]

@@ -216,7 +216,7 @@ class Members:
             arguments = (
                 [s._core for s in systems],
                 None,
-                np.array(numbers),
+                np.array(numbers, dtype=np.int64),
                 np.array(q),
                 np.array(u),
             )

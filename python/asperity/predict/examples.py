@@ -38,7 +38,7 @@ def write_example(kind: str, folder: str | os.PathLike[str]) -> tuple[Path, ...]
     law = FrictionLaw(Superellipse(4.99 / 9.3, 4.25 / 9.3, 2.94), Superellipse(1.84, 1.19, 2.51))
     note = "PVC on ground steel, Table 1 of Walker and Leine (2019)"
     with ResultFolder(place, FILES).filled() as fresh:
-        (fresh / "scenario.toml").write_text(KINDS[kind].example, encoding="utf-8")
+        (fresh / "scenario.toml").write_text(KINDS[kind].example, encoding="utf-8", newline="\n")
         LawFile(law, provenance=Provenance(made_by="asperity init", note=note)).save(
             fresh / "law.toml"
         )

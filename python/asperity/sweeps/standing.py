@@ -87,7 +87,7 @@ def sweep_status(store: str | os.PathLike[str]) -> SweepStatus:
     path = folder_of(store)
     folder = path / "status"
     try:
-        meta = json.loads((folder / "zarr.json").read_text())
+        meta = json.loads((folder / "zarr.json").read_text(encoding="utf-8"))
         points = math.prod(meta["shape"])
         size = math.prod(meta["chunk_grid"]["configuration"]["chunk_shape"])
         counts = np.zeros(FAILED + 1, np.int64)
@@ -113,7 +113,7 @@ def sweep_status(store: str | os.PathLike[str]) -> SweepStatus:
 def _pace(session: Path, written: float, known: int) -> float:
     """Return the time per point since work was last begun; NaN if it is not known."""
     try:
-        begun = json.loads(session.read_text())
+        begun = json.loads(session.read_text(encoding="utf-8"))
         seconds, new = written - begun["started"], known - begun["points"]
     except (OSError, ValueError, KeyError, TypeError):
         return math.nan

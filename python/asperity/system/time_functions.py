@@ -158,10 +158,10 @@ class Sine(Signal):
 
     >>> from asperity import Sine
     >>> (
-    ...     Sine(2.0, frequency=50.0)(0.005).round(12),
+    ...     float(Sine(2.0, frequency=50.0)(0.005).round(12)),
     ...     Sine([1.0, 0.5], frequency=50.0).derivative(0.0).round(3).tolist(),
     ... )
-    (np.float64(2.0), [314.159, 157.08])
+    (2.0, [314.159, 157.08])
     """
 
     amplitude: Array | float

@@ -37,8 +37,8 @@ class TrackConfig:
         fps: frames per second of the recording in 1/s.
         scene: from pixels to the plane.
         mark: what to look for.
-        bandwidth: of velocity and acceleration in s, `None` for the default.
-        start: time of the first frame in which the body moves in s, `None` for the default.
+        bandwidth: of velocity and acceleration in s, ``None`` for the default.
+        start: time of the first frame in which the body moves in s, ``None`` for the default.
         stop: time of the last one in s.
         mismatch: of the scene's points in pixels, root mean square; 0 without points.
         file: where it was read, for messages.

@@ -50,6 +50,16 @@ def replaced(path: str | os.PathLike[str], ending: str = ".tmp") -> Iterator[Pat
             temporary.unlink(missing_ok=True)
 
 
+def unreadable(path: Path, error: OSError) -> str:
+    """Return why a file cannot be read, in the same words on every system.
+
+    A folder that is opened as a file is a folder on Linux, and is not permitted on Windows.
+    """
+    if path.is_dir():
+        return "is a folder: name the file in it"
+    return f"cannot be read: {error.strerror}"
+
+
 class ResultFolder:
     """A folder for files that belong together: all of them are written, or none.
 

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias
 
 import numpy as np
 
-from asperity._base.storage.files import atomic
+from asperity._base.storage.files import atomic, unreadable
 from asperity._base.storage.key_lines import KeyLines
 from asperity.errors import ConfigurationError, ParameterError, RecordError
 
@@ -317,10 +317,8 @@ class TomlFile:
                 "cannot be read: no file has this name" if long is None else "has too many digits"
             )
             line = None if long is None else raw.count(b"\n", 0, long.start()) + 1
-        except IsADirectoryError:
-            problem = "is a folder: name the file in it"
         except OSError as error:
-            problem = f"cannot be read: {error.strerror}"
+            problem = unreadable(self.path, error)
         key = self._written(self._lines.begun(line))
         raise ConfigurationError(str(self.path), problem, key=key, line=line)
 

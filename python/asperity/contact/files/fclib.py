@@ -43,7 +43,7 @@ def _h5py() -> Any:
         return importlib.import_module("h5py")
     except ModuleNotFoundError as error:
         raise ModuleNotFoundError(
-            "h5py is missing: pip install 'asperity[data]'", name=error.name
+            'h5py is missing: pip install "asperity[data]"', name=error.name
         ) from None
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.storage.files import unreadable
 from asperity.errors import ParameterError, RecordError
 from asperity.runs.comparison import TimedPath
 from asperity.runs.run import Run
@@ -133,7 +134,7 @@ def read_path(path: str | os.PathLike[str]) -> tuple[Array, Array, Array | None]
     try:
         lines = place.read_text(encoding="utf-8-sig").splitlines()
     except OSError as failed:
-        raise RecordError(str(place), f"cannot be read: {failed.strerror}") from None
+        raise RecordError(str(place), unreadable(place, failed)) from None
     except UnicodeError:
         raise RecordError(str(place), "is not utf-8 text") from None
     head = lines[0] if lines else ""

@@ -55,7 +55,7 @@ class Body(Value):
         inertia: J in kg m² about the centre of mass, in the body's axes: the principal moments
             ``(3,)`` or the matrix ``(3, 3)``, symmetric to 1e-12 of its largest entry.
         position: of the centre of mass in m, shape ``(3,)``.
-        orientation: what turns the body's axes into the world's: a `Rotation` of SciPy, or a
+        orientation: what turns the body's axes into the world's: a ``Rotation`` of SciPy, or a
             quaternion (w, x, y, z), which is normalised, such as of `axis_angle`. SciPy's own order
             is (x, y, z, w).
         velocity: of the centre of mass in m/s, shape ``(3,)``.

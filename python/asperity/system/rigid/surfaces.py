@@ -85,7 +85,7 @@ class Plane(Value):
         """Return the plane whose e₁, e₂ and n are the turned x-, y- and z-axis.
 
         Args:
-            orientation: a `Rotation` of SciPy, or a quaternion (w, x, y, z), which is normalised.
+            orientation: a ``Rotation`` of SciPy, or a quaternion (w, x, y, z), which is normalised.
             **options: ``point``, ``velocity``, ``spin``, ``motion``, ``body``, as of `Plane`.
 
         Raises:

@@ -80,8 +80,8 @@ class RigidBodies(Value):
     >>> ball = Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1), velocity=(0.7, 0.0, 0.0))
     >>> table = SpherePlane(0, radius=0.1, plane=Plane(), law=FrictionLaw.isotropic(0.3))
     >>> motion = simulate(RigidBodies([ball], pairs=[table]), dt=1e-3, t_end=1.0)
-    >>> motion.u[-1, 0].round(9)  # rolls with 5/7 of its velocity
-    np.float64(0.5)
+    >>> float(motion.u[-1, 0].round(9))  # rolls with 5/7 of its velocity
+    0.5
     """
 
     bodies: tuple[Body, ...] | tuple[PlanarBody, ...]

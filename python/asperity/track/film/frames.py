@@ -171,7 +171,7 @@ def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> F
 
     Args:
         source: a folder, a video file (PyAV reads it, extra ``video``), or arrays
-            ``(rows, columns, 3)`` of uint8; what is `Frames` already stays as it is.
+            ``(rows, columns, 3)`` of uint8; what was opened stays as it is.
 
     Raises:
         ParameterError: if there is no such file or folder, or no image in it.

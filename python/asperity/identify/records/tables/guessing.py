@@ -13,6 +13,7 @@ from itertools import product, zip_longest
 from pathlib import Path
 from typing import Any
 
+from asperity._base.storage.files import unreadable
 from asperity.errors import RecordError
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.text_table import THOUSANDS, Format, names_of, split
@@ -65,7 +66,7 @@ def guess(path: Path) -> Guess:
     try:
         encoding, lines, later = _looked_at(path)
     except OSError as error:
-        raise RecordError(str(path), f"cannot be read: {error.strerror}") from None
+        raise RecordError(str(path), unreadable(path, error)) from None
     if not lines:
         raise RecordError(str(path), "is empty")
     best, score = None, 0.0

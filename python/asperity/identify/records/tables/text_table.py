@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.storage.files import unreadable
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.tables import clock, labview
 
@@ -170,7 +171,7 @@ def read_table(
     except csv.Error as error:
         raise RecordError(str(place), f"is not a text table: {error}") from None
     except OSError as error:
-        raise RecordError(str(place), f"cannot be read: {error.strerror}") from None
+        raise RecordError(str(place), unreadable(place, error)) from None
     if not len(values):
         raise RecordError(str(place), f"holds no numbers after {form.header} header lines")
     return Table(str(place), form, values)
@@ -212,7 +213,7 @@ def _frames(path: Path, sheet: str | int | None) -> Any:
     try:
         return pandas.read_excel(path, sheet_name=sheet, header=None, dtype=object)
     except OSError as error:
-        raise RecordError(str(path), f"cannot be read: {error.strerror}") from None
+        raise RecordError(str(path), unreadable(path, error)) from None
     except (zipfile.BadZipFile, KeyError, EOFError):
         raise RecordError(str(path), "is no spreadsheet") from None
     except (ValueError, IndexError) as error:

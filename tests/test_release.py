@@ -1,0 +1,276 @@
+"""What a release stands on: versions and addresses that agree, extras, complete archives."""
+
+import ast
+import datetime
+import importlib.util
+import itertools
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+from pathlib import Path
+
+import asperity as asp
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+CARGO = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]
+WORKFLOWS = [ROOT / ".github" / "workflows" / name for name in ("ci.yml", "release.yml")]
+DATE = datetime.date(2027, 1, 2)
+
+
+def _load(name):
+    spec = importlib.util.spec_from_file_location(name, ROOT / "packaging" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+release = _load("release")
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """The files of the repository that a release changes."""
+    for name in {*release.ADDRESSED, "CHANGELOG.md", "Cargo.lock"}:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def contents(folder):
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder): path.read_bytes() for path in files}
+
+
+def test_all_places_state_one_version():
+    assert release.current(ROOT) == asp.__version__
+    assert len(release.versions(ROOT)) == 7
+
+
+def test_a_new_version_is_written_to_all_places(copy, capsys):
+    before = release.notes(copy, "Unreleased")
+    assert release.main(["--root", str(copy), "bump", "9.8.7", "--date", "2027-01-02"]) == 0
+    assert set(release.versions(copy).values()) == {"9.8.7"}
+    assert "date-released: 2027-01-02\n" in (copy / "CITATION.cff").read_text(encoding="utf-8")
+    assert release.notes(copy, "9.8.7") == before
+    assert not release.notes(copy, "Unreleased").strip()
+    release.check(copy, "v9.8.7")
+    assert "git tag v9.8.7" in capsys.readouterr().out
+    # There is one date, that of the last version.
+    with (copy / "CHANGELOG.md").open("r+", encoding="utf-8") as file:
+        text = file.read().replace("## [Unreleased]\n", "## [Unreleased]\n\n- A change.\n")
+        file.seek(0)
+        file.write(text)
+    assert release.main(["--root", str(copy), "bump", "9.9.0"]) == 0
+    assert (copy / "CITATION.cff").read_text(encoding="utf-8").count("date-released") == 1
+
+
+def test_a_dry_run_shows_and_changes_nothing(copy, capsys):
+    before = contents(copy)
+    assert release.main(["--root", str(copy), "bump", "9.8.7", "--dry-run"]) == 0
+    shown = capsys.readouterr().out
+    assert '+version = "9.8.7"\n' in shown
+    assert "+version: 9.8.7\n" in shown
+    assert contents(copy) == before
+
+
+@pytest.mark.parametrize(
+    ("version", "message"),
+    [
+        ("0.0.9", "must be later than"),
+        (asp.__version__, "must be later than"),
+        ("1.0", "1.2.3"),
+        ("v1.0.0", "1.2.3"),
+    ],
+)
+def test_versions_that_are_none_are_refused(copy, version, message, capsys):
+    before = contents(copy)
+    assert release.main(["--root", str(copy), "bump", version]) == 1
+    assert message in capsys.readouterr().err
+    assert contents(copy) == before
+
+
+def test_candidates_come_before_their_release():
+    ordered = ["0.9.9", "1.0.0-rc.1", "1.0.0-rc.2", "1.0.0-rc.10", "1.0.0", "1.0.1", "1.10.0"]
+    for earlier, later in itertools.pairwise(ordered):
+        assert release.rank(earlier) < release.rank(later)
+
+
+def test_a_release_without_changes_is_refused(copy, capsys):
+    assert release.main(["--root", str(copy), "bump", "9.8.7"]) == 0
+    assert release.main(["--root", str(copy), "bump", "9.8.8"]) == 1
+    assert "[Unreleased] of CHANGELOG.md is empty" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["Cargo.toml", "Cargo.lock", "CITATION.cff"])
+def test_places_that_disagree_are_named(copy, name, capsys):
+    text = (copy / name).read_text(encoding="utf-8")
+    place = re.search(rf'version(: | = "){re.escape(asp.__version__)}', text)
+    changed = text[: place.start()] + place[0].replace(asp.__version__, "9.0.0")
+    (copy / name).write_text(changed + text[place.end() :], encoding="utf-8")
+    for verb in (["bump", "9.8.7"], ["check", f"v{asp.__version__}"]):
+        assert release.main(["--root", str(copy), *verb]) == 1
+        assert f"  {name}" in capsys.readouterr().err
+
+
+def test_a_tag_of_another_version_is_refused(capsys):
+    assert release.main(["check", "v9.8.7"]) == 1
+    assert "the tag is v9.8.7" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("failing", [1, 2, 4, 6])
+def test_all_files_are_written_or_none(copy, monkeypatch, failing):
+    """The n-th call that writes or renames fails."""
+    before = contents(copy)
+    texts = release.bumped(copy, "9.8.7", DATE)
+    calls = itertools.count(1)
+
+    def failing_at(function):
+        def called(*arguments, **keywords):
+            if next(calls) == failing:
+                raise OSError(28, "No space left on device")
+            return function(*arguments, **keywords)
+
+        return called
+
+    monkeypatch.setattr(release.os, "replace", failing_at(release.os.replace))
+    monkeypatch.setattr(release.Path, "write_text", failing_at(release.Path.write_text))
+    with pytest.raises(OSError, match="No space"):
+        release.write(texts)
+    monkeypatch.undo()
+    assert contents(copy) == before
+
+
+def test_addresses_of_the_project_agree():
+    """Every address of the project begins with one of those in pyproject.toml."""
+    urls = PROJECT["urls"]
+    repository, site = urls["Repository"], urls["Homepage"]
+    raw = repository.replace("github.com", "raw.githubusercontent.com")
+    owner, name = repository.split("/")[-2:]
+    assert CARGO["package"]["repository"] == repository
+    assert CARGO["package"]["homepage"] == site
+    for file in release.ADDRESSED:
+        text = (ROOT / file).read_text(encoding="utf-8")
+        for address in re.findall(r"https://[^\s\"')\]>,`]+", text):
+            if owner in address or address.endswith(f"/{name}"):
+                assert address.startswith((repository, site, raw)), (file, address)
+
+
+def test_addresses_are_changed_together(copy, capsys):
+    new = ("https://friction.example/asperity", "https://github.com/somebody/friction")
+    before = contents(copy)
+    assert release.main(["--root", str(copy), "address", *new, "--dry-run"]) == 0
+    assert contents(copy) == before
+    assert (
+        "https://raw.githubusercontent.com/somebody/friction/main/docs" in capsys.readouterr().out
+    )
+    assert release.main(["--root", str(copy), "address", *new]) == 0
+    old = PROJECT["urls"]["Repository"].split("/")[-2]
+    for name in release.ADDRESSED:
+        assert old not in (copy / name).read_text(encoding="utf-8"), name
+    assert release.main(["--root", str(copy), "address", "friction.example", new[1]]) == 1
+
+
+def test_pictures_and_links_of_the_readme_are_found_from_everywhere():
+    """Registries show the page, too: they do not have the repository beside it."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    urls = PROJECT["urls"]["Repository"]
+    raw = urls.replace("github.com", "raw.githubusercontent.com") + "/main/"
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)]*)\)", text)
+    assert len(pictures) > 3
+    for address in pictures:
+        assert address.startswith(raw)
+        assert (ROOT / address.removeprefix(raw)).is_file()
+    pages = dict(re.findall(r"^\[(.+?)\]: (\S+)$", text, re.M))
+    assert len(pages) > 20
+    for label, address in pages.items():
+        assert f"[{label}]" in text.replace(f"[{label}]: ", "")
+        assert (ROOT / address.removeprefix(f"{urls}/blob/main/")).exists()
+    for label, address in re.findall(r"(?<!!)\[([^\]]+)\]\(([^)]*)\)", text):
+        assert address.startswith(("https://", "#")), label
+    named = re.findall(r"\[((?:docs/)?[\w/.`]+\.(?:md|bib|cff))\](?![:(])", text)
+    assert set(named) <= set(pages)
+
+
+def test_extras_are_there_and_hold_each_other():
+    extras = PROJECT["optional-dependencies"]
+    assert {"all", "data", "docs", "plot", "report", "sweep", "tables", "test", "video"} <= set(
+        extras
+    )
+    # Whoever takes all of them can do all that the package can.
+    parts = re.search(r"asperity\[(.*)\]", extras["all"][-1])[1].split(",")
+    assert {"all", "docs", "test", "dev"}.isdisjoint(parts)
+    assert set(parts) | {"all", "docs", "test", "dev"} == set(extras)
+
+
+def test_extras_that_messages_name_are_there():
+    """What the package says is missing, an extra of that name installs."""
+    named = set()
+    for path in (ROOT / "python" / "asperity").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        named |= set(re.findall(r"asperity\[([a-z]+)\]", text))
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "library":
+                given = [k.value for k in node.keywords if k.arg == "extra"] or node.args[:1]
+                named |= {one.value for one in given if isinstance(one, ast.Constant)}
+    assert {"plot", "sweep"} <= named
+    assert named <= set(PROJECT["optional-dependencies"])
+
+
+def test_versions_of_python_and_rust_agree():
+    python = re.findall(r":: Python :: (3\.\d+)", "\n".join(PROJECT["classifiers"]))
+    assert PROJECT["requires-python"] == f">={python[0]}"
+    ci = WORKFLOWS[0].read_text(encoding="utf-8")
+    assert f"python: {python}".replace("'", '"') in ci
+    assert f'rust: "{CARGO["package"]["rust-version"]}"' in ci
+    binding = CARGO["dependencies"]["pyo3"]["features"]
+    assert f"abi3-py{python[0].replace('.', '')}" in binding
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"Rust ≥ {CARGO['package']['rust-version']}" in readme
+    assert f"Python ≥ {python[0]}" in readme
+    recipe = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
+    for requirement in [*PROJECT["dependencies"], f"python>={python[0]}"]:
+        assert f"- {requirement.replace('>=', ' >=')}\n" in recipe
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_workflows_run_what_is_there(path):
+    yaml = pytest.importorskip("yaml")
+    jobs = yaml.safe_load(path.read_text(encoding="utf-8"))["jobs"]
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    lines = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+    assert len(lines) > 5
+    for line in lines:
+        for script in re.findall(r"packaging/\w+\.py", line):
+            assert (ROOT / script).is_file()
+        for target in re.findall(r"\bmake (\w+)", line):
+            assert re.search(rf"^{target}:", makefile, re.M), target
+        # What comes from outside is given as a variable: it cannot become a command.
+        assert "${{" not in line
+    for job in jobs.values():
+        assert "timeout-minutes" in job
+        needed = job.get("needs", [])
+        assert set([needed] if isinstance(needed, str) else needed) <= set(jobs)
+
+
+def test_the_sdist_holds_all_that_the_repository_holds(tmp_path):
+    """Its tests, documents and examples can be run from it."""
+    maturin = shutil.which("maturin", path=str(Path(sys.executable).parent)) or shutil.which(
+        "maturin"
+    )
+    if not ((ROOT / ".git").exists() and maturin and shutil.which("cargo")):
+        pytest.skip("needs the repository, maturin and cargo")
+    command = [maturin, "sdist", "--out", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=300)
+    with tarfile.open(next(tmp_path.iterdir())) as archive:
+        held = {name.split("/", 1)[1] for name in archive.getnames() if "/" in name}
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True
+    )
+    kept = {name for name in listed.stdout.split("\0") if name and (ROOT / name).exists()}
+    assert kept <= held
+    assert held - kept == {"PKG-INFO"}
