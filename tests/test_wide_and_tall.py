@@ -24,7 +24,7 @@ def factorizations(solution):
 SCENES = {
     "stack": (problems.stack, (25, 250, 2500), 1),
     "wall": (lambda side: problems.wall(side, columns=side, push=1.0), (4, 11, 35), 1),
-    "arch": (problems.arch, (24, 249, 2499), 20),
+    "arch": (problems.arch, (24, 249, 2499), 30),
 }
 
 

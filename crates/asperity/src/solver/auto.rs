@@ -241,7 +241,8 @@ fn first_attempts(
         }
         return first;
     }
-    if progress.is_over() || instead > Rate::WORTHWHILE {
+    // Where hardly anything separates, the interior point method knows where to begin.
+    if progress.is_over() || instead > Rate::WORTHWHILE || first.expected > 0.0 {
         return first;
     }
     proximal.first_attempt(progress, matrix);
