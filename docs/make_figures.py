@@ -348,7 +348,10 @@ def charts() -> None:
     for script in sorted((ROOT / "examples" / "charts").glob("*.py")):
         size = SIZES[script.stem]
         text = re.sub(
-            r"^(SIZE\b.*? = )\d+", rf"\g<1>{size}", script.read_text(), flags=re.MULTILINE
+            r"^(SIZE\b.*? = )\d+",
+            rf"\g<1>{size}",
+            script.read_text(encoding="utf-8"),
+            flags=re.MULTILINE,
         )
         exec(compile(text, str(script), "exec"), {"__name__": "__main__"})
         asp.plot.save_figure(plt.gcf(), IMAGES / f"{script.stem}.png", dpi=110)
@@ -357,7 +360,9 @@ def charts() -> None:
 def tutorials() -> None:
     """Run the tutorials; the pictures that they save are those that they show."""
     for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
-        blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
+        blocks = re.findall(
+            r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        )
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
             exec(compile("\n".join(blocks), str(page), "exec"), {"__name__": "__main__"})
             for picture in sorted(Path(folder).glob("*.png")):

@@ -20,7 +20,7 @@ data, file = Path(folder.name) / "readings.csv", Path(folder.name) / "pvc.toml"
 # ------------------------
 # The file names what it was made of, with a digest.
 
-data.write_text("angle [deg],force [N]\n0,4.99\n90,4.25\n")
+data.write_text("angle [deg],force [N]\n0,4.99\n90,4.25\n", encoding="utf-8")
 law = asp.FrictionLaw(asp.Superellipse(0.537, 0.457, 2.94), asp.Superellipse(1.84, 1.19, 2.51))
 source = asp.Provenance.of_files([data], note="PVC on ground steel, dry", made_by="a script")
 asp.LawFile(law, provenance=source).save(file)

@@ -45,8 +45,9 @@ except asp.DimensionError as error:
 # ----------------------
 
 file = Path(folder.name) / "run.csv"
-file.with_suffix(".toml").write_text('[file]\ndelimeter = ";"\n')
-file.write_text("time,angle,tangential,radial,normal\n0,0,1,0,2\n0.1,0.2,overload,0,2\n")
+file.with_suffix(".toml").write_text('[file]\ndelimeter = ";"\n', encoding="utf-8")
+table = "time,angle,tangential,radial,normal\n0,0,1,0,2\n0.1,0.2,overload,0,2\n"
+file.write_text(table, encoding="utf-8")
 try:
     identify.Configuration.load(file.with_suffix(".toml"))
 except asp.ConfigurationError as error:
