@@ -32,7 +32,7 @@ from words import PACKAGE, ROOMS  # noqa: E402
 
 ROOT_PAGES = ("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "NOTATION.md", "RELEASING.md")
 FILES = ("REFERENCES.bib", "CITATION.cff")
-EXAMPLE = re.compile(r"\]\((?:\.\./)?examples/([\w/]+)\.py\)")
+EXAMPLE = re.compile(r"\]\((?:\.\./)*examples/([\w/]+)\.py\)")
 """Links to scripts, which have pages in the gallery."""
 CRATES = ("asperity-set", "asperity")
 _SET = "asperity_set"
@@ -99,6 +99,9 @@ def pages(*, rust: bool) -> Iterator[tuple[str, bytes]]:
         elif path.suffix in (".png", ".svg"):
             yield name, path.read_bytes()
     yield from scripts()
+    # Pages offer the examples in Rust as files.
+    for path in sorted((ROOT / "examples").glob("*.rs")):
+        yield path.relative_to(ROOT).as_posix(), path.read_bytes()
     for path in sorted((SITE / "inventories").glob("*.txt")):
         yield f"inventories/{path.stem}.inv", inventory(path.read_text(encoding="utf-8"))
     yield "reference/index.rst", contents(rust=rust).encode()
