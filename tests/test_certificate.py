@@ -6,7 +6,7 @@ import pytest
 from asperity import Certificate, Status
 from asperity.contact.grading import natural_map, proves_no_solution
 from asperity.errors import NoSolutionError
-from samples import LAWS, identify, random_problem
+from samples import BEAN, LAWS, identify, random_problem
 from scipy.linalg import block_diag
 from scipy.optimize import linprog
 
@@ -65,6 +65,15 @@ def test_prescribed_forces_have_no_normal_defects():
     assert certificate.cone_violation == pytest.approx(0.5)
     assert certificate.penetration_velocity == certificate.tension == 0.0
     assert certificate.complementarity == 0.0
+
+
+def test_a_contact_without_friction_force_is_graded_under_every_law():
+    # The gauge of a reservoir with cusps has no gradient at a force of zero.
+    cusped = asp.FrictionLaw.associated(asp.Disk(0.5)).replace(reservoir=BEAN)
+    resting = asp.ContactProblem(np.eye(3), free_velocity=[-1.0, 0.0, 0.0], laws=cusped)
+    assert natural_map(resting, [1.0, 0.0, 0.0]) == 0.0
+    creeping = resting.replace(free_velocity=[-1.0, 0.1, 0.0])
+    assert np.isclose(natural_map(creeping, [1.0, 0.0, 0.0]), creeping.natural_map([1.0, 0.0, 0.0]))
 
 
 def test_counts():

@@ -407,7 +407,9 @@ def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
     turned = _lengths(end - z) * (1.0 + excess)
     slip = np.maximum(_lengths(x - there), turned)
     if not law.reservoir.is_convex:
-        slip = np.minimum(slip, _beside(law, x, v))
+        # The origin is far from all cusps, and the gauge has no gradient there.
+        pushed = x.any(axis=1)
+        slip[pushed] = np.minimum(slip[pushed], _beside(law, x[pushed], v[pushed]))
     held = x / np.maximum(law.reservoir.gauge(x), 1.0)[:, None]
     rest = _lengths(x - held) + _lengths(v)
     return open_defect + float(((np.minimum(slip, rest) * normal[closed]) ** 2).sum())
