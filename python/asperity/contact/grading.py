@@ -407,28 +407,34 @@ def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
     turned = _lengths(end - z) * (1.0 + excess)
     slip = np.maximum(_lengths(x - there), turned)
     if not law.reservoir.is_convex:
-        # The origin is far from all cusps, and the gauge has no gradient there.
-        pushed = x.any(axis=1)
-        slip[pushed] = np.minimum(slip[pushed], _beside(law, x[pushed], v[pushed]))
+        slip = np.minimum(slip, _beside(law, x, v))
     held = x / np.maximum(law.reservoir.gauge(x), 1.0)[:, None]
     rest = _lengths(x - held) + _lengths(v)
     return open_defect + float(((np.minimum(slip, rest) * normal[closed]) ** 2).sum())
 
 
 def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
-    """Return distances to slip where a step along the gradient of k_C crosses the boundary of C."""
+    """Return distances to slip where a step along the gradient of k_C crosses the boundary of C.
+
+    They are infinite where it crosses none, or begins or ends at the origin, which has no gradient.
+    """
     C, D = law.reservoir, law.direction
-    excess, slope = C.gauge(x) - 1.0, C.gauge_gradient(x)
+    distance = np.full(len(x), np.inf)
+    pushed = np.flatnonzero(x.any(axis=1))
+    excess, slope = C.gauge(x[pushed]) - 1.0, C.gauge_gradient(x[pushed])
     step = slope * (2.0 * excess / (slope**2).sum(axis=1))[:, None]
+    near = x[pushed] - step
+    crosses = ((C.gauge(near) - 1.0) * excess <= 0.0) & near.any(axis=1)
+    rows = pushed[crosses]
     aside = []
-    for at in (x, x - step):
+    for at in (x[rows], near[crosses]):
         normal = D.gauge_gradient(at)
         normal /= _lengths(normal)[:, None]
-        along = np.maximum((v * normal).sum(axis=1), 0.0)[:, None]
-        aside.append(_lengths(v - along * normal))
-    distance = _lengths(step) + np.maximum(*aside)
-    crossed = (C.gauge(x - step) - 1.0) * excess <= 0.0
-    return np.where(crossed & np.isfinite(distance), distance, np.inf)
+        along = np.maximum((v[rows] * normal).sum(axis=1), 0.0)[:, None]
+        aside.append(_lengths(v[rows] - along * normal))
+    found = _lengths(step[crosses]) + np.maximum(*aside)
+    distance[rows] = np.where(np.isfinite(found), found, np.inf)
+    return distance
 
 
 def _lengths(vectors: Array) -> Array:
