@@ -99,17 +99,13 @@ def mixed(seed):
     return pile(rng, LAWS, contacts, per_pair=1 + seed % 4)
 
 
-PILES = [6, pytest.param(8, marks=pytest.mark.long)]
-"""Layers of pyramids of spheres: a fifth of their contacts is at the border of two states."""
-
-
-@pytest.mark.parametrize("layers", PILES)
+@pytest.mark.parametrize("layers", range(4, 9))
 def test_piles_that_stall_the_proximal_point_iteration_are_solved(layers):
     problem = problems.pile(layers)
     solution = problem.solve(tolerance=1e-8, measure="global", time_limit=120.0)
     assert solution.converged
     assert problem.natural_map(solution.percussion) <= 1e-8
-    assert "admm" in [stage.method for stage in solution.stages]
+    assert sum(stage.factorizations for stage in solution.stages) <= 10
 
 
 def test_iterations_that_circle_begin_again():

@@ -24,7 +24,7 @@ def factorizations(solution):
 SCENES = {
     "stack": (problems.stack, (25, 250, 2500), 1),
     "wall": (lambda side: problems.wall(side, columns=side, push=1.0), (4, 11, 35), 1),
-    "arch": (problems.arch, (24, 249, 2499), 30),
+    "arch": (problems.arch, (24, 249, 2499), 20),
 }
 
 
@@ -82,12 +82,18 @@ def test_the_order_of_contacts_does_not_matter(make):
     np.testing.assert_allclose(solved(other).velocity, solution.velocity[rows], atol=1e-5)
 
 
-def test_accelerated_sweeps_are_ended_by_newtons_method():
-    solution = solved(problems.columns(36, height=10))
-    methods = [stage.method for stage in solution.stages]
-    assert methods[:2] == ["gauss_seidel", "gauss_seidel"]
-    assert "interior_point" not in methods
-    assert factorizations(solution) <= 40
+@pytest.mark.parametrize("columns", [12, 26, 46, 70])
+def test_accelerated_sweeps_leave_states_that_are_unstable(columns):
+    # Defects of plain sweeps grow slowly there, and an acceleration that returns to them would never end.
+    solution = solved(problems.columns(columns, height=10))
+    assert [stage.method for stage in solution.stages] == ["gauss_seidel", "gauss_seidel"]
+
+
+def test_newtons_method_adds_the_last_digits():
+    law = asp.FrictionLaw.isotropic(0.3)
+    solution = solved(problems.pile(7, law=law))
+    assert [stage.method for stage in solution.stages][1:] == ["gauss_seidel", "newton"]
+    assert factorizations(solution) <= 10
 
 
 def test_threads_do_not_change_accelerated_sweeps():

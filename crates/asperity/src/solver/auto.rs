@@ -14,8 +14,8 @@ use crate::contact::{ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
 use crate::solver::measure::natural_residual::Residual;
 use crate::solver::method::{
-    ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Limit,
-    Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task,
+    ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Progress,
+    ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task,
 };
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::{Ended, Method};
@@ -39,13 +39,6 @@ const INTERIOR: usize = 40;
 /// Outer steps of the last phase, which a limit of time ends before where there is one; those systems end in the same way
 /// with a quarter and four times as many.
 const OUTER: usize = 5000;
-/// Factorisations of the last phase after which ADMM has its turn, where more than so many solutions of a linear system take
-/// as long as a factorisation: its iterations are one solution each. `problems.pile(8)`, where it is 20 solutions, ends
-/// after 61 factorisations of that phase and 400 iterations of ADMM; without them it is at 3e-5 after 300 factorisations.
-/// Half and double the ratio change no stored problem: those that take 50 factorisations in that phase have ratios of 2 and
-/// 3, and the rock pile takes 2490 factorisations with ADMM after 150 of them, 2480 without.
-const BEFORE_ADMM: usize = 50;
-const SOLUTIONS: f64 = 10.0;
 /// Natural map below which Newton's method finds the digits that rounding keeps from the interior point method;
 /// tried earlier it fails, later it is not tried. No stored problem depends on it.
 const POLISHED: f64 = 1e-4;
@@ -56,13 +49,11 @@ const CREEPING: f64 = 1e-3;
 /// factorisations on the stored problems, ten times as much saves eight.
 const INTERIOR_GOAL: f64 = 1e-7;
 
-/// Floating-point operations of a factorisation that take as long as a sweep over one contact, which takes 0.2 µs.
-const SWEEP: f64 = 4000.0;
 /// Sweeps that a factorisation takes as long as, from which on accelerated ones are tried before it, and factorisations that
 /// they may take as long as. No stored problem comes to more than 1.4 sweeps; of `columns` of spheres, ten upon each other,
 /// 450 contacts come to 9, 960 to 28, 10 330 to 414. Those of 960 take 8 times as long without, and 44 times those of 1960.
 const DEAR: f64 = 8.0;
-const WORTH: f64 = 20.0;
+const WORTH: f64 = 60.0;
 /// Natural map from which on Newton's method itself, without a proximal term, ends what accelerated sweeps have begun, and
 /// its iterations: from 5e-7 it takes 5 of them in columns of 960 contacts, from 2e-5 27; from 3e-5 in columns of 3000
 /// contacts and from 5e-5 in those of 10 330 it finds nothing.
@@ -101,7 +92,7 @@ impl Methods {
     ) -> (usize, Ended, Residual) {
         let Self { buffers, matrix, proximal, cones, interior, admm, standing, accelerated } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
-        let First { tried, expected } =
+        let First { tried, dear, resting } =
             first_attempts(&mut progress, matrix, proximal, standing, accelerated);
         if !progress.is_over()
             && let Some(contact) = progress.stuck()
@@ -111,27 +102,27 @@ impl Methods {
             let proof = prove_one_contact(task.problem, contact, percussion);
             *progress.iterate.infeasibility = proof;
         }
+        let conic = with_interior && !progress.is_over() && cones.read(task.problem);
+        if conic && let Some(expected) = resting {
+            // Where hardly anything separates, the interior point method knows where to begin.
+            let course = Course { max_iterations: INTERIOR, goal: 0.0, expected };
+            interior.iterate(&mut progress, cones, matrix, course);
+        }
+        if conic && dear && !progress.is_over() {
+            admm.iterate(&mut progress, cones, matrix, usize::MAX, (BESIDE, false));
+        }
         if !progress.is_over() && !tried {
             proximal.attempt(&mut progress, matrix, ATTEMPT);
         }
-        if !progress.is_over() && progress.best_grade() < CREEPING {
+        if !progress.is_over() && !dear && progress.best_grade() < CREEPING {
             proximal.attempt_matched(&mut progress, matrix);
         }
-        let conic = with_interior && !progress.is_over() && cones.read(task.problem);
-        if conic {
-            let goal = if expected > 0.0 { 0.0 } else { INTERIOR_GOAL };
-            let course = Course { max_iterations: INTERIOR, goal, expected };
+        if conic && resting.is_none() && !progress.is_over() {
+            let course = Course { max_iterations: INTERIOR, goal: INTERIOR_GOAL, expected: 0.0 };
             interior.iterate(&mut progress, cones, matrix, course);
         }
         if !progress.is_over() {
-            let dear = conic && matrix.solutions_per_factorization(task.problem) > SOLUTIONS;
-            let limits = (OUTER, if dear { BEFORE_ADMM } else { usize::MAX });
-            if proximal.iterate(&mut progress, matrix, limits) == Some(Limit::Factorizations) {
-                admm.iterate(&mut progress, cones, matrix, usize::MAX, (BESIDE, false));
-                if !progress.is_over() {
-                    proximal.iterate(&mut progress, matrix, (OUTER, usize::MAX));
-                }
-            }
+            proximal.iterate(&mut progress, matrix, OUTER);
         }
         let known = |state: &ContactState| state.phase != Phase::Unknown;
         if progress.is_solved() && task.history.iter().any(known) {
@@ -188,10 +179,7 @@ impl Methods {
                 admm.iterate(&mut progress, cones, matrix, max_iterations, (ALONE, true))
             }
             Method::Newton => proximal.newton_alone(&mut progress, matrix, max_iterations),
-            _ => {
-                let limit = proximal.iterate(&mut progress, matrix, (max_iterations, usize::MAX));
-                limit == Some(Limit::Steps)
-            }
+            _ => proximal.iterate(&mut progress, matrix, max_iterations),
         };
         progress.finish(limited)
     }
@@ -225,24 +213,25 @@ fn first_attempts(
         }
     }
     progress.record(Method::GaussSeidel, sweeps.count, 0);
-    let mut first = First { tried: false, expected: 0.0 };
+    let mut first = First { tried: false, dear: false, resting: None };
     if progress.is_over() {
         return first;
     }
     proximal.prepare(problem);
     if contacts >= MANY && progress.may_stand() {
-        first.expected = standing.attempt(progress, matrix);
+        first.resting = standing.attempt(progress, matrix);
     }
-    let sweeps_per_factorization = matrix.operations(problem) / (SWEEP * contacts as f64);
-    if !progress.is_over() && sweeps_per_factorization > DEAR {
+    let sweeps_per_factorization = cost.sweeps(matrix.operations(problem));
+    first.dear = sweeps_per_factorization > DEAR;
+    if !progress.is_over() && first.dear {
         accelerated.iterate(progress, (WORTH * sweeps_per_factorization) as usize);
         if !progress.is_over() && progress.best_grade() < IDENTIFIED {
             proximal.newton_alone(progress, matrix, FROM_SWEEPS);
         }
         return first;
     }
-    // Where hardly anything separates, the interior point method knows where to begin.
-    if progress.is_over() || instead > Rate::WORTHWHILE || first.expected > 0.0 {
+    // From what rests, the interior point method is asked first.
+    if progress.is_over() || instead > Rate::WORTHWHILE || first.resting.is_some() {
         return first;
     }
     proximal.first_attempt(progress, matrix);
@@ -261,8 +250,10 @@ fn first_attempts(
 struct First {
     /// Whether Newton's method was tried.
     tried: bool,
-    /// Size of the percussions of bodies that rest upon each other, 0 where none do.
-    expected: f64,
+    /// Whether factorisations cost far more than sweeps.
+    dear: bool,
+    /// Size of the percussions of bodies that rest upon each other, where they do.
+    resting: Option<f64>,
 }
 
 /// Sweeps that go on.

@@ -74,11 +74,7 @@ impl<'a> Stop<'a> {
         velocity: &[f64],
     ) -> Residual {
         let measured = Measured { problem, percussion, velocity };
-        let contact = natural_residual::residual(&measured);
-        match self.measure {
-            Measure::Contact => contact,
-            Measure::Global => Residual { value: natural_map::map(&measured), ..contact },
-        }
+        self.decisive(&measured, || natural_map::map(&measured))
     }
 
     /// The same where the natural map is known.
@@ -89,10 +85,14 @@ impl<'a> Stop<'a> {
         velocity: &[f64],
         map: f64,
     ) -> Residual {
-        let contact = natural_residual::residual(&Measured { problem, percussion, velocity });
+        self.decisive(&Measured { problem, percussion, velocity }, || map)
+    }
+
+    fn decisive(&self, measured: &Measured<'_>, map: impl FnOnce() -> f64) -> Residual {
+        let contact = natural_residual::residual(measured);
         match self.measure {
             Measure::Contact => contact,
-            Measure::Global => Residual { value: map, ..contact },
+            Measure::Global => Residual { value: map(), ..contact },
         }
     }
 

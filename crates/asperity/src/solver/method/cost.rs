@@ -52,6 +52,11 @@ impl Cost {
 
     /// Sweeps in the time of an attempt with so many operations per factorisation.
     pub(crate) fn attempt(&self, factorization: f64) -> f64 {
-        STEPS * (factorization + self.step) / self.sweep
+        self.sweeps(STEPS * (factorization + self.step))
+    }
+
+    /// Sweeps with as many operations.
+    pub(crate) fn sweeps(&self, operations: f64) -> f64 {
+        operations / self.sweep
     }
 }

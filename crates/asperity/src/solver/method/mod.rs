@@ -26,7 +26,7 @@ pub(crate) use island_sweeps::Plan;
 pub(crate) use progress::{Buffers, Progress};
 pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
-pub(crate) use proximal::{Limit, ProximalPoint};
+pub(crate) use proximal::ProximalPoint;
 pub(crate) use rate::{Rate, TRIAL_SWEEPS};
 pub(crate) use standing::Standing;
 pub(crate) use sweep::{Own, Sweeper, mark_ambiguous};

@@ -107,13 +107,6 @@ const MOST_MATCHED: f64 = 1e12;
 /// With 1e-2 and 1e-6 two more of these steps stayed unsolved, without any eleven.
 const MATCHED_SHIFT: f64 = 1e-4;
 
-/// What of its limits ended the iteration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Limit {
-    Steps,
-    Factorizations,
-}
-
 /// Newton's method for the problem itself or for a step of the iteration.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ProximalPoint {
@@ -133,26 +126,20 @@ impl ProximalPoint {
         }
     }
 
-    /// Iterates until the problem is solved, the stop says so or so many outer steps or factorisations are made; which of
-    /// them ended it.
+    /// Iterates until the problem is solved, the stop says so or so many outer steps are made; whether these ended it.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
-        (most_steps, most_factorizations): (usize, usize),
-    ) -> Option<Limit> {
+        most: usize,
+    ) -> bool {
         let problem = progress.task.problem;
         let mut grade = progress.start_from_best(&mut self.centre);
         let mut schedule = Schedule::new(grade);
         self.newton.scale_rho(problem, schedule.factor());
         let mut before = self.newton.factorizations;
         let (mut outer, mut lost, mut lowest, mut asked) = (0, 0, grade, false);
-        let mut limit = None;
-        while !progress.is_solved() && outer < most_steps && !progress.task.stop.early() {
-            if self.newton.factorizations - before >= most_factorizations {
-                limit = Some(Limit::Factorizations);
-                break;
-            }
+        while !progress.is_solved() && outer < most && !progress.task.stop.early() {
             outer += 1;
             let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
             let (norm, iterations) = self.newton_from_centre(progress, matrix, goal);
@@ -195,7 +182,7 @@ impl ProximalPoint {
             }
         }
         progress.record(Method::ProximalPoint, outer, self.newton.factorizations - before);
-        if outer == most_steps { Some(Limit::Steps) } else { limit }
+        outer == most
     }
 
     /// A first attempt, after few sweeps: Newton's method on the problem itself. Where sweeps have not brought percussions

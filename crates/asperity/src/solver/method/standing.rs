@@ -17,7 +17,6 @@ use crate::vectors::norm;
 const REGULARIZED: f64 = 1e-11;
 /// Most solutions with one factorisation: scenes of `benches/many_contacts.py` take four or five.
 const STEPS: usize = 12;
-
 /// Velocities relative to the loads that are none: what is left where no percussions bring bodies to rest is larger.
 const AT_REST: f64 = 1e-6;
 
@@ -31,13 +30,13 @@ pub(crate) struct Standing {
 }
 
 impl Standing {
-    /// Looks for the percussions with which nothing moves, and returns the mean size of those of a contact, zero if there are
-    /// none: by proximal steps from none: `(G + εI) d = −(G P + b + e γ_B)`.
+    /// Looks for the percussions with which nothing moves, by proximal steps `(G + εI) d = −(G P + b + e γ_B)` from none,
+    /// and returns the mean size of those of a contact, if they exist.
     pub(crate) fn attempt(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
-    ) -> f64 {
+    ) -> Option<f64> {
         let problem = progress.task.problem;
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.clear();
@@ -70,10 +69,7 @@ impl Standing {
             progress.grade(&self.percussion);
         }
         progress.record(Method::Newton, steps, 1);
-        if last <= AT_REST * problem.load_norm() {
-            norm(&self.percussion) / (contacts as f64).sqrt()
-        } else {
-            0.0
-        }
+        (last <= AT_REST * problem.load_norm())
+            .then(|| norm(&self.percussion) / (contacts as f64).sqrt())
     }
 }

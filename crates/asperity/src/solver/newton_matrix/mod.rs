@@ -16,10 +16,6 @@ use dense_space::DenseSpace;
 /// longer to solve, with analysis kept.
 const SMALL: usize = 30;
 
-/// Operations of a factorisation that take as long as it takes a solution to read an entry of the factors: factors are read
-/// once for two operations each, while fronts stay in the cache.
-const OPERATIONS: f64 = 8.0;
-
 /// The matrix with its factors: analysed once per pattern, in the space where elimination is cheaper.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NewtonMatrix {
@@ -83,17 +79,6 @@ impl NewtonMatrix {
 
     fn knows(&self, problem: &ContactProblem) -> bool {
         self.pattern.iter().copied().eq(pattern(problem))
-    }
-
-    /// How many solutions take as long as a factorisation, once the pattern is analysed.
-    pub(crate) fn solutions_per_factorization(&self, problem: &ContactProblem) -> f64 {
-        let (operations, entries) = if is_small(problem) {
-            let rows = problem.rows();
-            (PaddedLu::operations(rows), (rows * rows) as f64)
-        } else {
-            (self.symbolic().operations, self.symbolic().entries)
-        };
-        operations / (OPERATIONS * entries)
     }
 
     /// Factors `A + B G`; false if that failed.
