@@ -220,7 +220,8 @@ class Folder(Store):
     def _stored_schema(self) -> Schema | None:
         """Return what the listed arrays hold, None if there are no results yet."""
         schema: Schema = {}
-        for name, array in self._group.arrays():
+        # In an order that does not depend on the release of zarr: warnings name what is first.
+        for name, array in sorted(self._group.arrays(), key=lambda one: str(one[0])):
             if name == "status" or name in self._grid.axes:
                 continue
             shape = (*self._grid.vector_shape, *array.shape[len(self._grid.axes) :])
