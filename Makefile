@@ -44,17 +44,9 @@ test-python: $(VENV)/.installed
 site: $(VENV)/.installed $(VENV)/.documented
 	$(BIN)/python site/build.py --out out/site
 
+# Runs all benches and writes docs/performance.md from their ratios.
 bench: $(VENV)/.optimised
-	cargo bench --locked
-	$(BIN)/python benches/python_overhead.py
-	$(BIN)/python benches/python_sets.py
-	$(BIN)/python benches/python_stability.py
-	$(BIN)/python benches/python_identification.py
-	$(BIN)/python benches/python_patches.py
-	$(BIN)/python benches/python_tracking.py
-	$(BIN)/python benches/python_ensembles.py
-	$(BIN)/python benches/python_islands.py
-	$(BIN)/python benches/python_sweep.py
+	$(BIN)/python benches/performance.py
 
 # Time and memory of the default solver, from 10 to 10⁵ contacts.
 many: $(VENV)/.optimised

@@ -2,6 +2,8 @@
 //! independent sliders, boxes that slide and turn on off-centre points with an elliptic law, tumbling boxes, boxes at
 //! rest and rolling balls; arguments name one of them and the number of bodies.
 
+mod report;
+
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -121,12 +123,34 @@ fn main() {
     let wanted = arguments.next();
     let count: Option<usize> = arguments.next().and_then(|count| count.parse().ok());
     let counts = count.map_or(vec![1000, 10_000, 100_000], |count| vec![count]);
+    let mut found = Vec::new();
     for (name, kind) in kinds.into_iter().filter(|k| wanted.as_ref().is_none_or(|w| w == k.0)) {
         for (solver_name, solver) in solvers {
             for &n in &counts {
                 let ns = nanoseconds(&kind(n), solver);
                 println!("{name:10} {solver_name:6} {n:8} {ns:8.0}");
+                found.push(((name, solver_name, n), ns));
             }
         }
+    }
+    let cost = |name, n| found.iter().find(|one| one.0 == (name, "auto", n)).map(|one| one.1);
+    let contacts = [
+        ("resting", "boxes at rest", "what detection and solution of four contacts each cost"),
+        ("turning", "boxes that slide and turn", "what three contacts of changing direction cost"),
+        ("rolling", "balls that roll", "what a rolling contact costs; balls turn with less work"),
+    ];
+    for (name, what, meaning) in contacts {
+        if let (Some(own), Some(floor)) = (cost(name, 1000), cost("tumbling", 1000)) {
+            let case = format!("a step of 1,000 {what}");
+            report::ratio(&case, own / floor, "as many boxes in free flight", meaning);
+        }
+    }
+    if let (Some(many), Some(few)) = (cost("resting", 100_000), cost("resting", 1000)) {
+        report::ratio(
+            "a step per box of 100,000 boxes at rest",
+            many / few,
+            "the same per box of 1,000 boxes",
+            "how cost grows with size: 1 is in proportion, caches that overflow are more",
+        );
     }
 }

@@ -4,6 +4,8 @@
 //! shortest of several runs, which alternate so that noise meets them alike. Allowed are 1.10 times the cost of single
 //! runs on one thread, a speedup of 1.85 by two threads, and 200 bytes per run.
 
+mod report;
+
 use std::fs;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -125,6 +127,18 @@ fn main() {
         two * per_step,
         two / one,
         1.0 / 1.85
+    );
+    report::ratio(
+        "4,000 runs in one call, on one thread",
+        one / single,
+        "the same runs, one call after the other",
+        "what it costs to have many runs looked after: nothing, if it is 1",
+    );
+    report::ratio(
+        "4,000 runs in one call, on two threads",
+        two / one,
+        "the same on one thread",
+        "what a second core saves: half would be 0.5",
     );
     let [starts] = shortest(5, [&|| together(&Belt::new(100_000), 1, 1)]);
     println!("start and first step          {:8.1} ns per run", starts * 1e9 / 1e5);

@@ -4,6 +4,8 @@
 //! With `count` and a name it does the same thing 1,000 times and makes no measurement, for tools that count
 //! instructions.
 
+mod report;
+
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -126,9 +128,21 @@ fn main() {
         let smallest = microseconds(&mut |k| law(sets(k)).alpha_min());
         let run = microseconds(&mut |k| first_steps(law(sets(k))));
         println!("{name:22} {alone:8.2} {made:8.2} {smallest:13.2} {run:19.2}");
+        report::ratio(
+            &format!("a law of {name}"),
+            made / alone,
+            "its two sets alone",
+            "what it costs to make a law, as one does for every member of an ensemble",
+        );
     }
     println!("\nstart of a run, µs       step  restart + step   new + step   allowed");
     let [step, restart, new] =
         [&mut next as &mut dyn FnMut(usize) -> f64, &mut restart, &mut new].map(microseconds);
     println!("sliding point        {step:8.3} {restart:15.3} {new:12.3}   4.9");
+    report::ratio(
+        "a new run and its first step",
+        new / step,
+        "a step of a run that goes on",
+        "below how many steps the start of a run is the larger part",
+    );
 }

@@ -13,6 +13,7 @@ from importlib.util import find_spec
 
 import asperity as asp
 import numpy as np
+from report import ratio
 
 MU, GRAVITY, DT, STEPS, COUNT = 0.3, 9.81, 2e-3, 500, 2000
 SPEEDS = np.linspace(0.05, 1.4, COUNT)
@@ -60,6 +61,7 @@ def main() -> None:
     else:
         engines["mujoco.rollout"] = rollout
     print(f"{COUNT} sliders, {STEPS} steps   threads   us/step   path error   speed left")
+    costs = {}
     for name, engine in engines.items():
         for threads in (1, 2):
             best = np.inf
@@ -69,8 +71,28 @@ def main() -> None:
                 best = min(best, time.perf_counter() - start)
             error = np.abs(np.linalg.norm(q, axis=-1) - PATHS).max()
             left = np.linalg.norm(u, axis=-1).max()
-            cost = best / (COUNT * STEPS) * 1e6
+            cost = costs[name, threads] = best / (COUNT * STEPS) * 1e6
             print(f"{name:26} {threads:8} {cost:9.3f} {error:10.1e} m {left:8.1e} m/s")
+    plain, lanes, peer = "asperity, simulate_many", "asperity, with lanes", "mujoco.rollout"
+    ratio(
+        f"{COUNT:,} sliding points on two threads",
+        costs[plain, 2] / costs[plain, 1],
+        "the same on one thread",
+        "what a second core saves from Python",
+    )
+    ratio(
+        f"{COUNT:,} sliding points in lanes, on one thread",
+        costs[lanes, 1] / costs[plain, 1],
+        "the same without lanes",
+        "what `lanes=True` saves with isotropic friction",
+    )
+    if (peer, 1) in costs:
+        ratio(
+            f"{COUNT:,} sliding points, on one thread",
+            costs[plain, 1] / costs[peer, 1],
+            "`mujoco.rollout` of as many blocks, which detects contacts and keeps all steps",
+            "what exact stick costs beside a soft contact of another engine",
+        )
 
 
 if __name__ == "__main__":

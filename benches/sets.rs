@@ -4,6 +4,8 @@
 //! With the argument `points` it only prints `set operation nanoseconds` per line, the floor that
 //! `python_sets.py` compares Python with.
 
+mod report;
+
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -169,6 +171,12 @@ fn compare(name: &str, set: &Convex<2>, by_hand: impl Fn(&V) -> V, allowed: f64)
         own = own.min(over(&points, &mut out, |z| set.project(z)));
     }
     println!("{name:28} {floor:9.1} {own:9.1} {:7.2}   {allowed}", own / floor);
+    report::ratio(
+        &format!("projection onto the {name}"),
+        own / floor,
+        "Newton's method written by hand for this set, without guards",
+        "what a projection that is right for every argument costs",
+    );
 }
 
 fn main() {

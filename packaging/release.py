@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import datetime
 import difflib
+import io
 import os
 import re
 import secrets
@@ -204,6 +205,13 @@ def _replaced(text: str, pattern: str, by: str, times: int) -> str:
     return new
 
 
+def _show(text: str) -> None:
+    """Print a text of a file in the encoding of the file, which a pipe of Windows may lack."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")
+    print(text, end="")
+
+
 def _read(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
@@ -230,16 +238,14 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"everything is of version {options.tag.removeprefix('v')}")
             return 0
         if options.verb == "notes":
-            sys.stdout.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
-            print(notes(options.root, options.version), end="")
+            _show(notes(options.root, options.version))
             return 0
         if options.verb == "bump":
             texts = bumped(options.root, options.version, options.date)
         else:
             texts = readdressed(options.root, options.site, options.repository)
         if options.dry_run:
-            sys.stdout.reconfigure(encoding="utf-8")  # type: ignore[union-attr]
-            print(difference(options.root, texts), end="")
+            _show(difference(options.root, texts))
             return 0
         write(texts)
     except (ReleaseError, OSError) as error:

@@ -23,13 +23,11 @@ import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import links
+from words import PACKAGE, ROOMS
+
 SITE = Path(__file__).resolve().parent
 ROOT = SITE.parent
-sys.path.insert(0, str(SITE))
-
-import links  # noqa: E402
-from words import PACKAGE, ROOMS  # noqa: E402
-
 ROOT_PAGES = ("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "NOTATION.md", "RELEASING.md")
 FILES = ("REFERENCES.bib", "CITATION.cff")
 EXAMPLE = re.compile(r"\]\((?:\.\./)*examples/([\w/]+)\.py\)")
@@ -51,7 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     stage(source, rust=not options.no_rust)
     words = [sys.executable, "-m", "sphinx", "--builder", "html", "--fail-on-warning"]
     words += ["--quiet", "--jobs", options.jobs, "--doctree-dir", str(source / ".doctrees")]
-    environment = {**os.environ, "ASPERITY_SITE": str(SITE), "OMP_NUM_THREADS": "1"}
+    places = [str(SITE), str(ROOT / "examples"), os.environ.get("PYTHONPATH", "")]
+    path = os.pathsep.join(filter(None, places))
+    environment = {**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1"}
     code = subprocess.run([*words, str(source), str(out)], env=environment, check=False).returncode
     if code:
         return code

@@ -1,18 +1,17 @@
-"""Sphinx reads this; ``make site`` copies it beside the pages, see build.py."""
+"""Sphinx reads this; ``make site`` copies it beside the pages, see build.py.
 
-import os
-import sys
+That also puts the folder of this file onto the path, and that of what the examples share.
+"""
+
 from pathlib import Path
 
 import matplotlib
+import words
+from words import PACKAGE, VERSION
 
 matplotlib.use("Agg")
 
-SITE = Path(os.environ["ASPERITY_SITE"])
-ROOT = SITE.parent
-sys.path[:0] = [str(SITE), str(ROOT / "examples")]
-
-from words import PACKAGE, VERSION  # noqa: E402
+SITE = Path(words.__file__).parent
 
 project = "asperity"
 author = "The asperity developers"

@@ -19,11 +19,15 @@ _PATIENCE = 60.0
 
 @dataclass(frozen=True)
 class Interrupted:
-    """How a script ended: its exit code, its lines after "ready", and the delay of the first."""
+    """How a script ended.
+
+    Its exit code, its lines after "ready", the delay of the first, and what it said of errors.
+    """
 
     code: int
     lines: list[str]
     seconds: float
+    errors: str
 
 
 def run_interrupted(script, *, after=0.5, patience=_PATIENCE):
@@ -64,7 +68,8 @@ def run_interrupted(script, *, after=0.5, patience=_PATIENCE):
         reader.join(timeout=patience)
     while not said.empty():
         lines.append(said.get())
-    return Interrupted(code, [line for line in lines if line != _END], seconds)
+    said_of_errors = "\n".join(line for line in errors if line != _END)
+    return Interrupted(code, [line for line in lines if line != _END], seconds, said_of_errors)
 
 
 _END = "(end of output)"

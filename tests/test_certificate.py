@@ -237,8 +237,6 @@ def test_the_verdict_does_not_depend_on_the_tolerance(tolerance):
 
 @pytest.mark.parametrize("law", LAWS, ids=identify)
 def test_paradoxes_are_proven_for_every_law(law):
-    if law.dimension > 2:
-        pytest.skip("solutions with p = 3 are not listed")
     rng = np.random.default_rng(23)
     found = 0
     for _ in range(200):
@@ -250,10 +248,12 @@ def test_paradoxes_are_proven_for_every_law(law):
             block, free_velocity=np.r_[-1.0, 10.0 * rng.normal(size=law.dimension)], laws=law
         )
         solution = problem.solve(on_failure="record")
-        assert solution.converged or solution.status is Status.NO_SOLUTION
         if solution.status is Status.NO_SOLUTION:
             found += 1
             assert proves_no_solution(problem, solution.infeasibility)
+        elif not solution.converged:
+            # With p = 3 the solutions of a contact are not listed: nothing tells of none.
+            assert law.dimension > 2
         else:
             proof = asp.Infeasibility(
                 kind="one_contact",
@@ -263,7 +263,7 @@ def test_paradoxes_are_proven_for_every_law(law):
                 residual=0.0,
             )
             assert not proves_no_solution(problem, proof)
-    assert found > 0
+    assert found > 0 or law.dimension > 2
 
 
 RANDOM_SYSTEMS = 200

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import asperity as asp
 import pytest
+from pages import run_page
 
 ROOT = Path(__file__).resolve().parents[1]
 MODULES = [
@@ -21,7 +22,6 @@ MODULES = [
 FOLDERS = (ROOT / "docs", ROOT / "site" / "pages")
 PAGES = sorted([ROOT / "README.md", *(page for one in FOLDERS for page in one.rglob("*.md"))])
 SOURCES = sorted([*PAGES, *(ROOT / "python" / "asperity").rglob("*.py")])
-BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 
 def _avoided():
@@ -58,9 +58,4 @@ def test_every_public_name_is_documented(name):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_pages(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    namespace = {"__name__": "__main__"}
-    text = page.read_text()
-    for block in BLOCK.finditer(text):
-        line = text[: block.start()].count("\n") + 1
-        # Blank lines keep the line numbers of a failure those of the page.
-        exec(compile("\n" * line + block[1], str(page), "exec"), namespace)
+    run_page(page)

@@ -5,6 +5,7 @@ import datetime
 import importlib.util
 import itertools
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import asperity as asp
 import pytest
+from asperity.commands.main import main
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -30,6 +32,7 @@ def _load(name):
 
 
 release = _load("release")
+check_install = _load("check_install")
 
 
 @pytest.fixture
@@ -274,3 +277,20 @@ def test_the_sdist_holds_all_that_the_repository_holds(tmp_path):
     kept = {name for name in listed.stdout.split("\0") if name and (ROOT / name).exists()}
     assert kept <= held
     assert held - kept == {"PKG-INFO"}
+
+
+def test_the_first_commands_of_the_readme_lead_to_figures(tmp_path, monkeypatch, capsys):
+    """Three lead to a figure, five from a CSV to the path under its law: one of them installs."""
+    figure, own_file = check_install.first_commands((ROOT / "README.md").read_text("utf-8"))
+    assert figure[0] == 'pip install "asperity[all]"'
+    assert (len(figure), len(own_file)) == (3, 3)
+    monkeypatch.chdir(tmp_path)
+    assert main(shlex.split(figure[1])[1:]) == 0
+    assert main(shlex.split(figure[2])[1:]) == 0
+    assert (tmp_path / "slide" / "path" / "path.png").exists()
+    exec(check_install.RECORD, {"__name__": "__main__"})
+    codes = [main(shlex.split(command)[1:]) for command in own_file]
+    # Guesses are to be looked over, and a law without a calibration is to be read with warnings.
+    assert codes == [1, 1, 0], capsys.readouterr().err
+    assert (tmp_path / "law" / "sets.png").exists()
+    assert (tmp_path / "slide" / "measured" / "path.png").exists()

@@ -2,6 +2,7 @@
 
 import enum
 import functools
+import itertools
 import json
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ import sys
 import threading
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import asperity as asp
 import numpy as np
@@ -371,6 +373,70 @@ def test_what_is_in_memory_is_returned_when_it_is_interrupted():
     with pytest.raises(asp.SweepInterrupted) as stopped:
         swept(several, GRID, seed=SEED, chunk=3, progress=interrupted_after(30))
     assert int((stopped.value.dataset.status != 0).sum()) == stopped.value.done >= 30
+
+
+def two_fails(a):
+    if a == 2.0:
+        raise ValueError("too much")
+    return {"double": 2.0 * a}
+
+
+def interrupted_in_a_commit(store, after):
+    """Sweep, with Ctrl-C after so many lines of what commits chunks; None if there are fewer."""
+    package, lines = Path(asp.__file__).parent, 0
+
+    def within_a_commit(frame):
+        while frame is not None and frame.f_code.co_name != "commit":
+            frame = frame.f_back
+        return frame is not None
+
+    def line(frame, event, _):
+        nonlocal lines
+        if event == "line":
+            lines += 1
+            if lines == after + 1:
+                raise KeyboardInterrupt
+        return line
+
+    def call(frame, *_):
+        own = Path(frame.f_code.co_filename).is_relative_to(package)
+        return line if own and within_a_commit(frame) else None
+
+    sys.settrace(call)
+    try:
+        swept(two_fails, {"a": [1.0, 2.0, 3.0]}, chunk=2, store=store)
+    except asp.SweepInterrupted as stopped:
+        return stopped
+    finally:
+        sys.settrace(None)
+    return None
+
+
+@pytest.mark.parametrize(("place", "step"), [(None, 1), ("x.zarr", 3)])
+def test_ctrl_c_at_any_line_of_a_commit_leaves_what_it_says(tmp_path, place, step):
+    """What is written and what is counted are the same, wherever Ctrl-C comes between them."""
+    counts = []
+    for after in itertools.count(step=step):
+        store = None if place is None else tmp_path / str(after) / place
+        stopped = interrupted_in_a_commit(store, after)
+        if stopped is None:
+            break
+        known = stopped.dataset.load()
+        counts.append(stopped.done)
+        assert int((known.status != 0).sum()) == stopped.done, after
+        assert ((known.message != "") == (known.status == 2)).all(), after
+        if "double" in known:
+            there = known.status.values == 1
+            np.testing.assert_array_equal(known.double[there], 2.0 * known.a[there])
+            assert np.isnan(known.double.values[~there & (known.status.values == 2)]).all()
+        if store is not None:
+            assert asp.sweep_status(store).done == int((known.status == 1).sum())
+        if store is not None and after % 10 == 0:
+            again = swept(two_fails, {"a": [1.0, 2.0, 3.0]}, chunk=2, store=store)
+            assert again.status.values.tolist() == [1, 2, 1]
+            assert again.message.values.tolist() == ["", "ValueError: too much", ""]
+    assert len(counts) > 30
+    assert set(counts) >= {0, 2}
 
 
 def test_failed_points_are_computed_again_if_asked(tmp_path):

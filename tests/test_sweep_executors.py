@@ -242,7 +242,7 @@ def test_ctrl_c_ends_a_sweep_at_once_and_leaves_a_good_store(tmp_path):
     store = tmp_path / "x.zarr"
     found = run_interrupted(INTERRUPTED.format(tests=os.fspath(TESTS), store=os.fspath(store)))
     assert found.lines == ["interrupted"]
-    assert found.code == 42
+    assert found.code == 42, found.errors
     status = asp.sweep_status(store)
     assert 0 < status.done < 5000
     with xarray.open_zarr(store, chunks=None) as chart:

@@ -160,7 +160,15 @@ class Folder(Store):
             )
 
     def _make(self, schema: Schema) -> None:
-        self.schema = schema
+        try:
+            self.schema = schema
+            self._make_arrays(schema)
+        except BaseException:
+            # Arrays that are not listed are none: readers would look for them.
+            self.schema = None
+            raise
+
+    def _make_arrays(self, schema: Schema) -> None:
         lengths, chunks = self._lengths(), list(self._lengths())
         for name, size in zip(self._grid.names, self.chunks.size, strict=True):
             chunks[list(self._grid.axes).index(name)] = size
@@ -192,6 +200,9 @@ class Folder(Store):
     def _write_status(self, block: Block, status: NDArray[np.int8]) -> None:
         self._put("status", tuple(part.start for part in block), self._group["status"], status)
 
+    def _written_status(self, block: Block) -> NDArray[np.int8]:
+        return np.asarray(self._group["status"][block])
+
     def _put(self, name: str, starts: tuple[int, ...], array: Any, values: NDArray[Any]) -> None:
         """Write a chunk as zarr would: its bytes, in a file that is replaced."""
         chunk = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
@@ -209,7 +220,8 @@ class Folder(Store):
     def _stored_schema(self) -> Schema | None:
         """Return what the listed arrays hold, None if there are no results yet."""
         schema: Schema = {}
-        for name, array in self._group.arrays():
+        # In an order that does not depend on the release of zarr: warnings name what is first.
+        for name, array in sorted(self._group.arrays(), key=lambda one: str(one[0])):
             if name == "status" or name in self._grid.axes:
                 continue
             shape = (*self._grid.vector_shape, *array.shape[len(self._grid.axes) :])

@@ -151,6 +151,7 @@ def sweep(
                     kept.missing(wanted)
                 )
     except KeyboardInterrupt:
+        kept.settle()
         raise SweepInterrupted(kept.dataset(), kept.known, points.points) from None
     return kept.dataset()
 

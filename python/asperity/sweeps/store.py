@@ -59,6 +59,7 @@ class Store:
         self.schema: Schema | None = None
         self.status = np.full(grid.shape, MISSING, np.int8)
         self.known = 0
+        self._last: Block | None = None
 
     def missing(self, wanted: Sequence[int]) -> Iterator[tuple[Block, Sequence[int]]]:
         """Yield the chunks that hold points of some status, and the places of these in them."""
@@ -95,9 +96,16 @@ class Store:
         status = self.status[block].reshape(-1).copy()
         status[answer.places] = DONE
         status[list(answer.failures)] = FAILED
+        self._last = block
         self._write_status(block, status.reshape(block_shape(block)))
         self.known += int(np.count_nonzero(status)) - int(np.count_nonzero(self.status[block]))
         self.status[block] = status.reshape(block_shape(block))
+
+    def settle(self) -> None:
+        """Count what is written, where Ctrl-C may have come between a commit and its count."""
+        if self._last is not None:
+            self.status[self._last] = self._written_status(self._last)
+        self.known = int(np.count_nonzero(self.status))
 
     def dataset(self) -> xarray.Dataset:
         """Return what is known, with the messages of failures."""
@@ -122,6 +130,10 @@ class Store:
 
     def _write_status(self, block: Block, status: NDArray[np.int8]) -> None:
         """Commit a chunk, where others see it."""
+
+    def _written_status(self, block: Block) -> NDArray[np.int8]:
+        """Return what others see of a chunk."""
+        return self.status[block]
 
     def _labelled(self) -> xarray.Dataset:
         """Return arrays with the names of their axes."""
