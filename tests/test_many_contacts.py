@@ -80,8 +80,8 @@ def pile(rng, laws, contacts, per_pair, unilateral=0.8):
     )
 
 
-def solve_and_check(problem):
-    solution = problem.solve(tolerance=TOLERANCE, time_limit=20.0, on_failure="record")
+def solve_and_check(problem, time_limit=20.0):
+    solution = problem.solve(tolerance=TOLERANCE, time_limit=time_limit, on_failure="record")
     if solution.converged:
         assert problem.residual(solution.percussion) <= TOLERANCE
         certificate = solution.certificate
@@ -133,6 +133,17 @@ def test_a_thousand_mixed_problems_are_solved(first):
     unsolved = [
         seed for seed in range(first, first + 50) if not solve_and_check(mixed(seed)).converged
     ]
+    assert unsolved == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("first", range(0, 200, 10))
+def test_problems_of_a_thousand_contacts_are_solved(first):
+    unsolved = []
+    for seed in range(first, first + 10):
+        problem = pile(np.random.default_rng(seed), LAWS, 1000, per_pair=1 + seed % 4)
+        if not solve_and_check(problem, time_limit=120.0).converged:
+            unsolved.append(seed)
     assert unsolved == []
 
 

@@ -126,12 +126,14 @@ impl ProximalPoint {
         }
     }
 
-    /// Iterates until the problem is solved, the stop says so or so many outer steps are made; whether these ended it.
+    /// Iterates until the problem is solved, the stop says so or so many outer steps are made; whether these ended it. After
+    /// so many factorisations that have not halved the natural map it starts again somewhere else.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
         most: usize,
+        patience: usize,
     ) -> bool {
         let problem = progress.task.problem;
         let mut grade = progress.start_from_best(&mut self.centre);
@@ -139,6 +141,7 @@ impl ProximalPoint {
         self.newton.scale_rho(problem, schedule.factor());
         let mut before = self.newton.factorizations;
         let (mut outer, mut lost, mut lowest, mut asked) = (0, 0, grade, false);
+        let (mut halved, mut halved_at) = (grade, before);
         while !progress.is_solved() && outer < most && !progress.task.stop.early() {
             outer += 1;
             let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
@@ -149,6 +152,9 @@ impl ProximalPoint {
             }
             lost = if found < lowest { 0 } else { lost + 1 };
             lowest = lowest.min(found);
+            if found < 0.5 * halved {
+                (halved, halved_at) = (found, self.newton.factorizations);
+            }
             if lost == DOUBTFUL && !asked {
                 asked = true;
                 let own = self.newton.factorizations - before;
@@ -159,7 +165,8 @@ impl ProximalPoint {
                 }
                 continue;
             }
-            if lost == LOST {
+            let in_vain = self.newton.factorizations - halved_at;
+            if lost == LOST || in_vain > patience {
                 if schedule.restarts == STARTS {
                     break;
                 }
@@ -167,6 +174,7 @@ impl ProximalPoint {
                 schedule.restart();
                 self.newton.scale_rho(problem, schedule.factor());
                 (grade, lost) = (1.0, 0);
+                (halved, halved_at) = (1.0, self.newton.factorizations);
             } else if norm <= goal.tolerance {
                 grade = self.adopt_trial(found);
                 schedule.tighten(iterations);
