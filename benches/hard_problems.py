@@ -39,6 +39,7 @@ from scipy.sparse.linalg import splu
 SIDES = 8
 """Of the polygon around the disk of the linear program."""
 NEAR = 1e-6
+"""Distance to another state within which a contact counts as near to it."""
 RANK = 1e-9
 """Largest ratio of singular values that counts as none."""
 REGULAR = 1e-7
@@ -110,6 +111,8 @@ def linearised(scaled: Scaled, solution: asp.ContactSolution) -> str:
         values = svdvals(solve_triangular(factor, held.T.toarray(), lower=True))
         rank = int(np.sum(values > RANK * values[0]))
         text += f"; selfstress {held.shape[0] - rank}, weakest {values[rank - 1] / values[0]:.0e}"
+    else:
+        text += "; selfstress not computed"
     if not len(sliding):
         return text
     stiffness = scaled.mass + across.T @ turning @ across
