@@ -504,6 +504,17 @@ def test_coefficients_are_those_without_the_dependence_on_the_speed(tmp_path):
     assert "dependence on the speed" in sheet.text()
 
 
+def test_both_sheets_of_a_law_agree_on_stability(tmp_path):
+    """An associated law whose force falls with the speed makes steady sliding unstable."""
+    path, falling = tmp_path / "law.toml", asp.Stribeck(1.0, ratio=0.5)
+    for rate in (None, falling):
+        asp.FrictionLaw.isotropic(0.5).replace(rate=rate).save(path)
+        said = describe_law(path).text()
+        assert describe_stability(path).unstable is (rate is not None)
+        assert ("steady sliding is stable" in said) is (rate is None)
+        assert ("the dependence on the speed may" in said) is (rate is not None)
+
+
 def test_init_offers_the_kinds_there_are(tmp_path, capsys):
     for kind in KINDS:
         folder = tmp_path / f"a {kind}"

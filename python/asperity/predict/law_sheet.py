@@ -58,9 +58,7 @@ class LawSheet(TableResult):
             (
                 "associated (C and D alike)",
                 bool(law.is_associated),
-                "two motions never move apart; steady sliding is stable"
-                if law.is_associated
-                else "anisotropy may make steady sliding unstable: see `asperity stability`",
+                _stability(law),
             ),
             (
                 "dissipative",
@@ -244,6 +242,19 @@ class LawSheet(TableResult):
             f"Friction law {self.path.name}",
             [Section("", *blocks, *pictures), Section("File", code)],
         )
+
+
+def _stability(law: FrictionLaw) -> str:
+    """Return what associated or other flow means for steady sliding."""
+    if not law.is_associated:
+        return "anisotropy may make steady sliding unstable: see `asperity stability`"
+    if law.rate is not None:
+        # A force that falls with the speed is not monotone, whatever its direction.
+        return (
+            "anisotropy makes nothing unstable, but the dependence on the speed may: see "
+            "`asperity stability`"
+        )
+    return "two motions never move apart; steady sliding is stable"
 
 
 def describe_law(
