@@ -504,6 +504,27 @@ def test_coefficients_are_those_without_the_dependence_on_the_speed(tmp_path):
     assert "dependence on the speed" in sheet.text()
 
 
+def test_what_is_known_of_an_engines_law_is_said(tmp_path, capsys):
+    path = tmp_path / "law.toml"
+    law = asp.FrictionLaw.like("mujoco", friction=(0.4, 0.6), frame=[0, 0, 1, 0, 1, 0, -1, 0, 0])
+    law.save(path)
+    assert main(["law", str(path), "--out", str(tmp_path / "out")]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    report = law.report
+    for words in ("like the engine: mujoco, version 4.0.0", report.axes, report.deviation, "90°"):
+        assert words in printed
+    assert "what it does otherwise" in (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert main(["law", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["report"]["creep"] == report.creep
+    # Laws from forces have a report, too; laws of sets have none.
+    asp.FrictionLaw.tensor([[0.5, 0.0], [0.0, 0.4]]).save(path)
+    assert "report" not in describe_law(path).data()
+    phi = np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False)
+    forces = 0.3 * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    asp.FrictionLaw.from_samples(phi, force=forces).save(path)
+    assert "90 directions" in describe_law(path).text()
+
+
 def test_both_sheets_of_a_law_agree_on_stability(tmp_path):
     """An associated law whose force falls with the speed makes steady sliding unstable."""
     path, falling = tmp_path / "law.toml", asp.Stribeck(1.0, ratio=0.5)
