@@ -205,6 +205,10 @@ def test_extras_are_there_and_hold_each_other():
     parts = re.search(r"asperity\[(.*)\]", extras["all"][-1])[1].split(",")
     assert {"all", "docs", "test", "dev"}.isdisjoint(parts)
     assert set(parts) | {"all", "docs", "test", "dev"} == set(extras)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert {f"`asperity[{one}]`" for one in {"all", *parts}} <= set(
+        re.findall(r"`asperity\[\w+\]`", readme)
+    )
 
 
 def test_extras_that_messages_name_are_there():

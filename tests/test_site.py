@@ -105,6 +105,13 @@ def test_links_to_scripts_lead_to_the_gallery():
     assert page == "see [it](/gallery/charts/basins_of_attraction.rst) and [x](y.md)"
 
 
+def test_the_front_page_leads_to_every_tutorial():
+    front = (SITE / "pages" / "index.md").read_text(encoding="utf-8")
+    tutorials = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+    assert len(tutorials) == 3
+    assert all(f"[](docs/tutorials/{page.name})" in front for page in tutorials)
+
+
 def test_bad_links_are_found(tmp_path):
     (tmp_path / "a.html").write_text(
         '<p id="here"><a href="b.html#there">good</a><a href="b.html#nowhere">bad</a>'
