@@ -545,6 +545,14 @@ def test_init_offers_the_kinds_there_are(tmp_path, capsys):
         assert shlex.split(command) == ["simulate", str(folder / "scenario.toml")]
 
 
+def test_a_folder_is_no_law(tmp_path, capsys):
+    assert main(["init", "--kind", "sliding point", "--out", str(tmp_path / "B")]) == 0
+    scenario = str(tmp_path / "B" / "scenario.toml")
+    given = ["--law", str(tmp_path / "B"), "--out", str(tmp_path / "C")]
+    assert main(["simulate", scenario, *given]) == 2
+    assert "is a folder: name the law's file in it" in capsys.readouterr().err
+
+
 def test_init_overwrites_nothing(tmp_path, capsys):
     assert main(["init", "--kind", "sliding disk", "--out", str(tmp_path)]) == 0
     before = (tmp_path / "scenario.toml").read_text()
