@@ -150,12 +150,13 @@ def _with_candidates(text: str, version: str) -> str:
         rf"^## \[{re.escape(version)}-rc\.\d+\].*?\n(.*?)(?=^## \[|\Z)", re.M | re.DOTALL
     )
     brought = candidate.findall(text)
-    if not brought:
-        return text
     unreleased = re.compile(r"(^## \[Unreleased\]\n)(.*?)(?=^## \[|\Z)", re.M | re.DOTALL)
+    fresh = unreleased.search(text)
+    if not brought or fresh is None:
+        return text
     # Groups such as "### Fixed" come once, with the newest entries first.
     groups: dict[str, list[str]] = {}
-    for part in (unreleased.search(text)[2], *brought):  # type: ignore[index]
+    for part in (fresh[2], *brought):
         first, *others = re.split(r"^(?=### )", part, flags=re.M)
         for group in ("\n" + first, *others):
             title, _, body = group.partition("\n")
