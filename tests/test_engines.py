@@ -5,12 +5,13 @@ coefficients 5/9.3 and 4.49/9.3 along x and y, 0.5 where they are equal, and ste
 what is given.
 """
 
+import inspect
 from dataclasses import dataclass
 
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.law.engines import ENGINES
+from asperity.law.engines import ELSEWHERE, ENGINES
 
 M1, M2 = 5.00 / 9.3, 4.49 / 9.3
 SCALE = {"mu": 0.5, "anisotropy": (M1 / 0.5, M2 / 0.5)}
@@ -615,6 +616,17 @@ def test_what_is_no_number_is_refused_by_name(engine, parameters, name, bad):
     with pytest.raises(asp.ParameterError) as refused:
         like(engine, {**parameters, name: spoilt})
     assert refused.value.argument == name
+
+
+@pytest.mark.parametrize("engine", ELSEWHERE)
+def test_what_belongs_elsewhere_is_refused_with_the_place(engine):
+    known = set(inspect.signature(ENGINES[engine]).parameters)
+    assert known.isdisjoint(ELSEWHERE[engine])
+    for name, place in ELSEWHERE[engine].items():
+        with pytest.raises(asp.ParameterError) as refused:
+            like(engine, {name: 0.1})
+        assert refused.value.argument == name
+        assert place in str(refused.value)
 
 
 def test_every_engine_was_recorded_and_is_documented():

@@ -74,8 +74,8 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
     function = ENGINES[kind]
     known = inspect.signature(function).parameters
     for name in parameters:
-        if name in _ELSEWHERE.get(kind, {}):
-            raise ParameterError(name, f"is no part of a law: {_ELSEWHERE[kind][name]}")
+        if name in ELSEWHERE.get(kind, {}):
+            raise ParameterError(name, f"is no part of a law: {ELSEWHERE[kind][name]}")
         if name not in known:
             raise ParameterError(name, f"is no parameter of {kind} here{advice_on(name, known)}")
     for name, one in known.items():
@@ -575,7 +575,7 @@ _IMPACT = "it belongs to the contact, as normal_restitution of a pair or a Conta
 _SIDEWAYS = "it belongs to the contact, as tangential_restitution of a pair or a Contact"
 _STEPS = "it is the dt of simulate"
 _ROLLING = "rolling friction is not translated; a law has slip and drilling only"
-_ELSEWHERE: dict[str, dict[str, str]] = {
+ELSEWHERE: dict[str, dict[str, str]] = {
     "bullet": {
         "restitution": _IMPACT,
         "contactStiffness": _RIGID,
