@@ -107,12 +107,13 @@ def bumped(root: Path, version: str, date: datetime.date) -> dict[Path, str]:
     """Return the new text of every file that a new version changes.
 
     Raises:
-        ReleaseError: if the version is not a later one, or nothing has changed since the last.
+        ReleaseError: if the version is not a later one, or nothing has changed since the last. A
+            release after its own candidates needs no change: it takes over their sections.
     """
     old = current(root)
     if rank(version) <= rank(old):
         raise ReleaseError(f"the new version must be later than {old}, got {version}")
-    if not notes(root, "Unreleased").strip():
+    if not notes(root, "Unreleased").strip() and version != old.partition("-rc.")[0]:
         raise ReleaseError("the section [Unreleased] of CHANGELOG.md is empty")
     quoted = re.escape(old)
     changes: dict[str, Callable[[str], str]] = {
@@ -132,10 +133,41 @@ def bumped(root: Path, version: str, date: datetime.date) -> dict[Path, str]:
             1,
         ),
         "CHANGELOG.md": lambda text: _replaced(
-            text, r"^## \[Unreleased\]$", f"## [Unreleased]\n\n## [{version}] - {date}", 1
+            _with_candidates(text, version),
+            r"^## \[Unreleased\]$",
+            f"## [Unreleased]\n\n## [{version}] - {date}",
+            1,
         ),
     }
     return {root / name: change(_read(root / name)) for name, change in changes.items()}
+
+
+def _with_candidates(text: str, version: str) -> str:
+    """Return the changelog in which what the candidates of a version brought is unreleased again.
+
+    Whoever reads of the version wants to know what has changed since the version before.
+    """
+    candidate = re.compile(
+        rf"^## \[{re.escape(version)}-rc\.\d+\].*?\n(.*?)(?=^## \[|\Z)", re.M | re.DOTALL
+    )
+    brought = candidate.findall(text)
+    unreleased = re.compile(r"(^## \[Unreleased\]\n)(.*?)(?=^## \[|\Z)", re.M | re.DOTALL)
+    fresh = unreleased.search(text)
+    if not brought or fresh is None:
+        return text
+    # Groups such as "### Fixed" come once, with the newest entries first.
+    groups: dict[str, list[str]] = {}
+    for part in (fresh[2], *brought):
+        first, *others = re.split(r"^(?=### )", part, flags=re.M)
+        for group in ("\n" + first, *others):
+            title, _, body = group.partition("\n")
+            groups.setdefault(title, []).append(body.strip())
+    written = (
+        "\n\n".join([title] * bool(title) + [body for body in bodies if body])
+        for title, bodies in groups.items()
+    )
+    whole = "\n\n".join(group for group in written if group)
+    return unreleased.sub(lambda match: f"{match[1]}\n{whole}\n\n", candidate.sub("", text), 1)
 
 
 def readdressed(root: Path, site: str, repository: str) -> dict[Path, str]:
@@ -144,9 +176,15 @@ def readdressed(root: Path, site: str, repository: str) -> dict[Path, str]:
     Raises:
         ReleaseError: if an address is not one.
     """
-    for address in (site, repository):
-        if not re.fullmatch(r"https://[\w.-]+(/[\w.-]+)+", address):
-            raise ReleaseError(f"an address is https://host/path, got {address!r}")
+    if not re.fullmatch(r"https://[\w-]+(\.[\w-]+)+(/[\w.-]+)*", site):
+        raise ReleaseError(
+            f"the address of the site is https://host or https://host/path: {site!r}"
+        )
+    if not re.fullmatch(r"https://github\.com/[\w.-]+/[\w.-]+", repository):
+        # Pictures and pages are linked by the paths that GitHub has for them.
+        raise ReleaseError(
+            f"the repository must be https://github.com/owner/name, got {repository!r}"
+        )
     urls = tomllib.loads(_read(root / "pyproject.toml"))["project"]["urls"]
     pairs = {
         urls["Homepage"]: site,

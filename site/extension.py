@@ -183,6 +183,27 @@ def _to_index(match: re.Match[str]) -> str:
     return f":ref:`({match[1]}) <eq-{match[1]}>`" if known else match[0]
 
 
+def no_part_alone(app: Sphinx, doctree: nodes.document) -> None:
+    """Say how scripts of the paper are run, in place of downloads: they import their neighbours."""
+    name = app.env.docname
+    if not name.startswith("paper/"):
+        return
+    for node in [*doctree.findall(nodes.Element)]:
+        classes = node.get("classes", [])
+        if "sphx-glr-download-link-note" in classes:
+            node.parent.remove(node)
+        elif "sphx-glr-footer" in classes:
+            command = f"python -m {name.replace('/', '.')}"
+            words = nodes.paragraph()
+            words += nodes.Text("The script needs modules of the repository: ")
+            words += nodes.literal(text=command)
+            words += nodes.Text(" in ")
+            words += nodes.literal(text="examples/")
+            words += nodes.Text(" runs it.")
+            whole = node.get("classes").count("sphx-glr-footer-gallery")
+            node.parent.replace(node, [] if whole else [words])
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register all of it."""
     app.setup_extension("sphinx.ext.autodoc")
@@ -190,6 +211,8 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("missing-reference", public_target, priority=100)
     app.connect("autodoc-process-signature", written_signature)
     app.connect("autodoc-process-bases", public_bases)
+    # After the labels within what is taken out have been read.
+    app.connect("doctree-read", no_part_alone, priority=900)
     app.connect("autodoc-process-docstring", plain_bars)
     app.connect("autodoc-process-docstring", sentence_first, priority=400)
     app.add_html_math_renderer("unicode", (_inline_formula, None), (_displayed_formula, None))

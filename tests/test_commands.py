@@ -1,5 +1,6 @@
 """The command line: exit codes, files, no traceback for a user's error."""
 
+import os
 import subprocess
 import sys
 
@@ -18,6 +19,17 @@ def run(*arguments):
         check=False,
         timeout=600,
     )
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a pipe that closes is an error of its own there")
+def test_readers_that_have_seen_enough_end_the_command(tmp_path):
+    asp.FrictionLaw.isotropic(0.5).save(tmp_path / "law.toml")
+    command = [sys.executable, "-m", "asperity", "law", str(tmp_path / "law.toml")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        said = process.stderr.read()
+        assert process.wait(60) == 141
+    assert said == b""
 
 
 def test_demo_writes_figures_and_tables_and_passes(tmp_path):

@@ -1,5 +1,6 @@
 """Every example in the documentation runs."""
 
+import ast
 import doctest
 import importlib
 import pkgutil
@@ -53,6 +54,14 @@ def test_docstring_examples(name):
 def test_every_public_name_is_documented(name):
     if name != "__version__":
         assert (getattr(asp, name).__doc__ or "").strip()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pages_import_what_they_use(page):
+    nodes = [*ast.walk(ast.parse("\n".join(BLOCK.findall(page.read_text(encoding="utf-8")))))]
+    imports = [node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)]
+    given = {one.asname or one.name for node in imports for one in node.names}
+    assert given <= {node.id for node in nodes if isinstance(node, ast.Name)}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -1,13 +1,17 @@
 """`FrictionLaw.like` against what other engines were seen to compute.
 
 The sliding experiment: a body of 18 g on a horizontal plane, launched at 1.52 m/s at 58° to x, with
-coefficients 5/9.3 and 4.49/9.3 along x and y, 0.5 where they are equal, and steps of 0.1 ms.
+coefficients 5/9.3 and 4.49/9.3 along x and y, 0.5 where they are equal, and steps of 0.1 ms or
+what is given.
 """
+
+import inspect
+from dataclasses import dataclass
 
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.law.engines import ENGINES
+from asperity.law.engines import ELSEWHERE, ENGINES
 
 M1, M2 = 5.00 / 9.3, 4.49 / 9.3
 SCALE = {"mu": 0.5, "anisotropy": (M1 / 0.5, M2 / 0.5)}
@@ -39,17 +43,83 @@ RECORDED = [
         (0.1256887, 0.2011440),
         0.3121,
     ),
-    ("4.0.0", "mujoco", {"friction": (0.5, 0.5), **ELLIPTIC}, (0.1247643, 0.1996646), 0.3105),
-    ("4.0.0", "mujoco", {"friction": (M1, M2), **ELLIPTIC}, (0.1270200, 0.1867595), 0.2994),
-    ("4.0.0", "mujoco", {"friction": (M2, M1), **ELLIPTIC}, (0.1176056, 0.2055078), 0.3134),
-    ("4.0.0", "mujoco", {"friction": (0.5, 0.5), "frame": FRAME}, (0.2040509, 0.2320364), None),
-    ("4.0.0", "mujoco", {"friction": (M1, M2), "frame": FRAME}, (0.2042723, 0.2176197), None),
-    ("4.0.0", "mujoco", {"friction": (M2, M1), "frame": FRAME}, (0.1968984, 0.2406280), None),
-    ("1.51.1", "drake", {"dynamic_friction": 0.5}, (0.124804, 0.199728), 0.3098),
+    *(
+        ("4.0.0", "mujoco", {"friction": friction, **options}, position, stop)
+        for friction, options, positions, stops in (
+            # The default contact with steps of 0.1 ms and of 2 ms, the default; then, with 0.1 ms,
+            # solref="0.002 1" solimp="0.95 0.99 0.001", a stiffer one.
+            (
+                (0.5, 0.5),
+                ELLIPTIC,
+                ((0.1248203, 0.1997543), (0.1240611, 0.1985393), (0.1247643, 0.1996646)),
+                (None, None, 0.3105),
+            ),
+            (
+                (M1, M2),
+                ELLIPTIC,
+                ((0.1268773, 0.1869816), (0.1261363, 0.1856769), (0.1270200, 0.1867595)),
+                (None, None, 0.2994),
+            ),
+            (
+                (M2, M1),
+                ELLIPTIC,
+                ((0.1178780, 0.2054638), (0.1170770, 0.2042991), (0.1176056, 0.2055078)),
+                (None, None, 0.3134),
+            ),
+            (
+                (0.5, 0.5),
+                {"frame": FRAME},
+                ((0.2022869, 0.2337700), (0.2017399, 0.2326829), (0.2040509, 0.2320364)),
+                (None, None, None),
+            ),
+            (
+                (M1, M2),
+                {"frame": FRAME},
+                ((0.2027743, 0.2192479), (0.2023322, 0.2179836), (0.2042723, 0.2176197)),
+                (None, None, None),
+            ),
+            (
+                (M2, M1),
+                {"frame": FRAME},
+                ((0.1948292, 0.2424683), (0.1942397, 0.2413969), (0.1968984, 0.2406280)),
+                (None, None, None),
+            ),
+        )
+        for position, stop in zip(positions, stops, strict=True)
+    ),
+    *(
+        (
+            "1.51.1",
+            "drake",
+            {"dynamic_friction": 0.5, "discrete_contact_approximation": kind, "time_step": step},
+            position,
+            None,
+        )
+        for kind, step, position in (
+            ("lagged", 1e-3, (0.1248041, 0.1997283)),
+            ("similar", 3e-4, (0.1246835, 0.1995353)),
+            ("similar", 1e-3, (0.1244016, 0.1990841)),
+            ("sap", 3e-4, (0.1246827, 0.1995341)),
+            ("sap", 1e-3, (0.1244009, 0.1990830)),
+            ("tamsi", 3e-4, (0.1246835, 0.1995353)),
+            ("tamsi", 1e-3, (0.1244017, 0.1990844)),
+        )
+    ),
     (
         "1.51.1",
         "drake",
-        {"dynamic_friction": 0.5, "discrete_contact_approximation": "tamsi"},
+        {"dynamic_friction": 0.5, "time_step": 1e-4},
+        (0.124804, 0.199728),
+        0.3098,
+    ),
+    (
+        "1.51.1",
+        "drake",
+        {
+            "dynamic_friction": 0.5,
+            "discrete_contact_approximation": "tamsi",
+            "time_step": 1e-4,
+        },
         (0.124764, 0.199663),
         0.3097,
     ),
@@ -60,6 +130,7 @@ RECORDED = [
             "dynamic_friction": 0.5,
             "static_friction": 0.9,
             "discrete_contact_approximation": "similar",
+            "time_step": 1e-4,
         },
         (0.124759, 0.199657),
         0.3098,
@@ -67,7 +138,7 @@ RECORDED = [
     (
         "1.51.1",
         "drake",
-        {"dynamic_friction": 0.5, "discrete_contact_approximation": "sap"},
+        {"dynamic_friction": 0.5, "discrete_contact_approximation": "sap", "time_step": 1e-4},
         (0.124764, 0.199663),
         0.3099,
     ),
@@ -103,18 +174,22 @@ RECORDED = [
     ("6.20.0", "dart", {"mu": 0.5}, (0.0660957, 0.1693144), 0.2626),
 ]
 
-LAWS = {
+LAWS_OF_ONE = {
     "isotropic": asp.FrictionLaw.isotropic(0.5),
+    "square": asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5)),
+    "square diamond": asp.FrictionLaw.associated(asp.Superellipse(0.5, 0.5, 1.0)),
+}
+"""What one coefficient may mean."""
+LAWS_OF_TWO = {
     "associated ellipse": asp.FrictionLaw.associated(asp.Ellipse(M1, M2)),
     "ellipse, axes exchanged": asp.FrictionLaw.associated(asp.Ellipse(M2, M1)),
     "collinear": asp.FrictionLaw.collinear(asp.Ellipse(M1, M2)),
     "tensor": asp.FrictionLaw.tensor([[M1, 0.0], [0.0, M2]]),
-    "square": asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5)),
     "box": asp.FrictionLaw.associated(asp.Rectangle(M1, M2)),
-    "square diamond": asp.FrictionLaw.associated(asp.Superellipse(0.5, 0.5, 1.0)),
     "diamond": asp.FrictionLaw.associated(asp.Superellipse(M1, M2, 1.0)),
     "diamond, axes exchanged": asp.FrictionLaw.associated(asp.Superellipse(M2, M1, 1.0)),
 }
+"""What two may mean."""
 
 
 def slide(law):
@@ -125,7 +200,7 @@ def slide(law):
     return path.q[-1], path.t[slow.argmax()] if slow.any() else None
 
 
-ENDS = {name: slide(law)[0] for name, law in LAWS.items()}
+ENDS = [{name: slide(law)[0] for name, law in laws.items()} for laws in (LAWS_OF_ONE, LAWS_OF_TWO)]
 
 
 def like(engine, parameters):
@@ -147,7 +222,9 @@ def test_the_law_is_the_one_that_the_engine_computes(case):
     assert law.report.engine == engine
     assert law.report.version == version
     assert off <= law.report.end_error + 1e-6  # half a digit of what was recorded
-    others = {name: np.linalg.norm(there - position) for name, there in ENDS.items()}
+    along, across = law.reservoir.radius([0.0, 0.5 * np.pi])
+    ends = ENDS[0 if np.isclose(along, across) else 1]
+    others = {name: np.linalg.norm(there - position) for name, there in ends.items()}
     # No other law that the same coefficients may mean is nearer.
     assert off <= min(others.values()) + 1e-9, others
     assert (stop is None) or abs(rest - stop) < 7e-4
@@ -170,6 +247,8 @@ CREEP = [
     ("mujoco", {"friction": (0.5, 0.5), "cone": "elliptic"}, 2.20667e-3),
     ("mujoco", {"friction": (1.0, 1.0), "cone": "elliptic"}, 4.41334e-3),
     ("mujoco", {"friction": (0.5, 0.5)}, 3.21935e-3),
+    ("mujoco", {"friction": (0.5, 0.5), "cone": "elliptic", "impratio": 10.0}, 2.20667e-4),
+    ("mujoco", {"friction": (0.5, 0.5), "cone": "elliptic", "impratio": 0.5}, 4.41334e-3),
     ("drake", {"dynamic_friction": 0.5, "static_friction": 0.9}, 5.77351e-5),
     (
         "drake",
@@ -202,6 +281,14 @@ def test_the_stated_creep_is_what_was_recorded(engine, parameters, speed):
     assert report.creep == pytest.approx(speed, rel=1e-3)
     shown = 1e3 * speed if engine == "mujoco" else speed
     assert f"{shown:.2g} m" in report.deviation
+
+
+def test_creep_under_the_pyramid_over_impratio():
+    recorded = {0.5: 6.34367e-3, 2.0: 1.61588e-3, 10.0: 3.23577e-4, 100.0: 3.235936e-5}
+    for ratio, speed in recorded.items():
+        report = like("mujoco", {"friction": (0.5, 0.5), "impratio": ratio}).report
+        assert report.creep == pytest.approx(speed, rel=0.02)
+        assert report.end_error is None
 
 
 def belt(law):
@@ -307,6 +394,74 @@ def test_geoms_of_mujoco_are_isotropic():
     assert like("mujoco", {"friction": (0.7, 0.7), "cone": "elliptic"}) == law
 
 
+def test_of_two_geoms_the_larger_numbers_count():
+    geoms = [(0.7, 0.005, 0.0001), (0.5, 0.02, 0.0001)]
+    law = like("mujoco", {"geom_friction": geoms, "condim": 4, "patch_radius": 0.1})
+    one = like("mujoco", {"geom_friction": (0.7, 0.02, 0.0), "condim": 4, "patch_radius": 0.1})
+    assert law == one
+    # What a geom leaves out has MuJoCo's default.
+    for short in (0.7, (0.7,), [(0.7,), (0.5,)]):
+        alone = like("mujoco", {"geom_friction": short, "condim": 4, "patch_radius": 0.1})
+        assert np.allclose(alone.reservoir.gauge([[0.0, 0.0, 0.05], [0.7, 0.0, 0.0]]), 1.0)
+
+
+@dataclass
+class Constant:
+    """A constant as the bindings of MuJoCo and Drake have them."""
+
+    name: str
+
+
+SAME_WORDS = [
+    ("mujoco", {"friction": (0.5, 0.4)}, "cone", "elliptic", [1, "Elliptic", "mjCONE_ELLIPTIC"]),
+    ("mujoco", {"friction": (0.5, 0.4)}, "cone", "elliptic", [Constant("mjCONE_ELLIPTIC")]),
+    ("mujoco", {"friction": (0.5, 0.4)}, "cone", "pyramidal", [0, "PYRAMIDAL"]),
+    (
+        "drake",
+        {"dynamic_friction": 0.5},
+        "discrete_contact_approximation",
+        "sap",
+        ["SAP", "kSap", Constant("kSap")],
+    ),
+    ("cardillo", SCALE, "solver", "BackwardEuler", ["backwardeuler"]),
+]
+
+
+@pytest.mark.parametrize(("engine", "parameters", "name", "word", "others"), SAME_WORDS)
+def test_words_are_taken_as_people_write_them(engine, parameters, name, word, others):
+    law = like(engine, {**parameters, name: word})
+    for other in others:
+        assert like(engine, {**parameters, name: other}) == law
+        assert like(engine.upper(), {**parameters, name: other}).report.engine == engine
+
+
+def test_engines_have_the_names_of_their_packages():
+    given = {"lateralFriction": 0.5}
+    assert like("PyBullet", given) == like("bullet", given)
+    assert like("solve-nivp", {"mu": 0.5}) == like("solve_nivp", {"mu": 0.5})
+
+
+def test_reports_say_what_holds_of_their_laws():
+    """Sentences about unequal coefficients or a measured creep are there where these are."""
+    for engine, given in (
+        ("exudyn", {"dryFriction": (0.5, 0.5)}),
+        ("bullet", {"lateralFriction": 0.5, "enableConeFriction": True}),
+    ):
+        law = like(engine, given)
+        assert law.is_associated
+        for words in ("not associated", "ellipse"):
+            assert words not in law.report.deviation
+    assert "not associated" in like("exudyn", {"dryFriction": (0.5, 0.4)}).report.deviation
+    cone = {"lateralFriction": 0.5, "anisotropicFriction": (1, 0.5, 1), "enableConeFriction": True}
+    assert "coefficients form an ellipse" in like("bullet", cone).report.deviation
+    for kind in ("elliptic", "pyramidal"):
+        given = {"friction": (0.4, 0.6, 0.003, 0, 0), "condim": 4, "patch_radius": 0.01}
+        report = like("mujoco", {**given, "cone": kind}).report
+        assert report.creep is None
+        assert "mm/s" not in report.deviation
+        assert "not measured" in report.deviation
+
+
 def test_the_report_turns_with_the_law():
     law = like("mujoco", {"friction": (M2, M1), **ELLIPTIC})
     assert law.report.angle == pytest.approx(0.5 * np.pi)
@@ -326,8 +481,31 @@ def test_laws_with_their_reports_come_back_from_files(case, tmp_path):
 
 REFUSED = [
     ("mujco", {}, "engine: 'mujco' is not known, did you mean 'mujoco'?"),
+    ("chrono", {}, "engine: 'chrono' is not known; known are bullet, cardillo"),
     (3, {}, "engine: 3 is not known; known are bullet, cardillo"),
-    ("mujoco", {"mu": 0.5}, "mu: is no parameter of mujoco; known are friction, geom_friction"),
+    (
+        "mujoco",
+        {"mu": 0.5},
+        "mu: is no parameter of mujoco here; known are friction, geom_friction",
+    ),
+    ("bullet", {"friction": 0.5}, "friction: is no parameter of bullet here; known are lateral"),
+    ("bullet", {}, "lateralFriction: is missing"),
+    ("siconos", {"mu": 0.5, "e_n": 0.2}, "e_n: is no part of a law: it belongs to the contact, as"),
+    (
+        "cardillo",
+        {"mu": 0.5, "e_F": 0.2},
+        "e_F: is no part of a law: it belongs to the contact, as",
+    ),
+    ("mujoco", {"friction": (1.0, 1.0), "solref": (0.02, 1.0)}, "solref: is no part of a law: con"),
+    ("exudyn", {"dryFriction": (0.5, 0.4), "viscousFriction": (1.0, 1.0)}, "with the speed"),
+    ("mujoco", {"geom_friction": (1.0, 0.005)}, "geom_friction: must have the three numbers"),
+    (
+        "mujoco",
+        {"geom_friction": np.ones((3, 3))},
+        "geom_friction: is of one geom or of two, got 3",
+    ),
+    ("mujoco", {"geom_friction": np.ones((0, 3))}, "geom_friction: "),
+    ("mujoco", {"friction": (1.0, 1.0), "cone": 2}, "cone: must be 'pyramidal' or"),
     ("bullet", {"lateralFricton": 0.5}, "did you mean 'lateralFriction'"),
     ("siconos", {}, "mu: is missing: siconos has mu, size, H"),
     ("mujoco", {}, "friction: of a contact or geom_friction"),
@@ -348,10 +526,26 @@ REFUSED = [
     ("mujoco", {"friction": (1.0, 1.0), "frame": np.eye(3)}, "frame: must have a vertical normal"),
     ("mujoco", {"friction": (1.0, 1.0), "frame": np.ones(9)}, "frame: must have orthonormal rows"),
     ("mujoco", {"friction": (1.0, 1.0), "frame": np.ones(4)}, "the nine numbers"),
-    ("bullet", {"spinningFriction": 0.1}, "spinningFriction: is not translated"),
-    ("bullet", {"rollingFriction": 0.1}, "rollingFriction: is not translated"),
-    ("bullet", {"enableConeFriction": "yes"}, "enableConeFriction: must be True or False"),
-    ("bullet", {"anisotropicFriction": (1.0, -1.0, 1.0)}, "anisotropicFriction: must be positive"),
+    (
+        "bullet",
+        {"lateralFriction": 0.5, "spinningFriction": 0.1},
+        "spinningFriction: is not translated",
+    ),
+    (
+        "bullet",
+        {"lateralFriction": 0.5, "rollingFriction": 0.1},
+        "rollingFriction: is not translated",
+    ),
+    (
+        "bullet",
+        {"lateralFriction": 0.5, "enableConeFriction": "yes"},
+        "enableConeFriction: must be True or False",
+    ),
+    (
+        "bullet",
+        {"lateralFriction": 0.5, "anisotropicFriction": (1.0, -1.0, 1.0)},
+        "anisotropicFriction: must be positive",
+    ),
     ("drake", {"static_friction": 0.5}, "dynamic_friction: is missing"),
     ("drake", {"dynamic_friction": 0.5, "static_friction": 0.2}, "must not be below"),
     (
@@ -359,7 +553,7 @@ REFUSED = [
         {"dynamic_friction": 0.5, "discrete_contact_approximation": "lag"},
         "discrete_contact_approximation: must be 'lagged'",
     ),
-    ("cardillo", {"mu": 0.3, "solver": "moreau"}, "solver: must be 'Moreau' or"),
+    ("cardillo", {"mu": 0.3, "solver": "Moreaux"}, "solver: must be 'Moreau' or"),
     ("exudyn", {"dryFriction": 0.3}, "dryFriction: must have shape"),
     ("siconos", {"mu": 0.3, "size": 5}, "size: 5 has rolling friction"),
     ("siconos", {"mu": 0.3, "size": 4}, "size: must be 2 or 3"),
@@ -422,6 +616,17 @@ def test_what_is_no_number_is_refused_by_name(engine, parameters, name, bad):
     with pytest.raises(asp.ParameterError) as refused:
         like(engine, {**parameters, name: spoilt})
     assert refused.value.argument == name
+
+
+@pytest.mark.parametrize("engine", ELSEWHERE)
+def test_what_belongs_elsewhere_is_refused_with_the_place(engine):
+    known = set(inspect.signature(ENGINES[engine]).parameters)
+    assert known.isdisjoint(ELSEWHERE[engine])
+    for name, place in ELSEWHERE[engine].items():
+        with pytest.raises(asp.ParameterError) as refused:
+            like(engine, {name: 0.1})
+        assert refused.value.argument == name
+        assert place in str(refused.value)
 
 
 def test_every_engine_was_recorded_and_is_documented():

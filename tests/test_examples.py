@@ -79,7 +79,12 @@ def used_classes(script):
     read, and the bases of a class that is called or whose methods and properties are.
     """
     variables, found = run(script)[2], set()
-    for node in ast.walk(ast.parse(script.read_text())):
+    tree = ast.parse(script.read_text())
+    # sphinx-gallery takes ``a.b.c`` as a whole: ``a.b`` within it is no name of its own.
+    inner = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    for node in ast.walk(tree):
+        if id(node) in inner:
+            continue
         name, *attributes = dotted(node)
         if name not in variables:
             continue

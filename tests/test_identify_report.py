@@ -59,6 +59,14 @@ def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_other_formats_than_html_are_refused(tmp_path):
+    fit = fit_law(data())
+    with pytest.raises(ParameterError, match="must end in") as refused:
+        fit.report(tmp_path / "report.pdf")
+    assert refused.value.argument == "path"
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("plot", [plot_fitted_sets, plot_fitted_forces, plot_residuals])
 @pytest.mark.parametrize("other", [FrictionLaw.isotropic(0.3), None, "fit"])
 def test_only_fits_are_drawn(plot, other):

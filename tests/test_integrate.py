@@ -98,6 +98,55 @@ def test_stick_ends_on_the_boundary_of_the_reservoir():
     assert motion.events[0].time == pytest.approx(expected, abs=1e-11)
 
 
+def over_a_floor(height, *, friction=0.5, stiffness=None, force=(0.0, -10.0)):
+    """Return a point of 1 kg over a floor: coordinates across and up."""
+    law = asp.FrictionLaw.isotropic(friction, dimension=1)
+    floor = asp.Contact(law, direction=[1.0, 0.0], normal=[0.0, 1.0], gap=height)
+    return asp.LinearSystem([1.0, 1.0], stiffness=stiffness, force=force, contacts=[floor])
+
+
+def falling():
+    return asp.integrate(over_a_floor(2.0), t_end=1.0, u0=[0.3, 1.0]), (1.0 + 41.0**0.5) / 10.0
+
+
+def sliding():
+    return asp.integrate(over_a_floor(0.0), t_end=1.0, u0=[3.0, 0.0]), 3.0 / 5.0
+
+
+def lifted():
+    """λ_N = 10 − 8 x is 0 where x = 2 (1 − cos t) is 1.25, without friction worth the name."""
+    coupled = {"stiffness": [[1.0, -8.0], [-8.0, 0.0]], "force": (2.0, -10.0)}
+    system = over_a_floor(0.0, friction=1e-50, **coupled)
+    return asp.integrate(system, t_end=2.0), np.arccos(1.0 - 1.25 / 2.0)
+
+
+def pushed():
+    """A spring of 2 N/m that is pulled with 1 m/s; the contact holds 5 N."""
+    system = asp.LinearSystem(
+        [1.0, 1e6],
+        stiffness=[[2.0, -2.0], [-2.0, 2.0]],
+        contacts=[
+            asp.Contact(
+                asp.FrictionLaw.isotropic(0.5, dimension=1), direction=[1.0, 0.0], normal_force=10.0
+            )
+        ],
+    )
+    # The mass that pulls is slowed down by what it pulls.
+    rate = np.sqrt(2.0 / 1e6)
+    return asp.integrate(system, t_end=4.0, u0=[0.0, 1.0]), np.arcsin(2.5 * rate) / rate
+
+
+EVENTS = [("impact", falling), ("stick", sliding), ("open", lifted), ("slip", pushed)]
+
+
+@pytest.mark.parametrize(("kind", "case"), EVENTS, ids=[kind for kind, _ in EVENTS])
+def test_events_are_located_to_rounding(kind, case):
+    """Against closed forms, with the tolerance that is the default."""
+    motion, expected = case()
+    first = next(one for one in motion.events if one.kind == kind)
+    assert first.time == pytest.approx(expected, rel=1e-13)
+
+
 def test_a_section_ends_the_motion():
     system = asp.LinearSystem(1.0, stiffness=1.0)
     start = {"q0": [1.0], "u0": [0.0], "tolerance": 1e-12}

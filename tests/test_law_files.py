@@ -121,6 +121,14 @@ def test_provenance_comes_back(tmp_path):
     assert (tmp_path / "again.toml").read_text() == (tmp_path / "law.toml").read_text()
 
 
+def test_files_that_are_not_there_are_no_provenance(tmp_path):
+    (tmp_path / "run.csv").write_bytes(b"time,angle\n")
+    with pytest.raises(FileNotFoundError, match="ran"):
+        asp.Provenance.of_files([tmp_path / "run.csv", tmp_path / "ran.csv"])
+    # What cannot be read twice has a name only, which a folder shows.
+    assert asp.Provenance.of_files([tmp_path]).files == ((tmp_path.name, ""),)
+
+
 CONFIGURATIONS = [
     {"runs": [{"turns": {"parts": [{"n": 1}]}}, {}]},
     {"mixed": [1, {"x y": 2, "": []}], "lists": [[{"a": [1]}]]},

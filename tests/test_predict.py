@@ -504,6 +504,38 @@ def test_coefficients_are_those_without_the_dependence_on_the_speed(tmp_path):
     assert "dependence on the speed" in sheet.text()
 
 
+def test_what_is_known_of_an_engines_law_is_said(tmp_path, capsys):
+    path = tmp_path / "law.toml"
+    law = asp.FrictionLaw.like("mujoco", friction=(0.4, 0.6), frame=[0, 0, 1, 0, 1, 0, -1, 0, 0])
+    law.save(path)
+    assert main(["law", str(path), "--out", str(tmp_path / "out")]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    report = law.report
+    for words in ("like the engine: mujoco, version 4.0.0", report.axes, report.deviation, "90°"):
+        assert words in printed
+    assert "what it does otherwise" in (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert main(["law", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["report"]["creep"] == report.creep
+    # Laws from forces have a report, too; laws of sets have none.
+    asp.FrictionLaw.tensor([[0.5, 0.0], [0.0, 0.4]]).save(path)
+    assert "report" not in describe_law(path).data()
+    phi = np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False)
+    forces = 0.3 * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    asp.FrictionLaw.from_samples(phi, force=forces).save(path)
+    assert "90 directions" in describe_law(path).text()
+
+
+def test_both_sheets_of_a_law_agree_on_stability(tmp_path):
+    """An associated law whose force falls with the speed makes steady sliding unstable."""
+    path, falling = tmp_path / "law.toml", asp.Stribeck(1.0, ratio=0.5)
+    for rate in (None, falling):
+        asp.FrictionLaw.isotropic(0.5).replace(rate=rate).save(path)
+        said = describe_law(path).text()
+        assert describe_stability(path).unstable is (rate is not None)
+        assert ("steady sliding is stable" in said) is (rate is None)
+        assert ("the dependence on the speed may" in said) is (rate is not None)
+
+
 def test_init_offers_the_kinds_there_are(tmp_path, capsys):
     for kind in KINDS:
         folder = tmp_path / f"a {kind}"
@@ -511,6 +543,14 @@ def test_init_offers_the_kinds_there_are(tmp_path, capsys):
         # The command that is printed can be pasted.
         command = capsys.readouterr().out.splitlines()[-1].removeprefix("now: asperity ")
         assert shlex.split(command) == ["simulate", str(folder / "scenario.toml")]
+
+
+def test_a_folder_is_no_law(tmp_path, capsys):
+    assert main(["init", "--kind", "sliding point", "--out", str(tmp_path / "B")]) == 0
+    scenario = str(tmp_path / "B" / "scenario.toml")
+    given = ["--law", str(tmp_path / "B"), "--out", str(tmp_path / "C")]
+    assert main(["simulate", scenario, *given]) == 2
+    assert "is a folder: name the law's file in it" in capsys.readouterr().err
 
 
 def test_init_overwrites_nothing(tmp_path, capsys):

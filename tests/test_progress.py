@@ -129,9 +129,9 @@ def test_without_tqdm_true_says_what_to_install(monkeypatch):
         LONG["simulate"](progress=True)
 
 
-def test_progress_changes_no_result():
-    for name in ("limit_cycle", "bifurcation_diagram", "growth_chart", "compare_models"):
-        assert LONG[name](progress=lambda *_: None) == LONG[name]()
+@pytest.mark.parametrize("name", LONG)
+def test_progress_changes_no_result(name):
+    assert LONG[name](progress=lambda *_: None) == LONG[name]()
 
 
 def test_samples_are_an_interval_apart_in_both_integrators():

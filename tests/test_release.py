@@ -109,6 +109,30 @@ def test_a_release_without_changes_is_refused(copy, capsys):
     assert "[Unreleased] of CHANGELOG.md is empty" in capsys.readouterr().err
 
 
+def test_a_release_takes_over_what_its_candidates_brought(copy):
+    log = copy / "CHANGELOG.md"
+    head, tail = log.read_text(encoding="utf-8").split("## [Unreleased]\n")
+    older = tail[tail.index("\n## [") :]
+    older_than = [older]
+    texts = [
+        "\nOf all.\n\n### Added\n\n- One.\n\n### Fixed\n\n- Two.\n",
+        "\n### Fixed\n\n- Three.\n",
+        "",
+    ]
+    for version, text in zip(("9.8.0-rc.1", "9.8.0-rc.2", "9.8.0"), texts, strict=True):
+        log.write_text(f"{head}## [Unreleased]\n{text}{older_than[-1]}", encoding="utf-8")
+        bump = ["--root", str(copy), "bump", version, "--date", "2027-01-02"]
+        assert release.main(bump) == 0
+        older_than.append(log.read_text(encoding="utf-8").split("## [Unreleased]\n")[1])
+    assert release.notes(copy, "9.8.0") == (
+        "Of all.\n\n### Fixed\n\n- Three.\n\n- Two.\n\n### Added\n\n- One.\n"
+    )
+    assert "-rc." not in log.read_text(encoding="utf-8")
+    assert log.read_text(encoding="utf-8").endswith(older)
+    # The next one needs a change again.
+    assert release.main(["--root", str(copy), "bump", "9.8.1"]) == 1
+
+
 @pytest.mark.parametrize("name", ["Cargo.toml", "Cargo.lock", "CITATION.cff"])
 def test_places_that_disagree_are_named(copy, name, capsys):
     text = (copy / name).read_text(encoding="utf-8")
@@ -175,7 +199,29 @@ def test_addresses_are_changed_together(copy, capsys):
     old = PROJECT["urls"]["Repository"].split("/")[-2]
     for name in release.ADDRESSED:
         assert old not in (copy / name).read_text(encoding="utf-8"), name
-    assert release.main(["--root", str(copy), "address", "friction.example", new[1]]) == 1
+    host = "https://friction.example"
+    assert release.main(["--root", str(copy), "address", host, new[1]]) == 0
+    assert f'Homepage = "{host}"' in (copy / "pyproject.toml").read_text(encoding="utf-8")
+
+
+GITHUB = "https://github.com/somebody/friction"
+
+
+@pytest.mark.parametrize(
+    ("site", "repository"),
+    [
+        ("friction.example", GITHUB),
+        ("https://friction", GITHUB),
+        ("https://friction.example/a b", GITHUB),
+        ("https://friction.example", "https://gitlab.com/somebody/friction"),
+        ("https://friction.example", "https://github.com/somebody"),
+        ("https://friction.example", f"{GITHUB}/tree/main"),
+    ],
+)
+def test_addresses_that_would_break_links_are_refused(copy, site, repository):
+    before = contents(copy)
+    assert release.main(["--root", str(copy), "address", site, repository]) == 1
+    assert contents(copy) == before
 
 
 def test_pictures_and_links_of_the_readme_are_found_from_everywhere():
@@ -208,6 +254,10 @@ def test_extras_are_there_and_hold_each_other():
     parts = re.search(r"asperity\[(.*)\]", extras["all"][-1])[1].split(",")
     assert {"all", "docs", "test", "dev"}.isdisjoint(parts)
     assert set(parts) | {"all", "docs", "test", "dev"} == set(extras)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert {f"`asperity[{one}]`" for one in {"all", *parts}} <= set(
+        re.findall(r"`asperity\[\w+\]`", readme)
+    )
 
 
 def test_extras_that_messages_name_are_there():
@@ -258,6 +308,41 @@ def test_workflows_run_what_is_there(path):
         assert "timeout-minutes" in job
         needed = job.get("needs", [])
         assert set([needed] if isinstance(needed, str) else needed) <= set(jobs)
+
+
+def test_crates_that_the_registry_has_are_left_out(capsys):
+    crates = _load("publish_crates")
+    version = CARGO["package"]["version"]
+    lines = {
+        "https://index.crates.io/as/pe/asperity-set": ["0.0.1", version],
+        "https://index.crates.io/as/pe/asperity": ["0.0.1"],
+    }
+
+    def read(address):
+        return "".join(f'{{"name": "x", "vers": "{one}"}}\n' for one in lines[address])
+
+    assert crates.missing(version, read) == ["asperity"]
+    assert crates.missing("9.8.7", read) == list(crates.CRATES)
+    assert crates.missing("9.8.7", lambda _: "") == list(crates.CRATES)
+    assert crates.main(["--dry-run"], read) == 0
+    assert "--no-verify --package asperity\n" in capsys.readouterr().out
+    assert crates.main([], lambda address: read(next(iter(lines)))) == 0
+    assert "has all crates" in capsys.readouterr().out
+
+
+def test_what_publishes_has_the_rights_it_needs_and_can_be_run_again():
+    yaml = pytest.importorskip("yaml")
+    jobs = yaml.safe_load(WORKFLOWS[1].read_text(encoding="utf-8"))["jobs"]
+    assert jobs["crates"]["permissions"] == {"contents": "read", "id-token": "write"}
+    assert jobs["pypi"]["permissions"] == {"id-token": "write", "attestations": "write"}
+    assert jobs["page"]["permissions"] == {"contents": "write"}
+    assert all(jobs[name]["environment"] == "release" for name in ("crates", "pypi", "page"))
+    steps = {name: str(job["steps"]) for name, job in jobs.items()}
+    assert [name for name, text in steps.items() if "CARGO_REGISTRY_TOKEN" in text] == ["crates"]
+    assert "'skip-existing': True" in steps["pypi"]
+    assert "--prerelease" in steps["page"]
+    assert "gh release view" in steps["page"]
+    assert "-rc." in jobs["pages"]["if"]
 
 
 def test_the_sdist_holds_all_that_the_repository_holds(tmp_path):

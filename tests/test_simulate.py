@@ -71,6 +71,30 @@ def test_stick_is_exact():
     assert motion.stick_fraction.tolist() == [1.0]
 
 
+GIVEN = {
+    "isotropic": ISOTROPIC,
+    "ellipses": TILTED_ELLIPSES,
+    "superellipses": SUPERELLIPSES,
+    "box": asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.3)),
+    "collinear": asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.2)),
+    "falling": ISOTROPIC.replace(rate=asp.Stribeck(0.2, ratio=0.4)),
+}
+
+
+@pytest.mark.parametrize("law", GIVEN.values(), ids=GIVEN)
+def test_friction_never_gives_energy(law):
+    """Its power is not positive in any step, in stick or slip, beyond rounding."""
+    oscillator = asp.LinearSystem(
+        1.0,
+        stiffness=[4.0, 1.0],
+        contacts=[asp.Contact(law, direction=np.eye(2), normal_force=1.0)],
+    )
+    motion = asp.simulate(oscillator, dt=1e-3, t_end=20.0, q0=[3.0, -2.0])
+    power = np.einsum("tcp,tcp->t", motion.force[1:], motion.slip[1:])
+    assert power.max() <= 1e-12
+    assert power.min() < -0.1
+
+
 def test_energy_never_grows():
     oscillator = asp.LinearSystem(
         1.0,

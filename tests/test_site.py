@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import asperity as asp
 import build
@@ -99,6 +100,35 @@ def test_equations_lead_to_names_and_back():
 def test_links_to_scripts_lead_to_the_gallery():
     page = build._linked("see [it](../examples/charts/basins_of_attraction.py) and [x](y.md)")
     assert page == "see [it](/gallery/charts/basins_of_attraction.rst) and [x](y.md)"
+
+
+def test_scripts_that_do_not_run_alone_are_no_downloads():
+    """The figures of the paper import modules that lie beside them."""
+    pytest.importorskip("sphinx")
+    from docutils import nodes
+    from docutils.utils import new_document
+
+    sys.path.insert(0, str(SITE))
+    import extension
+
+    sys.path.remove(str(SITE))
+    for name, offered in (("paper/laws/fig01", False), ("gallery/laws/spinning_disk", True)):
+        page = new_document(name)
+        page += nodes.note("", classes=["sphx-glr-download-link-note"])
+        footer = nodes.container(classes=["sphx-glr-footer", "sphx-glr-footer-example"])
+        footer += nodes.paragraph(text="Download Python source code")
+        page += footer
+        extension.no_part_alone(SimpleNamespace(env=SimpleNamespace(docname=name)), page)
+        assert ("Download" in page.astext()) is offered
+        assert bool([*page.findall(nodes.note)]) is offered
+        assert ("python -m paper.laws.fig01" in page.astext()) is not offered
+
+
+def test_the_front_page_leads_to_every_tutorial():
+    front = (SITE / "pages" / "index.md").read_text(encoding="utf-8")
+    tutorials = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+    assert len(tutorials) == 3
+    assert all(f"[](docs/tutorials/{page.name})" in front for page in tutorials)
 
 
 def test_bad_links_are_found(tmp_path):

@@ -90,9 +90,15 @@ def test_the_grader_does_not_believe_the_solver(capsys, folder, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("name", "words"), [("absent.npz", "absent.npz"), ("notes.txt", "must end in .npz")]
+    ("name", "words"),
+    [
+        ("absent.npz", "absent.npz"),
+        ("notes.txt", "must end in .npz"),
+        ("nofolder", "is not there"),
+    ],
 )
 def test_user_errors_exit_with_2(capsys, folder, name, words):
+    (folder / "notes.txt").touch()
     code, _, error = run(capsys, folder / name)
     assert code == 2
     assert words in error

@@ -84,7 +84,8 @@ def test_the_order_of_contacts_does_not_matter(make):
 
 @pytest.mark.parametrize("columns", [12, 26, 46, 70])
 def test_accelerated_sweeps_leave_states_that_are_unstable(columns):
-    # Defects of plain sweeps grow slowly there, and an acceleration that returns to them would never end.
+    # Defects of plain sweeps grow slowly there, and an acceleration that returns to them would
+    # never end.
     solution = solved(problems.columns(columns, height=10))
     assert [stage.method for stage in solution.stages] == ["gauss_seidel", "gauss_seidel"]
 

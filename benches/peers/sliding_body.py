@@ -4,9 +4,9 @@
 
 with the Python that the engine is installed in (drake, exudyn, pinocchio: `pin`, dart: `dartpy`).
 The body weighs 18 g, is launched at 1.52 m/s at 58° to x, and slides until 0.36 s in steps of
-0.1 ms; its friction coefficients are 5/9.3 along x and 4.49/9.3 along y, or 0.5. It creeps under
-half of the load that it can hold, along x. `tests/test_engines.py` compares `FrictionLaw.like` with
-these numbers.
+0.1 ms, and of larger ones that engines have by default; its friction coefficients are 5/9.3 along x
+and 4.49/9.3 along y, or 0.5. It creeps under half of the load that it can hold, along x.
+`tests/test_engines.py` compares `FrictionLaw.like` with these numbers.
 """
 
 import sys
@@ -26,12 +26,10 @@ def mujoco() -> Iterator[Row]:
     """Run contact pairs; friction along y comes first, as y is this contact's first tangent."""
     import mujoco as mj
 
-    def run(friction, cone, launch, load=0.0, **options):
+    def run(friction, cone, launch, load=0.0, stiff="", step=STEP, **options):
         words = " ".join(f'{name}="{value}"' for name, value in options.items())
-        # Stiffer than by default, where the path counts, but not where the creep does.
-        stiff = 'solref="0.002 1" solimp="0.95 0.99 0.001"' if load == 0.0 else ""
         model = mj.MjModel.from_xml_string(
-            f'<mujoco><option timestep="{STEP}" gravity="{load} 0 {-GRAVITY}" cone="{cone}" '
+            f'<mujoco><option timestep="{step}" gravity="{load} 0 {-GRAVITY}" cone="{cone}" '
             f'tolerance="1e-14" iterations="200" {words}/><worldbody>'
             '<geom name="floor" type="plane" size="5 5 .1"/><body pos="0 0 .01">'
             '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
@@ -45,18 +43,22 @@ def mujoco() -> Iterator[Row]:
             mj.mj_step(model, data)
         data.qpos[:2], data.qvel[:] = 0.0, 0.0
         data.qvel[:2] = launch
-        for _ in range(round((TIME if load == 0.0 else 1.0) / STEP)):
+        for _ in range(round((TIME if load == 0.0 else 1.0) / step)):
             mj.mj_step(model, data)
         return data.qpos[:2].copy(), data.qvel[:2].copy()
 
+    stiffer = 'solref="0.002 1" solimp="0.95 0.99 0.001"'
     for cone in ("elliptic", "pyramidal"):
         for friction in ((0.5, 0.5), (M1, M2), (M2, M1)):
-            yield f"{cone} {friction}", *run(friction, cone, LAUNCH)
-        yield f"{cone} creep", *run((0.5, 0.5), cone, REST, 0.25 * GRAVITY)
-    yield (
-        "elliptic creep, impratio 10",
-        *run((0.5, 0.5), "elliptic", REST, 0.25 * GRAVITY, impratio=10),
-    )
+            what = f"{cone} {np.round(friction, 5)}"
+            yield what, *run(friction, cone, LAUNCH)
+            yield f"{what}, step 2 ms", *run(friction, cone, LAUNCH, step=2e-3)
+            yield f"{what}, stiffer contact", *run(friction, cone, LAUNCH, stiff=stiffer)
+        for ratio in (0.5, 1, 2, 10, 100):
+            yield (
+                f"{cone} creep, impratio {ratio}",
+                *run((0.5, 0.5), cone, REST, 0.25 * GRAVITY, impratio=ratio),
+            )
 
 
 def drake() -> Iterator[Row]:
@@ -105,7 +107,8 @@ def drake() -> Iterator[Row]:
 
     load = 0.25 * MASS * GRAVITY
     for kind in ("kLagged", "kSimilar", "kTamsi", "kSap"):
-        yield f"{kind}, static 0.9", *run(kind, STEP, 0.9, LAUNCH)
+        for step in (STEP, 3e-4, 1e-3):
+            yield f"{kind}, static 0.9, step {step}", *run(kind, step, 0.9, LAUNCH)
         yield f"{kind}, creep, step 1 ms", *run(kind, 1e-3, 0.5, REST, load)
     yield "continuous, static 0.9", *run(None, 0.0, 0.9, LAUNCH)
 

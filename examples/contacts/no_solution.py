@@ -36,7 +36,9 @@ for solution in lever(np.deg2rad(20.0), mu=0.8, rate=0.1).solutions(0):
 # No solution
 # -----------
 # A lever that comes down while it locks cannot be stopped by any percussion. The proof goes through
-# all that the contact can do, and gives for each case a combination of the rows that excludes it.
+# all that the contact can do: open, stick, slip forwards (at the angle 0) and backwards (at π). For
+# each case it has weights z of the rows, normal and tangential: with every percussion of the case
+# z·γ is positive, with every velocity of the case it is not.
 
 try:
     lever(np.deg2rad(20.0), mu=0.8, rate=-0.1).solve()
@@ -44,7 +46,9 @@ except asp.NoSolutionError as error:
     proof = error.infeasibility
     print(f"no solution, by {proof.kind}")
     for case in proof.cases:
-        print(f"  {case.states[0]!s:12} is excluded by the combination {case.direction}")
+        (state,) = case.states
+        name = state if isinstance(state, str) else f"slip at {state[0]:.2f} rad"
+        print(f"  {name}: excluded by z = {case.direction.round(3)}")
 
 # %%
 # How many solutions are there?

@@ -21,7 +21,7 @@ EXPONENTS = {"hard pin": 0.0, "soft pin": -0.12}
 
 
 def run(load, exponent, seed):
-    """Return the forces of a run at a load; the coefficient is as the load to an exponent."""
+    """Return the forces of a run at a load; the coefficient is proportional to load^exponent."""
     factor = (load / 4.0) ** exponent
     material = law.replace(reservoir=law.reservoir.scaled(factor), direction=law.direction)
     machine = identify.VirtualTribometer(
@@ -35,7 +35,7 @@ for name, exponent in EXPONENTS.items():
     runs = [run(load, exponent, seed) for seed, load in enumerate(forces)]
     found = tests[name] = identify.load_dependence(runs)
     print(
-        f"{name}: μ is as the load to {found.exponent:.3f} ({found.low:.3f} … {found.high:.3f}), "
+        f"{name}: μ ∝ load^{found.exponent:.3f} ({found.low:.3f} … {found.high:.3f}), "
         f"Amontons' law {'may hold' if found.is_independent else 'does not hold'}"
     )
 

@@ -54,6 +54,6 @@ with asp.plot.style():
     for name, part in zip(names, parts, strict=True):
         ax.bar([str(number) for number in numbers], 1e3 * part, bottom=1e3 * bottom, label=name)
         bottom += part
-    ax.set(xlabel="turns", ylabel="standard error of a coefficient, in 0.001")
-    figure.legend(title="divided as the variance", loc="outside upper center", ncols=3)
+    ax.set(xlabel="turns", ylabel="standard error of a friction coefficient × 1000")
+    figure.legend(title="share of the variance", loc="outside upper center", ncols=3)
 plt.show()

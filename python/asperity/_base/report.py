@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import ClassVar, TypeAlias
 
 from asperity._base.storage.files import atomic
+from asperity.errors import ParameterError
 
 
 @dataclass(frozen=True)
@@ -64,9 +65,15 @@ class Section:
 
 
 def write_report(path: str | os.PathLike[str], title: str, sections: Sequence[Section]) -> Path:
-    """Write a report, which needs no other file and no network; it is complete or not there."""
+    """Write a report, which needs no other file and no network; it is complete or not there.
+
+    Raises:
+        ParameterError: if the path has the ending of another format.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
+    if Path(path).suffix.lower() not in (".html", ".htm"):
+        raise ParameterError("path", f"must end in .html or .htm, got {os.fspath(path)!r}")
     environment = Environment(
         loader=PackageLoader("asperity._base"),
         autoescape=True,

@@ -24,7 +24,7 @@ from asperity.commands import (
     solve,
     track,
 )
-from asperity.commands.options import INTERRUPTED, USER_ERROR
+from asperity.commands.options import INTERRUPTED, PIPE_CLOSED, USER_ERROR
 from asperity.errors import AsperityError, ParameterError
 
 _VERBS = (
@@ -48,9 +48,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         code: int = options.run(options)
+        sys.stdout.flush()
     except KeyboardInterrupt:
         print("asperity: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except BrokenPipeError:
+        # Who reads the output, such as head, has seen enough. What is left of it goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
     except (AsperityError, OSError, ModuleNotFoundError) as error:
         print(f"asperity: {_explained(error, options)}", file=sys.stderr)
         return USER_ERROR

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """Where verbs are added."""
 
-SUCCESS, DOUBTFUL, USER_ERROR, INTERRUPTED = 0, 1, 2, 130
+SUCCESS, DOUBTFUL, USER_ERROR, INTERRUPTED, PIPE_CLOSED = 0, 1, 2, 130, 141
 
 
 def quoted(path: Path) -> str:

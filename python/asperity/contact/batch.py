@@ -66,6 +66,8 @@ def problem_files(paths: Sequence[Path]) -> list[Path]:
             if not inside:
                 raise ParameterError(str(path), f"holds no {', '.join(SUFFIXES)} files")
             found += sorted(inside)
+        elif path.suffix not in SUFFIXES and not path.exists():
+            raise ParameterError(str(path), "is not there")
         elif path.suffix not in SUFFIXES:
             raise ParameterError(str(path), f"must end in {', '.join(SUFFIXES)}")
         else:

@@ -67,8 +67,10 @@ class Associativity(Record):
     def __str__(self) -> str:
         if not self.slope.identifiable:
             return "the force along the sliding is the same in all directions"
-        told = "" if math.isnan(self.slope.low) else ", which D = C would have as 1"
-        return f"{self.slope}{told}; another force would dissipate {self.shortfall.value:.2%} more"
+        return (
+            f"the force across the sliding is {self.slope} times what D = C would make it; another "
+            f"admissible force would dissipate up to {self.shortfall.value:.2%} more"
+        )
 
 
 def associativity_of(

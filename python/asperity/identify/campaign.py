@@ -122,7 +122,7 @@ class Identification:
                 ("closure of D", f"{sets.closure:.6g}"),
                 ("asymmetry", f"{sets.asymmetry:.3g} of the largest force"),
                 ("convexity defect", f"{sets.convexity_defect:.3g} rad"),
-                ("associativity", f"slope {self.fit.associativity}"),
+                ("associativity", str(self.fit.associativity)),
             ]
         return [*facts, ("residuals", f"{self.fit.rms:.4g} N rms")]
 

@@ -449,11 +449,14 @@ class Fit(SavedResult, Value):
         """Write one HTML file with parameters, figures and the comparison of models.
 
         Args:
-            path: of the file; it is complete or not there.
+            path: of the file, ending in .html; it is complete or not there.
             title: heading.
 
         Returns:
             The path.
+
+        Raises:
+            ParameterError: if the path has another ending.
         """
         from asperity.identify.report import write_report
 

@@ -33,7 +33,9 @@ class EngineReport(Record):
             axis, by half of what it can hold, and that this law lets stick; 0 if it sticks there
             too, None if that was not measured.
         end_error: distance in m between the points where the engine and this law end the sliding
-            experiment of docs/engines.md, after 0.24 m; None if it was not run.
+            experiment of docs/engines.md, after 0.24 m, with the engine's default contact; None if
+            it was not run. With steps of 0.1 ms, unless the engine's step is one of the parameters
+            or `source` names another one.
 
     >>> from asperity import FrictionLaw
     >>> law = FrictionLaw.like("exudyn", dryFriction=(0.5, 0.4), dryFrictionProportionalZone=1e-3)

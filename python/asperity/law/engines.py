@@ -36,9 +36,17 @@ from asperity.sets.star import checked_set
 CardilloSolver = Literal["Moreau", "BackwardEuler", "DualStormerVerlet", "Rattle"]
 DrakeApproximation = Literal["lagged", "similar", "tamsi", "sap"]
 
-# Semi-implicit Euler moves a sliding body too little by v₀Δt/2, whatever its friction law.
-_EULER = 7.7e-5
 _HALF, _GRAVITY = 0.5, 9.81
+# Launch speed in m/s and step in s of the sliding experiment in docs/engines.md.
+_LAUNCH, _STEP = 1.52, 1e-4
+
+
+def _euler(step: float) -> float:
+    """Return by how much semi-implicit Euler moves a sliding body too little, whatever its law.
+
+    It is v₀Δt/2, to which the experiments add up to 1 µm.
+    """
+    return _HALF * _LAUNCH * step + 1e-6
 
 
 class Translation(NamedTuple):
@@ -57,23 +65,28 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
         ParameterError: for an engine that is not known; for parameters that it does not have, that
             are missing, or that no law expresses, in the engine's words.
     """
-    if not isinstance(engine, str) or engine not in ENGINES:
-        advice = advice_on(str(engine), sorted(ENGINES))
-        raise ParameterError("engine", f"{engine!r} is not known{advice}")
-    function = ENGINES[engine]
+    plain = str(engine).casefold().replace("-", "_")
+    kind = _ALSO_CALLED.get(plain, plain)
+    if not isinstance(engine, str) or kind not in ENGINES:
+        raise ParameterError(
+            "engine", f"{engine!r} is not known{advice_on(plain, sorted(ENGINES))}"
+        )
+    function = ENGINES[kind]
     known = inspect.signature(function).parameters
     for name in parameters:
+        if name in ELSEWHERE.get(kind, {}):
+            raise ParameterError(name, f"is no part of a law: {ELSEWHERE[kind][name]}")
         if name not in known:
-            raise ParameterError(name, f"is no parameter of {engine}{advice_on(name, known)}")
+            raise ParameterError(name, f"is no parameter of {kind} here{advice_on(name, known)}")
     for name, one in known.items():
         if one.default is one.empty and name not in parameters:
-            raise ParameterError(name, f"is missing: {engine} has {', '.join(known)}")
+            raise ParameterError(name, f"is missing: {kind} has {', '.join(known)}")
     return function(**parameters)
 
 
 def _bullet(
     *,
-    lateralFriction: float = 0.5,
+    lateralFriction: float,
     anisotropicFriction: ArrayLike = (1.0, 1.0, 1.0),
     enableConeFriction: bool = False,
     spinningFriction: float = 0.0,
@@ -93,18 +106,24 @@ def _bullet(
             "is not translated: a law has up to three directions, slip and drilling",
         )
     a, b = float(mu * scale[0]), float(mu * scale[1])
+    deviation = (
+        "This is the law of Bullet's multibodies, as which pybullet makes every body. Its rigid "
+        "bodies (btRigidBody) have by default one friction direction, along the slip, and so no "
+        "box; they were not run. "
+    )
     if _flag(enableConeFriction, "enableConeFriction"):
         reservoir: StarSet = _ellipse(a, b)
         direction: StarSet = Disk(1.0)
-        deviation = (
-            "The friction force is opposite to the slip, although the coefficients form an ellipse,"
-            " because the engine scales the two friction directions and divides by the effective "
-            "mass along each. Where the tangential block of the Delassus operator is no multiple of"
-            " the identity, as for bodies that turn, the direction of the force depends on it."
+        ellipse = "" if a == b else ", although the coefficients form an ellipse,"
+        deviation += (
+            f"The friction force is opposite to the slip{ellipse} because the engine scales the "
+            "two friction directions and divides by the effective mass along each. Where the "
+            "tangential block of the Delassus operator is no multiple of the identity, as for "
+            "bodies that turn, the direction of the force depends on it."
         )
     else:
         reservoir = direction = Rectangle(a, b)
-        deviation = (
+        deviation += (
             "Without enableConeFriction each friction direction has a limit of its own, whatever "
             "the other one bears: even equal coefficients give a square, with √2 times the friction"
             " along its diagonals. The directions are axes of the world, made of the contact "
@@ -117,7 +136,7 @@ def _bullet(
         axes="the first axis of the body, parallel to the world's x on a horizontal plane",
         deviation=deviation,
         source="sliding experiment; mass on a belt; applyAnisotropicFriction in its source",
-        end_error=_EULER,
+        end_error=_euler(_STEP),
     )
     return Translation(reservoir, direction, report)
 
@@ -129,10 +148,10 @@ def _cardillo(
     solver: CardilloSolver = "Moreau",
 ) -> Translation:
     a, b = arrays.positive(mu, "mu") * _two(anisotropy, "anisotropy")
-    arrays.choice(solver, "solver", tuple(_CARDILLO))
+    name = _word(solver, "solver", tuple(_CARDILLO))
     reservoir = direction = _ellipse(a, b)
-    error, deviation = _CARDILLO[solver]
-    if solver != "Moreau":
+    error, deviation = _CARDILLO[name]
+    if name != "Moreau":
         direction = Disk(1.0)
         deviation = (
             "This solver multiplies each component of the slip by a parameter r of its own, which "
@@ -173,7 +192,7 @@ def _dart(*, mu: float = 1.0, mu2: float | None = None) -> Translation:
         "even equal coefficients give a square, with √2 times the friction along its diagonals. "
         "Only equal coefficients were run.",
         source="sliding experiment",
-        end_error=_EULER if a == b else None,
+        end_error=_euler(_STEP) if a == b else None,
     )
     box = Rectangle(a, b)
     return Translation(box, box, report)
@@ -197,11 +216,12 @@ def _drake(
         )
     step = arrays.non_negative(time_step, "time_step")
     tolerance = arrays.positive(stiction_tolerance, "stiction_tolerance")
-    kind = discrete_contact_approximation
-    arrays.choice(kind, "discrete_contact_approximation", tuple(_DRAKE))
+    kind = _word(
+        discrete_contact_approximation, "discrete_contact_approximation", tuple(_DRAKE), prefix="k"
+    )
     if step == 0.0:
         return _continuous_drake(static, dynamic, tolerance)
-    factor, error = _DRAKE[kind]
+    factor, extra = _DRAKE[kind]
     scale = 1e-3 * dynamic * _GRAVITY * step if kind == "sap" else tolerance
     creep = factor * scale
     ignored = " With a time step, Drake does not use static_friction." if static > dynamic else ""
@@ -211,21 +231,22 @@ def _drake(
         axes="any: the law is isotropic",
         deviation=f"A contact that sticks here creeps at {creep:.2g} m/s under half of the load "
         f"that it can hold: the engine's friction is regularised.{ignored}",
-        source="sliding experiment; creep under constant loads",
+        source="sliding experiment with steps of 0.1 and 1 ms; creep under constant loads",
         creep=creep,
-        end_error=error,
+        end_error=1.2e-6 if extra is None else _euler(step) + extra,
     )
     disk = Disk(dynamic)
     return Translation(disk, disk, report)
 
 
 # Creep under half of the largest load, over the stiction tolerance: s with s(2 − s) = ½, and with
-# s/√(1 + s²) = ½; of SAP over σμgΔt, σ = 1e-3, for a point mass. Distance of the end points.
-_DRAKE: dict[DrakeApproximation, tuple[float, float]] = {
-    "lagged": (math.sqrt(1.0 / 3.0), 1e-6),
-    "similar": (math.sqrt(1.0 / 3.0), 8.5e-5),
-    "tamsi": (1.0 - math.sqrt(0.5), _EULER),
-    "sap": (_HALF / math.sqrt(3.0), _EULER),
+# s/√(1 + s²) = ½; of SAP over σμgΔt, σ = 1e-3, for a point mass. Distance of the end points
+# beyond that of semi-implicit Euler, None for the one whose steps are of second order.
+_DRAKE: dict[DrakeApproximation, tuple[float, float | None]] = {
+    "lagged": (math.sqrt(1.0 / 3.0), None),
+    "similar": (math.sqrt(1.0 / 3.0), 8e-6),
+    "tamsi": (1.0 - math.sqrt(0.5), 0.0),
+    "sap": (_HALF / math.sqrt(3.0), 0.0),
 }
 # The factor exp(−(v/v₀)^δ) that is nearest to Drake's drop from one to three stiction tolerances,
 # v₀ over the tolerance and δ, and how near it is.
@@ -268,6 +289,11 @@ def _exudyn(
     angle = arrays.number(dryFrictionAngle, "dryFrictionAngle")
     zone = arrays.non_negative(dryFrictionProportionalZone, "dryFrictionProportionalZone")
     reservoir, direction = flow.ellipses(np.diag(mu))
+    sets = (
+        "with equal coefficients the law is isotropic."
+        if mu[0] == mu[1]
+        else "the coefficients are the semi-axes of the reservoir, but the law is not associated."
+    )
     at_rest = (
         f"Below the proportional zone of {zone:.2g} m/s the force grows with the speed, so that a "
         f"contact that sticks here creeps at {_HALF * zone:.2g} m/s under half of the load that it "
@@ -281,8 +307,7 @@ def _exudyn(
         "1.13.6",
         axes="the axis of the rolling disc (ObjectConnectorRollingDiscPenalty), turned by "
         "dryFrictionAngle about the plane's normal; the second one is forwards",
-        deviation="The force is the friction matrix times the direction of slip: the coefficients "
-        f"are the semi-axes of the reservoir, but the law is not associated. {at_rest}",
+        deviation=f"The force is the friction matrix times the direction of slip: {sets} {at_rest}",
         source="sliding experiment; creep under a constant load",
         angle=angle,
         creep=_HALF * zone if zone > 0.0 else None,
@@ -298,54 +323,63 @@ def _mujoco(
     friction: ArrayLike | None = None,
     geom_friction: ArrayLike | None = None,
     condim: int = 3,
-    cone: Literal["pyramidal", "elliptic"] = "pyramidal",
+    cone: Literal["pyramidal", "elliptic", 0, 1] = "pyramidal",
     frame: ArrayLike | None = None,
     patch_radius: float | None = None,
+    impratio: float = 1.0,
 ) -> Translation:
     mu = _mujoco_friction(friction, geom_friction)
-    arrays.choice(cone, "cone", ("pyramidal", "elliptic"))
+    # As MjModel.opt.cone has it, mjtCone.
+    named = ("pyramidal", "elliptic")[cone] if type(cone) is int and cone in (0, 1) else cone
+    shape = _word(named, "cone", ("pyramidal", "elliptic"), prefix="mjCONE_")
+    ratio = arrays.positive(impratio, "impratio")
     dimensions = arrays.count(condim, "condim")
     if dimensions not in (3, 4):
         raise ParameterError("condim", _CONDIM.get(dimensions, f"must be 3 or 4, got {condim}"))
     angle = 0.0 if frame is None else _mujoco_angle(frame)
     if dimensions == 4:
-        reservoir = _mujoco_with_torsion(mu, cone, frame, patch_radius)
+        reservoir = _mujoco_with_torsion(mu, shape, frame, patch_radius)
     elif patch_radius is not None:
         raise ParameterError("patch_radius", "is for torsional friction, which condim=3 has not")
-    elif cone == "elliptic":
+    elif shape == "elliptic":
         reservoir = _ellipse(mu[0], mu[1], angle)
     else:
         corners = np.array([[mu[0], 0.0], [0.0, mu[1]], [-mu[0], 0.0], [0.0, -mu[1]]])
         reservoir = Polygon(corners @ arrays.rotation(angle).T)
-    creep = _MUJOCO_CREEP[cone] * _HALF * mu[0] * _GRAVITY
-    error = (_EULER if mu[0] == mu[1] else 2.3e-3) if cone == "elliptic" else 3.5e-3
+    creep = _MUJOCO_CREEP[shape] * _HALF * mu[0] * _GRAVITY / ratio
+    error = (1.5e-3 if mu[0] == mu[1] else 2.9e-3) if shape == "elliptic" else 6.3e-3
+    at_rest = (
+        f"at {1e3 * creep:.2g} mm/s under half of the load that it can hold, with the default "
+        f"solref and solimp and impratio={ratio:g}, by which this speed is divided"
+        if dimensions == 3
+        else "under every load; with condim=4 the speed was not measured"
+    )
     report = EngineReport(
         "mujoco",
         "4.0.0",
         axes="the contact's first tangent, mjContact.frame[3:6]; of a sphere on a horizontal plane "
         "it is the world's y",
-        deviation=_MUJOCO_DEVIATION[cone].format(creep=f"{1e3 * creep:.2g}"),
-        source="sliding experiment; creep under a constant load; mj_contactForce",
+        deviation=_MUJOCO_DEVIATION[shape].format(at_rest=at_rest),
+        source="sliding experiment with the default solref, solimp and impratio, in steps of 0.1 "
+        "and of 2 ms; creep under a constant load; mj_contactForce",
         angle=angle,
         creep=creep if dimensions == 3 else None,
-        end_error=error if dimensions == 3 else None,
+        end_error=error if dimensions == 3 and ratio == 1.0 else None,
     )
     return Translation(reservoir, reservoir, report)
 
 
 # Speed of creep over the tangential acceleration of the load, in s, with the default solref,
-# solimp and impratio, measured.
+# solimp and impratio, measured. Under the pyramid it falls with 1/impratio to 2 %.
 _MUJOCO_CREEP = {"elliptic": 9.0e-4, "pyramidal": 1.3127e-3}
 _MUJOCO_DEVIATION = {
-    "elliptic": "A contact that sticks here creeps at {creep} mm/s under half of the load that it "
-    "can hold, with the default solref, solimp and impratio; a larger impratio divides this by as "
-    "much. Slip lifts the contact, which then hops: at 1.5 m/s it was closed in 7 to 42 % of "
+    "elliptic": "A contact that sticks here creeps {at_rest}. "
+    "Slip lifts the contact, which then hops: at 1.5 m/s it was closed in 7 to 42 % of "
     "the steps, and on a belt, with coefficients as 3 to 1, the direction of the mean force was 8° "
     "off the law's.",
     "pyramidal": "The friction force lies in a diamond with its corners on the contact's axes, "
     'which is the law of the default cone="pyramidal": even equal coefficients slide as a law '
-    "of anisotropic friction does. A contact that sticks here creeps at {creep} mm/s under half of "
-    "the load that it can hold, with the default solref, solimp and impratio. Slip lifts the "
+    "of anisotropic friction does. A contact that sticks here creeps {at_rest}. Slip lifts the "
     "contact, which then hops.",
 }
 _CONDIM = {
@@ -365,16 +399,41 @@ def _mujoco_friction(friction: ArrayLike | None, geom_friction: ArrayLike | None
                 f"{values.shape}; three numbers of a geom are geom_friction",
             )
     elif geom_friction is not None and friction is None:
-        slide, spin, roll = arrays.array(geom_friction, "geom_friction", (3,))
+        slide, spin, roll = _geoms_of_mujoco(geom_friction)
         values = np.array([slide, slide, spin, roll, roll])
     else:
         raise ParameterError(
             "friction", "of a contact or geom_friction of the two geoms must be given, one of them"
         )
-    name = "friction" if geom_friction is None else "geom_friction"
     if values.min() < 0.0 or values[:2].min() <= 0.0:
-        raise ParameterError(name, f"must be positive, got {values.tolist()}")
+        raise ParameterError("friction", f"must be positive, got {values.tolist()}")
     return values[:3]
+
+
+def _geoms_of_mujoco(friction: ArrayLike) -> Array:
+    """Return the three numbers of a contact between geoms of equal priority.
+
+    Numbers that a geom leaves out are MuJoCo's defaults; of two geoms the larger one counts.
+    """
+    values = arrays.array(friction, "geom_friction")
+    if values.ndim > 2 or values.shape[-1:] not in ((), (1,), (3,)) or values.shape[:-1] == (0,):
+        raise DimensionError(
+            "geom_friction",
+            "must have the three numbers of a geom or the first one, or be a list of two geoms "
+            f"like that, got shape {values.shape}",
+        )
+    rows = values.reshape(-1, values.shape[-1] if values.ndim else 1)
+    if len(rows) > 2:
+        raise DimensionError("geom_friction", f"is of one geom or of two, got {len(rows)}")
+    if rows.shape[1] == 1:
+        rows = np.hstack([rows, np.tile(_GEOM_DEFAULTS, (len(rows), 1))])
+    if rows.min() < 0.0 or rows[:, 0].min() <= 0.0:
+        raise ParameterError("geom_friction", f"must be positive, got {values.tolist()}")
+    return rows.max(axis=0)
+
+
+# Torsional and rolling friction of a geom.
+_GEOM_DEFAULTS = (0.005, 0.0001)
 
 
 def _mujoco_angle(frame: ArrayLike) -> float:
@@ -507,6 +566,71 @@ ENGINES: dict[str, Callable[..., Translation]] = {
     "siconos": _siconos,
     "solve_nivp": _solve_nivp,
 }
+
+
+_ALSO_CALLED = {"pybullet": "bullet"}
+
+_RIGID = "contacts are rigid here, and law.report.deviation says what that changes"
+_IMPACT = "it belongs to the contact, as normal_restitution of a pair or a Contact"
+_SIDEWAYS = "it belongs to the contact, as tangential_restitution of a pair or a Contact"
+_STEPS = "it is the dt of simulate"
+_ROLLING = "rolling friction is not translated; a law has slip and drilling only"
+ELSEWHERE: dict[str, dict[str, str]] = {
+    "bullet": {
+        "restitution": _IMPACT,
+        "contactStiffness": _RIGID,
+        "contactDamping": _RIGID,
+        "timeStep": _STEPS,
+    },
+    "cardillo": {"e_N": _IMPACT, "e_F": _SIDEWAYS, "dt": _STEPS},
+    "dart": {
+        "restitution": _IMPACT,
+        "fdir1": "it turns the law, as FrictionLaw.rotated does",
+        "slip1": "slip grows with the force there; what sticks here does not move",
+        "slip2": "slip grows with the force there; what sticks here does not move",
+    },
+    "drake": {
+        "point_stiffness": _RIGID,
+        "dissipation": _RIGID,
+        "hunt_crossley_dissipation": _RIGID,
+        "relaxation_time": _RIGID,
+        "hydroelastic_modulus": _RIGID,
+    },
+    "exudyn": {
+        "viscousFriction": "it grows with the speed and belongs to the system, as damping or as "
+        "forces",
+        "contactStiffness": _RIGID,
+        "contactDamping": _RIGID,
+        "rollingFrictionViscous": _ROLLING,
+    },
+    "mujoco": {
+        "solref": _RIGID,
+        "solimp": _RIGID,
+        "solreffriction": _RIGID,
+        "margin": _RIGID,
+        "gap": _RIGID,
+        "priority": "of two geoms, give the friction of the one with the higher priority",
+        "timestep": _STEPS,
+    },
+    "pinocchio": {"compliance": _RIGID},
+    "rapier": {
+        "restitution": _IMPACT,
+        "friction_combine_rule": "give the coefficient of the contact, combined before",
+    },
+    "siconos": {"e_n": _IMPACT, "e_t": _SIDEWAYS, "mu_r": _ROLLING},
+}
+"""Parameters that engines have and laws have not: where they belong."""
+
+
+def _word(value: Any, argument: str, allowed: tuple[str, ...], *, prefix: str = "") -> Any:
+    """Return the allowed word that is meant, in lower or upper case or as an engine's constant."""
+    constant = getattr(value, "name", value)
+    if isinstance(constant, str):
+        plain = constant.casefold()
+        for word in allowed:
+            if plain in (word.casefold(), (prefix + word).casefold()):
+                return word
+    return arrays.choice(value, argument, allowed)
 
 
 def _flag(value: Any, argument: str) -> bool:

@@ -340,16 +340,18 @@ class FrictionLaw(Questions):
         ==============  ============================================================================
         engine          parameters, in its own words
         ==============  ============================================================================
-        ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction
+        ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction of
+                        its multibodies, as which pybullet makes every body
         ``cardillo``    mu, anisotropy (two factors), solver (``"Moreau"``, ``"BackwardEuler"``, …)
         ``dart``        mu, mu2 as in SDF, along and across fdir1
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
-                        (three), condim, cone (``"pyramidal"`` or ``"elliptic"``), frame (of
-                        mjContact: turns the law into the axes of the world), patch_radius (only
-                        with condim=4, in m, the third slip is the drilling times it)
+                        (three, or of two geoms), condim, cone (``"pyramidal"`` or
+                        ``"elliptic"``), impratio, frame (of mjContact: turns the law into the axes
+                        of the world), patch_radius (only with condim=4, in m, the third slip is
+                        the drilling times it)
         ``pinocchio``   mu, S (factor of the tangential rows, 2 × 2, if the user scales them)
         ``rapier``      friction
         ``siconos``     mu, size (2 or 3), H (factor of the tangential rows, 2 × 2)
@@ -361,8 +363,9 @@ class FrictionLaw(Questions):
             parameters: by name; what is left out has the engine's default.
 
         Raises:
-            ParameterError: for an unknown engine or parameter, and for parameters that mean
-                nothing that is a law, such as rolling friction.
+            ParameterError: for an unknown engine or parameter; for parameters that mean nothing
+                that is a law, such as rolling friction, or that belong elsewhere here, such as
+                restitution, with the place.
 
         >>> from asperity import FrictionLaw
         >>> law = FrictionLaw.like("cardillo", mu=0.5, anisotropy=(1.2, 0.8), solver="Rattle")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned
 from asperity.errors import ConfigurationError
 from asperity.identify import IdentifiedLaw
-from asperity.law import FrictionLaw, LawFile
+from asperity.law import EngineReport, FrictionLaw, LawFile
 from asperity.predict.scenario import load_law
 
 FILES = ("coefficients.csv", "sets.png", "coefficients.png", "report.html")
@@ -58,9 +59,7 @@ class LawSheet(TableResult):
             (
                 "associated (C and D alike)",
                 bool(law.is_associated),
-                "two motions never move apart; steady sliding is stable"
-                if law.is_associated
-                else "anisotropy may make steady sliding unstable: see `asperity stability`",
+                _stability(law),
             ),
             (
                 "dissipative",
@@ -140,6 +139,32 @@ class LawSheet(TableResult):
         facts += [("from", name) for name, _ in made.files]
         return [(name, text) for name, text in facts if text]
 
+    def report(self) -> list[tuple[str, str]]:
+        """Return what is known of a law from another engine or from forces; empty of others."""
+        report = self.law.report
+        if report is None:
+            return []
+        if not isinstance(report, EngineReport):
+            made = (
+                f"{report.samples} directions, met to {report.misfit:.2g} of the largest force; "
+                f"closure {report.closure:.5g}, 1 where there is a direction set without repair"
+            )
+            return [("made of forces over the direction", made)]
+        turned = f", {np.rad2deg(report.angle):.4g}° from e1" if report.angle else ""
+        facts = [
+            ("like the engine", f"{report.engine}, version {report.version}"),
+            ("its first axis", report.axes + turned),
+            ("what it does otherwise", report.deviation),
+            ("found by", report.source),
+        ]
+        if report.creep is not None:
+            facts.append(("its creep under half load", f"{report.creep:.4g} m/s"))
+        if report.end_error is not None:
+            facts.append(
+                ("distance of the end points, docs/engines.md", f"{1e3 * report.end_error:.2g} mm")
+            )
+        return facts
+
     def __repr__(self) -> str:
         return f"<LawSheet: {self.path.name}>"
 
@@ -185,11 +210,13 @@ class LawSheet(TableResult):
             aligned(self.extremes()),
             aligned(rows, right=(0, 1, 2, 3)),
         ]
+        if self.report():
+            parts.insert(1, "\n".join(_paragraph(*fact) for fact in self.report()))
         if self.parameters():
-            parts.insert(2, aligned(self.parameters(), right=(1, 2)))
+            parts.insert(-3, aligned(self.parameters(), right=(1, 2)))
         if self.law.rate is not None:
             parts.insert(
-                2,
+                -3,
                 f"dependence on the speed: {self.law.rate!r}, by whose factor the coefficients "
                 "below are to be multiplied",
             )
@@ -205,6 +232,8 @@ class LawSheet(TableResult):
                 name: values.tolist() for name, values in self.coefficients(_PRINTED).items()
             },
         }
+        if self.law.report is not None:
+            result["report"] = dict(self.law.report._parameters)
         if isinstance(file, IdentifiedLaw):
             result["parameters"] = dict(zip(file.names, file.values.tolist(), strict=True))
             if file.turns is not None:
@@ -234,7 +263,8 @@ class LawSheet(TableResult):
             (question, ("yes" if answer else "no") + (f": {meaning}" if meaning else ""))
             for question, answer, meaning in self.verdicts()
         ]
-        blocks: list[Any] = [Facts(self.origin()), Facts(answers), Facts(self.extremes())]
+        tables = (self.origin(), self.report(), answers, self.extremes())
+        blocks: list[Any] = [Facts(one) for one in tables if one]
         if self.parameters():
             header, *rows = self.parameters()
             blocks.append(Grid(header, rows))
@@ -244,6 +274,24 @@ class LawSheet(TableResult):
             f"Friction law {self.path.name}",
             [Section("", *blocks, *pictures), Section("File", code)],
         )
+
+
+def _paragraph(name: str, text: str) -> str:
+    """Return sentences in lines that a terminal shows."""
+    return textwrap.fill(f"{name}: {text}", 100, subsequent_indent="  ")
+
+
+def _stability(law: FrictionLaw) -> str:
+    """Return what associated or other flow means for steady sliding."""
+    if not law.is_associated:
+        return "anisotropy may make steady sliding unstable: see `asperity stability`"
+    if law.rate is not None:
+        # A force that falls with the speed is not monotone, whatever its direction.
+        return (
+            "anisotropy makes nothing unstable, but the dependence on the speed may: see "
+            "`asperity stability`"
+        )
+    return "two motions never move apart; steady sliding is stable"
 
 
 def describe_law(

@@ -129,7 +129,10 @@ class Scenario:
             paths[file.values["law"]] = Path(law)
         for name, place in paths.items():
             if not place.is_file():
-                problem = f"names the file {place}, which is not there"
+                there = (
+                    "is a folder: name the law's file in it" if place.is_dir() else "is not there"
+                )
+                problem = f"names the file {place}, which {there}"
                 if keys[name] == "law" and law is not None:
                     raise ParameterError("law", problem)
                 raise file.error(keys[name], problem)

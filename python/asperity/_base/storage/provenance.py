@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import hashlib
 import os
+import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -82,12 +83,14 @@ class Provenance(Value):
             others: arguments of `Provenance`.
 
         Raises:
-            OSError: if a file cannot be read.
+            OSError: if a file is not there or cannot be read.
         """
-        # A pipe is empty once it has been read.
         known = [Path(one) for one in paths]
+        # A pipe is empty once it has been read; what is not there is an error.
+        regular = [stat.S_ISREG(one.stat().st_mode) for one in known]
+        hashes = [_sha256(one) if kept else "" for one, kept in zip(known, regular, strict=True)]
         return cls(
-            files=[(one.name, _sha256(one) if one.is_file() else "") for one in known], **others
+            files=[(p.name, found) for p, found in zip(known, hashes, strict=True)], **others
         )
 
     def written_by(self, version: str) -> Provenance:

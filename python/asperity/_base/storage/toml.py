@@ -128,7 +128,8 @@ def advice_on(name: str, known: Iterable[str]) -> str:
     (", did you mean 'Ellipse'?", '; known are Disk, Ellipse')
     """
     words = list(known)
-    near = difflib.get_close_matches(name, words, 1)
+    # Below this, words have some letters in common by chance, and the list tells more.
+    near = difflib.get_close_matches(name, words, 1, cutoff=0.65)
     return f", did you mean {near[0]!r}?" if near else f"; known are {', '.join(words)}"
 
 
