@@ -9,7 +9,7 @@ from pathlib import Path
 
 import asperity as asp
 import pytest
-from pages import run_page
+from pages import BLOCK, run_page
 
 ROOT = Path(__file__).resolve().parents[1]
 MODULES = [
