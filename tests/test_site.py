@@ -105,10 +105,9 @@ def test_links_to_scripts_lead_to_the_gallery():
 def test_scripts_that_do_not_run_alone_are_no_downloads():
     """The figures of the paper import modules that lie beside them."""
     pytest.importorskip("sphinx")
+    import extension
     from docutils import nodes
     from docutils.utils import new_document
-
-    import extension
 
     for name, offered in (("paper/laws/fig01", False), ("gallery/laws/spinning_disk", True)):
         page = new_document(name)
