@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::cell::Cell;
+
 use asperity::contact::{
     BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
 };
@@ -10,6 +12,7 @@ use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
 use asperity::solver::{
     Measure, Method, ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map,
+    natural_residual,
 };
 use common::Random;
 use nalgebra::{DMatrix, DVector};
@@ -341,6 +344,42 @@ fn islands_do_not_depend_on_each_other() {
                 let alone = solve(solver, &[(contact.0, 0), (contact.0, 1)]);
                 assert_eq!(rows(&one, i), rows(&alone, contact.1), "{contact:?}");
             }
+        }
+    }
+}
+
+/// A solve that is given up at any time tells the residual of what it leaves, also where it could not be given up again.
+#[test]
+fn who_gives_up_once_is_told_what_is_left() {
+    let mut random = Random::new(23);
+    let islands: Vec<Island> = (0..40).map(|_| Island::random(&mut random)).collect();
+    let contacts: Vec<_> = (0..40).flat_map(|island| [(island, 0), (island, 1)]).collect();
+    let problem = of_islands(&islands, &contacts);
+    for (threads, measure) in
+        [(1, Measure::Contact), (2, Measure::Contact), (1, Measure::Global), (2, Measure::Global)]
+    {
+        let solver = Solver::Auto { interior_point: true, threads };
+        for at in [1, 2, 3, 5, 8, 13, 21, 34] {
+            let asked = Cell::new(0);
+            let once = || {
+                asked.set(asked.get() + 1);
+                asked.get() == at
+            };
+            let stop = Stop::at(TOLERANCE).with_measure(measure).unless(&once);
+            let solution = problem.solve(&solver, stop);
+            let what = format!("{threads} threads, {measure:?}, given up at {at}");
+            assert!(asked.get() <= at, "{what}: asked {} times", asked.get());
+            let velocity = problem.velocities(&solution.percussion).unwrap();
+            let off = velocity.iter().zip(&solution.velocity).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-12, "{what}");
+            let of = &solution.percussion;
+            let residual = match measure {
+                Measure::Global => natural_map(&problem, of, &velocity).unwrap(),
+                _ => natural_residual(&problem, of, &velocity).unwrap().value,
+            };
+            let SolveReport { status, residual: told, .. } = solution.report;
+            assert!((told - residual).abs() <= 1e-3 * residual + 1e-14, "{what}: {told:e}");
+            assert_eq!(status == Status::Converged, residual <= TOLERANCE, "{what}: {status:?}");
         }
     }
 }

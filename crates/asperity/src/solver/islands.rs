@@ -331,6 +331,7 @@ impl<B: Buffers + Send> Parts<B> {
             work.push(own);
         }
         solve_all(work, task, threads, solve);
+        let mut left_over = swept.len() < count;
         for (solved, &island) in work.drain(..).zip(&*left) {
             let report = &mut reports[island];
             if let Some(found) = solved.report {
@@ -344,15 +345,15 @@ impl<B: Buffers + Send> Parts<B> {
             } else {
                 // Its turn has not come: it keeps the percussions that sweeps have led to.
                 report.status = Status::TimeLimit;
+                left_over = true;
             }
             own[island] = Some(solved);
         }
-        let early = stop.early();
-        if early {
+        if left_over {
             grade_unsolved(task, iterate, sweeper.islands(), reports);
         }
         // Velocities of islands that were solved are those of their percussions.
-        let known = !early && left.len() == count;
+        let known = left_over || left.len() == count;
         let whole = whole(task, iterate, reports, known);
         if whole.is_none() {
             // What follows changes all of them.
@@ -378,7 +379,11 @@ fn solve_all<B: Buffers + Send>(
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
         own.report = Some(solve(own.unsolved(), stop, 1));
     };
-    let ask = || given_up.store(task.stop.early(), Ordering::Relaxed);
+    let ask = || {
+        if task.stop.early() {
+            given_up.store(true, Ordering::Relaxed);
+        }
+    };
     if several && Threads::of(threads).share(work, share, ask) {
         return;
     }

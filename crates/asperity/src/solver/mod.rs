@@ -36,6 +36,7 @@ pub(crate) use one_contact::{Rising, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use solution::Solution;
 
+use std::cell::Cell;
 use std::num::NonZeroU64;
 
 use crate::contact::{ContactProblem, ContactRows, ContactState, Members, Memory};
@@ -328,6 +329,15 @@ impl Solver {
                 }
             }
         }
+        // Who has given up once has given up: that some work was left is not to be forgotten.
+        let given_up = Cell::new(false);
+        let ask = |cancelled: &dyn Fn() -> bool| {
+            given_up.set(given_up.get() || cancelled());
+            given_up.get()
+        };
+        let latched = || stop.cancelled.is_some_and(ask);
+        let cancelled = stop.cancelled.is_some().then_some(&latched as &dyn Fn() -> bool);
+        let stop = Stop { cancelled, ..stop };
         self.solve_many(problem, stop, (before, false), memory, workspace)
     }
 

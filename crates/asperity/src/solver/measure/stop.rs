@@ -60,7 +60,7 @@ impl<'a> Stop<'a> {
     }
 
     /// The same, unless `cancelled` says that nobody waits any longer: it is asked again and again, and should be quick
-    /// to answer.
+    /// to answer. In one solve it is not asked any more once it has answered yes.
     #[must_use]
     pub fn unless(self, cancelled: &'a dyn Fn() -> bool) -> Self {
         Self { cancelled: Some(cancelled), ..self }
