@@ -208,19 +208,76 @@ def test_a_proof_for_one_contact_says_nothing_of_others():
 def test_iterations_of_an_island_are_all_that_it_took():
     wall = problems.wall(5, columns=4, push=1.0, law=DISK)
     solution = side_by_side([wall, problems.sliders(1, law=DISK)]).solve()
-    assert solution.islands[0].iterations >= solution.iterations
+    assert solution.islands[0].iterations == solution.iterations
+    sweeps, *others = solution.stages
+    assert sweeps.method == "gauss_seidel" and others
+    assert solution.iterations == sum(stage.iterations for stage in solution.stages)
 
 
+def lighter(problem, part):
+    """Return the same bodies, with this part of their masses."""
+    return asp.ContactProblem.from_bodies(
+        csr_array(problem.mass) * part,
+        directions=problem.directions,
+        free_velocity=problem.free_velocity,
+        laws=problem.laws,
+    )
+
+
+@pytest.mark.parametrize("measure", ["contact", "global"])
 @pytest.mark.parametrize(
-    "solver", [asp.SemismoothNewton(), asp.InteriorPoint(), asp.ProxJacobi()], ids=repr
+    "solver",
+    [
+        asp.SemismoothNewton(),
+        asp.InteriorPoint(),
+        asp.ProximalPoint(),
+        asp.ADMM(),
+        asp.Exact(),
+        asp.ProxJacobi(),
+        asp.Auto(),
+    ],
+    ids=repr,
 )
-def test_solvers_of_all_contacts_together_are_graded_island_by_island(solver):
-    parts = [problems.stack(2, law=DISK), problems.sliders(2, law=DISK)]
-    solution = side_by_side(parts).solve(solver, on_failure="record", tolerance=1e-8)
-    contacts = [island.contacts for island in solution.islands]
-    assert contacts == [tuple(range(8)), (8,), (9,)]
+def test_islands_are_graded_by_their_own_measure(solver, measure):
+    wall = problems.wall(3, columns=2, push=1.1, law=DISK)
+    parts = [wall, lighter(problems.stack(2, push=8.0, law=DISK), 1e-9), problems.sliders(2)]
+    both = side_by_side(parts)
+    options = {"on_failure": "record", "tolerance": 1e-8, "measure": measure}
+    solution = both.solve(solver, **options)
+    contacts, rows = ranges(parts)
+    own = [island.contacts for island in solution.islands]
+    last = contacts[-1][0]
+    assert own == [tuple(range(*contacts[0])), tuple(range(*contacts[1])), (last,), (last + 1,)]
+    for island, part, (start, stop) in zip(solution.islands, parts[:2], rows[:2], strict=False):
+        percussion = solution.percussion[start:stop]
+        true = part.residual if measure == "contact" else part.natural_map
+        assert island.residual == pytest.approx(true(percussion), rel=1e-4, abs=1e-12)
     for island in solution.islands:
         assert (island.status is Status.CONVERGED) == (island.residual <= 1e-8)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("limit", [None, 0.2])
+def test_what_is_small_without_an_island_is_not_kept_from_being_solved_by_it(limit, threads):
+    wall = problems.wall(5, columns=4, push=1.0, law=DISK)
+    # Two jaws that close on a body: no percussions keep them apart.
+    jaws = asp.ContactProblem.from_bodies(
+        np.eye(3) * 1e-12,
+        directions=np.hstack([np.eye(3), np.diag([-1.0, 1.0, 1.0])]),
+        free_velocity=[-1.0, 0.1, 0.2, -0.5, 0.3, 0.1],
+        laws=DISK,
+    )
+    both = side_by_side([jaws, wall])
+    options = {"measure": "global", "tolerance": 1e-8, "time_limit": limit}
+    solution = both.solve(asp.Auto(threads=threads), **options)
+    assert solution.converged
+    assert solution.residual == both.natural_map(solution.percussion) <= 1e-8
+    closed, rest = solution.islands
+    assert closed.status is Status.STALLED and closed.residual > 1e-8
+    assert rest.status is Status.CONVERGED
+    assert (solution.percussion == both.solve(asp.Auto(), **options).percussion).all()
+    # By the measure of contacts every island counts.
+    assert both.solve(on_failure="record").status is Status.NO_SOLUTION
 
 
 def test_solving_again_changes_no_bit():

@@ -174,10 +174,7 @@ impl Workspace {
         report: &SolveReport,
     ) -> Islands {
         let measured = Measured { problem, percussion, velocity: &self.velocity };
-        let worst = |contacts: &[usize]| {
-            measure::natural_residual::residual_of(&measured, contacts.iter().copied())
-        };
-        self.parts.islands(self.sweeper.islands(), report, stop.tolerance, worst)
+        self.parts.islands(self.sweeper.islands(), report, stop, &measured)
     }
 
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.

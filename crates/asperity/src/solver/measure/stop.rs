@@ -88,6 +88,17 @@ impl<'a> Stop<'a> {
         self.decisive(&Measured { problem, percussion, velocity }, || map)
     }
 
+    /// The same of contacts that influence no others, as if there were only these.
+    pub(crate) fn residual_of(&self, measured: &Measured<'_>, contacts: &[usize]) -> Residual {
+        let contact = natural_residual::residual_of(measured, contacts.iter().copied());
+        match self.measure {
+            Measure::Contact => contact,
+            Measure::Global => {
+                Residual { value: natural_map::map_of(measured, contacts).0, ..contact }
+            }
+        }
+    }
+
     fn decisive(&self, measured: &Measured<'_>, map: impl FnOnce() -> f64) -> Residual {
         let contact = natural_residual::residual(measured);
         match self.measure {
