@@ -256,6 +256,33 @@ def test_islands_are_graded_by_their_own_measure(solver, measure):
         assert (island.status is Status.CONVERGED) == (island.residual <= 1e-8)
 
 
+@pytest.mark.parametrize("measure", ["contact", "global"])
+@pytest.mark.parametrize(
+    "solver",
+    [
+        asp.SemismoothNewton(),
+        asp.InteriorPoint(),
+        asp.ProximalPoint(),
+        asp.ADMM(),
+        asp.Exact(),
+        asp.ProxJacobi(),
+        asp.ProxGaussSeidel(),
+        asp.Auto(),
+        asp.Auto(threads=2),
+    ],
+    ids=repr,
+)
+def test_what_is_reported_is_to_the_bit_the_measure_of_the_percussions(solver, measure):
+    wall = problems.wall(3, columns=2, push=1.1, law=DISK)
+    parts = [wall, problems.stack(2, law=DISK), problems.sliders(2), problems.arch(5, law=DISK)]
+    for problem in (side_by_side(parts), *parts):
+        for tolerance in (1e-2, 1e-4, 1e-8):
+            options = {"on_failure": "record", "tolerance": tolerance, "time_limit": 1.0}
+            solution = problem.solve(solver, measure=measure, **options)
+            true = problem.residual if measure == "contact" else problem.natural_map
+            assert solution.residual == true(solution.percussion)
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("limit", [None, 0.2])
 def test_what_is_small_without_an_island_is_not_kept_from_being_solved_by_it(limit, threads):
