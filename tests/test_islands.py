@@ -214,6 +214,29 @@ def test_iterations_of_an_island_are_all_that_it_took():
     assert solution.iterations == sum(stage.iterations for stage in solution.stages)
 
 
+def test_contacts_that_go_on_together_are_reported_as_such():
+    """A contact that is solved by its own measure, but not among a thousand heavy ones by that of the whole."""
+    random = np.random.default_rng(11)
+    for _ in range(40):
+        turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+        block = turn @ np.diag([1.0, 1e-3, 10.0 ** random.uniform(-6, -2)]) @ turn.T
+        free = np.concatenate([-block @ [1.0, 0.1, 0.05], np.tile([1e-9, 0.0, 0.0], 1000)])
+        operator = block_diag([csr_array(block), csr_array(np.eye(3000) * 1e-9)], format="csr")
+        problem = asp.ContactProblem(operator, free_velocity=free, laws=DISK)
+        swept = problem.solve(asp.Exact(), measure="global", tolerance=1e-18, on_failure="record")
+        own = asp.ContactProblem(block, free_velocity=free[:3], laws=DISK)
+        alone = own.natural_map(swept.percussion[:3])
+        if swept.natural_map > 4.0 * alone:  # both are rounding
+            break
+    assert swept.natural_map > 4.0 * alone
+    # Between the two measures of what one sweep finds.
+    tolerance = np.sqrt(alone * swept.natural_map)
+    solution = problem.solve(measure="global", tolerance=tolerance, on_failure="record")
+    methods = [stage.method for stage in solution.stages]
+    assert methods[:2] == ["gauss_seidel", "gauss_seidel"] and methods[-1] != "gauss_seidel"
+    assert solution.iterations == sum(stage.iterations for stage in solution.stages)
+
+
 def lighter(problem, part):
     """Return the same bodies, with this part of their masses."""
     return asp.ContactProblem.from_bodies(

@@ -423,7 +423,8 @@ impl Solver {
                 if let Some(report) = parts.solve(&task, &mut iterate, sweeper, threads, solve) {
                     return report;
                 }
-                found = None;
+                // All go on together, whatever a sweep over contacts that do not influence each other has found.
+                (once, found) = (false, None);
             }
             Self::Exact { max_sweeps } if !once && stop.measure == Measure::Contact => {
                 let swept = parts.sweep(&task, &mut iterate, sweeper, max_sweeps);
