@@ -205,6 +205,20 @@ def test_a_proof_for_one_contact_says_nothing_of_others():
     assert [island.contacts for island in islands.islands] == [(0,), (1,)]
 
 
+@pytest.mark.parametrize("stored", ["mass", "directions"])
+def test_zeros_that_bodies_store_connect_nothing(stored):
+    full = csr_array(np.ones((6, 6)))
+    full.data[:] = np.eye(6).ravel()
+    parts = {"mass": csr_array(np.eye(6)), "directions": csr_array(np.eye(6))} | {stored: full}
+    apart = asp.ContactProblem.from_bodies(
+        parts["mass"],
+        directions=parts["directions"],
+        free_velocity=[-1.0, 0.1, 0.1, -1.0, 0.2, 0.1],
+        laws=DISK,
+    )
+    assert [island.contacts for island in apart.solve().islands] == [(0,), (1,)]
+
+
 def test_iterations_of_an_island_are_all_that_it_took():
     wall = problems.wall(5, columns=4, push=1.0, law=DISK)
     solution = side_by_side([wall, problems.sliders(1, law=DISK)]).solve()
