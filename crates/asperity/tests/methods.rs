@@ -384,6 +384,34 @@ fn who_gives_up_once_is_told_what_is_left() {
     }
 }
 
+/// A factorisation of some hundred million operations is given up on the way.
+#[test]
+#[cfg(feature = "sparse")]
+fn who_gives_up_does_not_wait_for_a_factorisation() {
+    let mut random = Random::new(29);
+    let contacts = 250;
+    let directions = DMatrix::from_fn(3 * contacts, 3 * contacts + 6, |_, _| random.normal());
+    let free = (0..3 * contacts).map(|_| random.normal()).collect();
+    let laws = vec![(laws(2)[0].clone(), NormalForce::Unilateral); contacts];
+    let problem = ContactProblem::new(&directions * directions.transpose(), free, laws).unwrap();
+    for solver in [
+        Solver::Newton { max_iterations: 1 },
+        Solver::ProximalPoint { max_iterations: 1 },
+        Solver::InteriorPoint { max_iterations: 1 },
+        Solver::Admm { max_iterations: 1 },
+    ] {
+        let asked = Cell::new(0);
+        let soon = || {
+            asked.set(asked.get() + 1);
+            asked.get() == 12
+        };
+        let solution = problem.solve(&solver, Stop::at(TOLERANCE).unless(&soon));
+        assert_eq!(asked.get(), 12, "{solver:?}");
+        assert_eq!(solution.report.status, Status::TimeLimit, "{solver:?}");
+        assert!(solution.stages.iter().all(|stage| stage.factorizations <= 1), "{solver:?}");
+    }
+}
+
 /// One step of the paper's iteration, [WL19] (69) and (70), written out for a disk within an ellipse: from percussions within
 /// the reservoir, and from percussions beyond it, whose α is that of the border.
 #[test]

@@ -37,7 +37,7 @@ pub struct Stop<'a> {
     pub measure: Measure,
     /// Wall clock limit.
     pub deadline: Option<Instant>,
-    /// Asked between sweeps; the solver gives up when it answers yes.
+    /// Asked between sweeps and on the way through factorisations; the solver gives up when it answers yes.
     pub cancelled: Option<&'a dyn Fn() -> bool>,
 }
 
