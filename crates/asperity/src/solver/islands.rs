@@ -22,6 +22,10 @@ use crate::contact::{ContactProblem, Members, Memory, Part, put, take};
 /// Contacts that are worth a second thread: what sweeps leave takes some tens of microseconds per contact.
 const WORTHWHILE: usize = 64;
 
+/// Solves without use after which the problem of an island is forgotten, which takes some kilobytes per contact: islands
+/// that sweeps leave now and then keep their analysis.
+const KEPT: u8 = 32;
+
 /// The residual of an island that was not looked at.
 const UNKNOWN: Residual = Residual { value: f64::INFINITY, worst_contact: 0 };
 
@@ -118,6 +122,8 @@ struct OwnProblem<B> {
     part: Part,
     /// Whether the entries of its operator are those of another step.
     stale: bool,
+    /// Solves since it was left.
+    unused: u8,
     before: Memory,
     memory: Memory,
     buffers: B,
@@ -130,7 +136,8 @@ impl<B: Buffers> OwnProblem<B> {
         let memory = Memory::new(part.problem().rows(), contacts.len());
         let mut buffers = B::default();
         buffers.prepare(part.problem());
-        Self { part, stale: false, before: memory.clone(), memory, buffers, report: None }
+        let before = memory.clone();
+        Self { part, stale: false, unused: 0, before, memory, buffers, report: None }
     }
 
     /// Takes over what the island is given in this solve.
@@ -143,7 +150,7 @@ impl<B: Buffers> OwnProblem<B> {
         part.copy_velocities(task.problem);
         take(part.rows(), percussion, &mut before.percussion);
         take(part.contacts(), task.history, &mut before.states);
-        self.report = None;
+        (self.unused, self.report) = (0, None);
     }
 
     /// What is needed to solve it.
@@ -297,6 +304,12 @@ impl<B: Buffers> Parts<B> {
         self.reports.clear();
     }
 
+    /// Number of islands that are kept as problems of their own.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> usize {
+        self.own.iter().flatten().count()
+    }
+
     /// Forgets how islands ended in another solve.
     pub(super) fn forget_reports(&mut self) {
         self.reports.clear();
@@ -413,6 +426,10 @@ impl<B: Buffers> Parts<B> {
             SolveReport::new(Ended::TimeLimit, 0, UNKNOWN, Findings::default(), stop.tolerance);
         reports.resize(count, unsolved);
         own.resize_with(count, || None);
+        for kept in own.iter_mut() {
+            kept.iter_mut().for_each(|own| own.unused += 1);
+            kept.take_if(|own| own.unused > KEPT);
+        }
         for &island in &*left {
             let make = || Box::new(OwnProblem::new(problem, islands.of(island)));
             let mut own = own[island].take().unwrap_or_else(make);

@@ -610,3 +610,38 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::contact::NormalForce;
+    use crate::law::FrictionLaw;
+
+    /// By the global measure every island is a problem of its own; sweeps solve these by the measure of contacts.
+    #[test]
+    fn islands_that_sweeps_solve_are_forgotten_after_some_solves() {
+        let mut delassus = DMatrix::identity(4, 4);
+        for (i, j) in [(0, 2), (1, 3)] {
+            (delassus[(i, j)], delassus[(j, i)]) = (0.01, 0.01);
+        }
+        let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
+        let contacts = vec![(law.into(), NormalForce::Prescribed(2.0)); 4];
+        let problem = ContactProblem::new(delassus, vec![3.0, 0.2, 0.1, -0.3], contacts).unwrap();
+        let mut workspace = Workspace::default();
+        let mut solve = |measure: Measure| {
+            let mut memory = Memory::default();
+            let stop = Stop::default().with_measure(measure);
+            let report = Solver::default().solve(&problem, stop, &mut memory, &mut workspace);
+            assert_eq!(report.status, Status::Converged);
+            workspace.parts.kept()
+        };
+        assert_eq!(solve(Measure::Global), 2);
+        let kept: Vec<usize> = (0..40).map(|_| solve(Measure::Contact)).collect();
+        let last = 32;
+        assert_eq!(kept[..last], vec![2; last]);
+        assert_eq!(kept[last..], [0; 8]);
+        assert_eq!(solve(Measure::Global), 2);
+    }
+}
