@@ -597,7 +597,7 @@ fn whole(
     let mut worst = reports[0];
     let mut residual = Residual { value: f64::NEG_INFINITY, worst_contact: 0 };
     for report in reports {
-        if rank(report.status) > rank(worst.status) {
+        if is_graver(report.status, worst.status) {
             worst = *report;
         }
         if is_worse(report.residual, residual.value) {
@@ -635,18 +635,20 @@ fn whole(
     })
 }
 
-/// Of several islands that with the largest number says how the whole has ended.
-fn rank(status: Status) -> u8 {
-    match status {
-        Status::Converged => 0,
-        Status::Inexact => 1,
-        Status::Stalled => 2,
-        Status::MaxIterations => 3,
-        Status::TimeLimit => 4,
-        Status::NotApplicable => 5,
-        Status::Unbounded => 6,
-        Status::NoSolution => 7,
-    }
+/// Of several islands that whose status comes last here says how the whole has ended.
+const GRAVITY: [Status; 8] = [
+    Status::Converged,
+    Status::Inexact,
+    Status::Stalled,
+    Status::MaxIterations,
+    Status::TimeLimit,
+    Status::NotApplicable,
+    Status::Unbounded,
+    Status::NoSolution,
+];
+
+fn is_graver(status: Status, than: Status) -> bool {
+    GRAVITY.iter().rev().take_while(|other| **other != than).any(|other| *other == status)
 }
 
 /// Puts what an island went through beside what others did, after the stages of all islands together: the most iterations

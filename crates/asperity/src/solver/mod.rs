@@ -120,6 +120,21 @@ pub enum Solver {
     },
 }
 
+/// Where a solve begins.
+#[derive(Clone, Copy)]
+struct Start<'a> {
+    /// What was remembered before.
+    before: &'a Memory,
+    /// Whether sweeps have led there, and promise nothing more.
+    swept: bool,
+}
+
+impl<'a> From<&'a Memory> for Start<'a> {
+    fn from(before: &'a Memory) -> Self {
+        Self { before, swept: false }
+    }
+}
+
 /// Buffers, and what was found at the last call besides percussions and states.
 ///
 /// What it holds of one problem is found again as long as that is solved; for another one it is prepared anew.
@@ -335,32 +350,32 @@ impl Solver {
         let latched = || stop.cancelled.is_some_and(ask);
         let cancelled = stop.cancelled.is_some().then_some(&latched as &dyn Fn() -> bool);
         let stop = Stop { cancelled, ..stop };
-        self.solve_many(problem, stop, (before, false), memory, workspace)
+        self.solve_many(problem, stop, Start::from(before), memory, workspace)
     }
 
-    /// The same for any number of contacts, and where something is wrong; what is remembered `before` may be what sweeps in
-    /// vain have led to.
+    /// The same for any number of contacts, and where something is wrong.
     #[inline(never)]
     fn solve_many(
         &self,
         problem: &ContactProblem,
         stop: Stop<'_>,
-        (before, swept): (&Memory, bool),
+        start: Start<'_>,
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
+        let Start { before, swept } = start;
         if !workspace.fits(problem) {
             workspace.prepare(problem);
         }
         if !before.fits(problem) {
             let nothing = Memory::new(problem.rows(), problem.contacts().len());
-            return self.solve_many(problem, stop, (&nothing, false), memory, workspace);
+            return self.solve_many(problem, stop, Start::from(&nothing), memory, workspace);
         }
         if problem.delassus().is_matrix_free() {
             match self {
                 Self::ProxJacobi { .. } => {}
                 Self::Auto { .. } => {
-                    let start = (before, false);
+                    let start = Start::from(before);
                     return MATRIX_FREE.solve_many(problem, stop, start, memory, workspace);
                 }
                 _ => return not_applicable(problem, stop, before, memory, workspace),
@@ -418,7 +433,7 @@ impl Solver {
                 let solve = |island: Unsolved<'_, Workspace>, stop: Stop<'_>, threads| {
                     let Unsolved { problem, before, memory, buffers } = island;
                     let solver = Self::Auto { interior_point, threads };
-                    solver.solve_many(problem, stop, (before, swept), memory, buffers)
+                    solver.solve_many(problem, stop, Start { before, swept }, memory, buffers)
                 };
                 if let Some(report) = parts.solve(&task, &mut iterate, sweeper, threads, solve) {
                     return report;
