@@ -205,22 +205,143 @@ def test_a_proof_for_one_contact_says_nothing_of_others():
     assert [island.contacts for island in islands.islands] == [(0,), (1,)]
 
 
+@pytest.mark.parametrize("stored", ["mass", "directions"])
+def test_zeros_that_bodies_store_connect_nothing(stored):
+    full = csr_array(np.ones((6, 6)))
+    full.data[:] = np.eye(6).ravel()
+    parts = {"mass": csr_array(np.eye(6)), "directions": csr_array(np.eye(6))} | {stored: full}
+    apart = asp.ContactProblem.from_bodies(
+        parts["mass"],
+        directions=parts["directions"],
+        free_velocity=[-1.0, 0.1, 0.1, -1.0, 0.2, 0.1],
+        laws=DISK,
+    )
+    assert [island.contacts for island in apart.solve().islands] == [(0,), (1,)]
+
+
 def test_iterations_of_an_island_are_all_that_it_took():
     wall = problems.wall(5, columns=4, push=1.0, law=DISK)
     solution = side_by_side([wall, problems.sliders(1, law=DISK)]).solve()
-    assert solution.islands[0].iterations >= solution.iterations
+    assert solution.islands[0].iterations == solution.iterations
+    sweeps, *others = solution.stages
+    assert sweeps.method == "gauss_seidel" and others
+    assert solution.iterations == sum(stage.iterations for stage in solution.stages)
 
 
+def test_contacts_that_go_on_together_are_reported_as_such():
+    """A contact that is solved by its own measure, but not among a thousand heavy ones by that of the whole."""
+    random = np.random.default_rng(11)
+    for _ in range(40):
+        turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+        block = turn @ np.diag([1.0, 1e-3, 10.0 ** random.uniform(-6, -2)]) @ turn.T
+        free = np.concatenate([-block @ [1.0, 0.1, 0.05], np.tile([1e-9, 0.0, 0.0], 1000)])
+        operator = block_diag([csr_array(block), csr_array(np.eye(3000) * 1e-9)], format="csr")
+        problem = asp.ContactProblem(operator, free_velocity=free, laws=DISK)
+        swept = problem.solve(asp.Exact(), measure="global", tolerance=1e-18, on_failure="record")
+        own = asp.ContactProblem(block, free_velocity=free[:3], laws=DISK)
+        alone = own.natural_map(swept.percussion[:3])
+        if swept.natural_map > 4.0 * alone:  # both are rounding
+            break
+    assert swept.natural_map > 4.0 * alone
+    # Between the two measures of what one sweep finds.
+    tolerance = np.sqrt(alone * swept.natural_map)
+    solution = problem.solve(measure="global", tolerance=tolerance, on_failure="record")
+    methods = [stage.method for stage in solution.stages]
+    assert methods[:2] == ["gauss_seidel", "gauss_seidel"] and methods[-1] != "gauss_seidel"
+    assert solution.iterations == sum(stage.iterations for stage in solution.stages)
+
+
+def lighter(problem, part):
+    """Return the same bodies, with this part of their masses."""
+    return asp.ContactProblem.from_bodies(
+        csr_array(problem.mass) * part,
+        directions=problem.directions,
+        free_velocity=problem.free_velocity,
+        laws=problem.laws,
+    )
+
+
+@pytest.mark.parametrize("measure", ["contact", "global"])
 @pytest.mark.parametrize(
-    "solver", [asp.SemismoothNewton(), asp.InteriorPoint(), asp.ProxJacobi()], ids=repr
+    "solver",
+    [
+        asp.SemismoothNewton(),
+        asp.InteriorPoint(),
+        asp.ProximalPoint(),
+        asp.ADMM(),
+        asp.Exact(),
+        asp.ProxJacobi(),
+        asp.Auto(),
+    ],
+    ids=repr,
 )
-def test_solvers_of_all_contacts_together_are_graded_island_by_island(solver):
-    parts = [problems.stack(2, law=DISK), problems.sliders(2, law=DISK)]
-    solution = side_by_side(parts).solve(solver, on_failure="record", tolerance=1e-8)
-    contacts = [island.contacts for island in solution.islands]
-    assert contacts == [tuple(range(8)), (8,), (9,)]
+def test_islands_are_graded_by_their_own_measure(solver, measure):
+    wall = problems.wall(3, columns=2, push=1.1, law=DISK)
+    parts = [wall, lighter(problems.stack(2, push=8.0, law=DISK), 1e-9), problems.sliders(2)]
+    both = side_by_side(parts)
+    options = {"on_failure": "record", "tolerance": 1e-8, "measure": measure}
+    solution = both.solve(solver, **options)
+    contacts, rows = ranges(parts)
+    own = [island.contacts for island in solution.islands]
+    last = contacts[-1][0]
+    assert own == [tuple(range(*contacts[0])), tuple(range(*contacts[1])), (last,), (last + 1,)]
+    for island, part, (start, stop) in zip(solution.islands, parts[:2], rows[:2], strict=False):
+        percussion = solution.percussion[start:stop]
+        true = part.residual if measure == "contact" else part.natural_map
+        assert island.residual == pytest.approx(true(percussion), rel=1e-4, abs=1e-12)
     for island in solution.islands:
         assert (island.status is Status.CONVERGED) == (island.residual <= 1e-8)
+
+
+@pytest.mark.parametrize("measure", ["contact", "global"])
+@pytest.mark.parametrize(
+    "solver",
+    [
+        asp.SemismoothNewton(),
+        asp.InteriorPoint(),
+        asp.ProximalPoint(),
+        asp.ADMM(),
+        asp.Exact(),
+        asp.ProxJacobi(),
+        asp.ProxGaussSeidel(),
+        asp.Auto(),
+        asp.Auto(threads=2),
+    ],
+    ids=repr,
+)
+def test_what_is_reported_is_to_the_bit_the_measure_of_the_percussions(solver, measure):
+    wall = problems.wall(3, columns=2, push=1.1, law=DISK)
+    parts = [wall, problems.stack(2, law=DISK), problems.sliders(2), problems.arch(5, law=DISK)]
+    for problem in (side_by_side(parts), *parts):
+        for tolerance in (1e-2, 1e-4, 1e-8):
+            options = {"on_failure": "record", "tolerance": tolerance, "time_limit": 1.0}
+            solution = problem.solve(solver, measure=measure, **options)
+            true = problem.residual if measure == "contact" else problem.natural_map
+            assert solution.residual == true(solution.percussion)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("limit", [None, 0.2])
+def test_what_is_small_without_an_island_is_not_kept_from_being_solved_by_it(limit, threads):
+    wall = problems.wall(5, columns=4, push=1.0, law=DISK)
+    # Two jaws that close on a body: no percussions keep them apart.
+    jaws = asp.ContactProblem.from_bodies(
+        np.eye(3) * 1e-12,
+        directions=np.hstack([np.eye(3), np.diag([-1.0, 1.0, 1.0])]),
+        free_velocity=[-1.0, 0.1, 0.2, -0.5, 0.3, 0.1],
+        laws=DISK,
+    )
+    both = side_by_side([jaws, wall])
+    options = {"measure": "global", "tolerance": 1e-8, "time_limit": limit}
+    solution = both.solve(asp.Auto(threads=threads), **options)
+    assert solution.converged
+    assert solution.residual == both.natural_map(solution.percussion) <= 1e-8
+    closed, rest = solution.islands
+    assert closed.status is Status.STALLED and closed.residual > 1e-8
+    assert rest.status is Status.CONVERGED
+    assert (solution.percussion == both.solve(asp.Auto(), **options).percussion).all()
+    # By the measure of contacts every island counts.
+    assert both.solve(on_failure="record").status is Status.NO_SOLUTION
 
 
 def test_solving_again_changes_no_bit():

@@ -22,7 +22,7 @@ impl<'a> Ours<'a> {
 
 impl Factorisation for Ours<'_> {
     fn factor(&mut self) -> bool {
-        self.numeric.factor(&self.symbolic, self.matrix)
+        self.numeric.factor(&self.symbolic, self.matrix, &|| false)
     }
 
     fn solve(&mut self, x: &mut [f64]) {

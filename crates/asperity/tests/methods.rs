@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::cell::Cell;
+
 use asperity::contact::{
     BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
 };
@@ -10,6 +12,7 @@ use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
 use asperity::solver::{
     Measure, Method, ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map,
+    natural_residual,
 };
 use common::Random;
 use nalgebra::{DMatrix, DVector};
@@ -342,6 +345,70 @@ fn islands_do_not_depend_on_each_other() {
                 assert_eq!(rows(&one, i), rows(&alone, contact.1), "{contact:?}");
             }
         }
+    }
+}
+
+/// A solve that is given up at any time tells the residual of what it leaves, also where it could not be given up again.
+#[test]
+fn who_gives_up_once_is_told_what_is_left() {
+    let mut random = Random::new(23);
+    let islands: Vec<Island> = (0..40).map(|_| Island::random(&mut random)).collect();
+    let contacts: Vec<_> = (0..40).flat_map(|island| [(island, 0), (island, 1)]).collect();
+    let problem = of_islands(&islands, &contacts);
+    for (threads, measure) in
+        [(1, Measure::Contact), (2, Measure::Contact), (1, Measure::Global), (2, Measure::Global)]
+    {
+        let solver = Solver::Auto { interior_point: true, threads };
+        for at in [1, 2, 3, 5, 8, 13, 21, 34] {
+            let asked = Cell::new(0);
+            let once = || {
+                asked.set(asked.get() + 1);
+                asked.get() == at
+            };
+            let stop = Stop::at(TOLERANCE).with_measure(measure).unless(&once);
+            let solution = problem.solve(&solver, stop);
+            let what = format!("{threads} threads, {measure:?}, given up at {at}");
+            assert!(asked.get() <= at, "{what}: asked {} times", asked.get());
+            let velocity = problem.velocities(&solution.percussion).unwrap();
+            let off = velocity.iter().zip(&solution.velocity).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-12, "{what}");
+            let of = &solution.percussion;
+            let residual = match measure {
+                Measure::Global => natural_map(&problem, of, &velocity).unwrap(),
+                _ => natural_residual(&problem, of, &velocity).unwrap().value,
+            };
+            let SolveReport { status, residual: told, .. } = solution.report;
+            assert!((told - residual).abs() <= 1e-3 * residual + 1e-14, "{what}: {told:e}");
+            assert_eq!(status == Status::Converged, residual <= TOLERANCE, "{what}: {status:?}");
+        }
+    }
+}
+
+/// A factorisation of some hundred million operations is given up on the way.
+#[test]
+#[cfg(feature = "sparse")]
+fn who_gives_up_does_not_wait_for_a_factorisation() {
+    let mut random = Random::new(29);
+    let contacts = 250;
+    let directions = DMatrix::from_fn(3 * contacts, 3 * contacts + 6, |_, _| random.normal());
+    let free = (0..3 * contacts).map(|_| random.normal()).collect();
+    let laws = vec![(laws(2)[0].clone(), NormalForce::Unilateral); contacts];
+    let problem = ContactProblem::new(&directions * directions.transpose(), free, laws).unwrap();
+    for solver in [
+        Solver::Newton { max_iterations: 1 },
+        Solver::ProximalPoint { max_iterations: 1 },
+        Solver::InteriorPoint { max_iterations: 1 },
+        Solver::Admm { max_iterations: 1 },
+    ] {
+        let asked = Cell::new(0);
+        let soon = || {
+            asked.set(asked.get() + 1);
+            asked.get() == 12
+        };
+        let solution = problem.solve(&solver, Stop::at(TOLERANCE).unless(&soon));
+        assert_eq!(asked.get(), 12, "{solver:?}");
+        assert_eq!(solution.report.status, Status::TimeLimit, "{solver:?}");
+        assert!(solution.stages.iter().all(|stage| stage.factorizations <= 1), "{solver:?}");
     }
 }
 

@@ -32,8 +32,8 @@ class Stage(Record):
         method: its name.
         iterations: sweeps or iterations.
         factorizations: matrices factored.
-        residual: natural map of the best percussions at its end; of `Exact` and the prox
-            iterations the measure of the solve.
+        residual: natural map of the best percussions at its end, of several islands the largest; of
+            `Exact`, the prox iterations, and sweeps over all islands the measure of the solve.
     """
 
     method: str
@@ -48,8 +48,9 @@ class Island(Record):
     Attributes:
         contacts: their numbers, ascending.
         status: how the solve ended there.
-        residual: value there of the measure that decided; the largest relative defect of a contact
-            where the time did not suffice, and of solvers that treat all islands together.
+        residual: value there of the measure that decided, of this island alone. Where the whole is
+            solved by the ``"global"`` measure, an island of small percussions may be left above
+            the tolerance, as ``STALLED``.
         iterations: sweeps or iterations there; 0 where the percussions to start from solved the
             island already.
     """

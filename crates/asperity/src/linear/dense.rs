@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::patience::Patience;
+
 /// Columns of a panel.
 const PANEL: usize = 16;
 /// Rows and columns of a tile that stays in registers.
@@ -22,7 +24,7 @@ impl Packed {
 }
 
 /// `LU` elimination of the first `pivots` columns of a column-major front of `size` rows, rows exchanged
-/// within the pivot rows only; false if a pivot vanishes.
+/// within the pivot rows only; false if a pivot vanishes, or if nobody waits for it any longer.
 ///
 /// Afterwards the front holds `L` (unit diagonal) below and `U` above the diagonal of the eliminated part,
 /// and the Schur complement of the rest.
@@ -32,29 +34,31 @@ pub(super) fn eliminate(
     pivots: usize,
     swaps: &mut [usize],
     packed: &mut Packed,
+    patience: &mut Patience<'_>,
 ) -> bool {
-    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed })
+    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed, patience })
 }
 
 /// A call of [`eliminate`] that the compiler copies into every set of instructions.
-struct Elimination<'a> {
+struct Elimination<'a, 'b> {
     front: &'a mut [f64],
     size: usize,
     pivots: usize,
     swaps: &'a mut [usize],
     packed: &'a mut Packed,
+    patience: &'a mut Patience<'b>,
 }
 
-impl pulp::NullaryFnOnce for Elimination<'_> {
+impl pulp::NullaryFnOnce for Elimination<'_, '_> {
     type Output = bool;
 
     #[inline(always)]
     fn call(self) -> bool {
-        let Self { front, size, pivots, swaps, packed } = self;
+        let Self { front, size, pivots, swaps, packed, patience } = self;
         if fused() {
-            eliminate_with::<true>(front, size, pivots, swaps, packed)
+            eliminate_with::<true>(front, size, pivots, swaps, packed, patience)
         } else {
-            eliminate_with::<false>(front, size, pivots, swaps, packed)
+            eliminate_with::<false>(front, size, pivots, swaps, packed, patience)
         }
     }
 }
@@ -75,6 +79,7 @@ fn eliminate_with<const FMA: bool>(
     pivots: usize,
     swaps: &mut [usize],
     packed: &mut Packed,
+    patience: &mut Patience<'_>,
 ) -> bool {
     let mut start = 0;
     while start < pivots {
@@ -84,6 +89,10 @@ fn eliminate_with<const FMA: bool>(
         }
         exchange(front, size, start..end, swaps);
         update::<FMA>(front, size, start..end, packed);
+        let rest = size - start;
+        if patience.is_over(2 * (end - start) * rest * rest) {
+            return false;
+        }
         start = end;
     }
     true

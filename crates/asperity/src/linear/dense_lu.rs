@@ -4,6 +4,7 @@
 //! `P Aᵀ = L U`, and `A x = b` reads `Uᵀ Lᵀ P x = b`.
 
 use super::dense::{Packed, eliminate};
+use super::patience::Patience;
 
 use crate::vectors::{dot, largest};
 
@@ -39,7 +40,8 @@ impl DenseLu {
             self.reserved = n;
         }
         let largest = largest(&self.entries);
-        eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed)
+        let patience = &mut Patience::new(&|| false);
+        eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed, patience)
             && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }
 

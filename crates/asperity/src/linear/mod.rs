@@ -38,6 +38,7 @@ mod numeric;
 #[cfg(feature = "sparse")]
 mod order;
 mod padded_lu;
+mod patience;
 #[cfg(feature = "sparse")]
 mod symbolic;
 #[cfg(test)]

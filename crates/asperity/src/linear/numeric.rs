@@ -2,6 +2,7 @@
 
 use super::Symbolic;
 use super::dense::{self, Packed};
+use super::patience::Patience;
 use super::symbolic::Front;
 use crate::contact::BlockMatrix;
 
@@ -40,9 +41,15 @@ impl Numeric {
         self.local.resize(symbolic.largest, 0.0);
     }
 
-    /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes.
-    pub(crate) fn factor(&mut self, symbolic: &Symbolic, matrix: &BlockMatrix) -> bool {
-        let mut top = 0;
+    /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes, or if it is `given_up`, which is asked every
+    /// few milliseconds.
+    pub(crate) fn factor(
+        &mut self,
+        symbolic: &Symbolic,
+        matrix: &BlockMatrix,
+        given_up: &dyn Fn() -> bool,
+    ) -> bool {
+        let (mut top, mut patience) = (0, Patience::new(given_up));
         for (s, front) in symbolic.fronts.iter().enumerate() {
             let (size, pivots) = (front.size, front.pivots);
             let dense = &mut self.front[..size * size];
@@ -62,7 +69,7 @@ impl Numeric {
                 add_child(dense, size, into, &self.stack[top..top + len * len]);
             }
             let swaps = &mut self.swaps[front.first..front.first + pivots];
-            if !dense::eliminate(dense, size, pivots, swaps, &mut self.packed) {
+            if !dense::eliminate(dense, size, pivots, swaps, &mut self.packed, &mut patience) {
                 return false;
             }
             let rest = size - pivots;

@@ -53,7 +53,7 @@ fn solves_as_a_dense_factorisation_does() {
             matrix.values_mut().iter_mut().for_each(|value| *value *= 1.0 + 0.1 * round as f64);
             let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
             let mut x = b.clone();
-            assert!(numeric.factor(&symbolic, &matrix));
+            assert!(numeric.factor(&symbolic, &matrix, &|| false));
             numeric.solve(&symbolic, x.as_mut_slice());
             let error = (dense(&matrix) * &x - &b).amax() / x.amax();
             assert!(error < 1e-11, "{nodes} nodes: {error}");
@@ -87,7 +87,7 @@ fn ill_conditioned_matrices_leave_little_more_than_a_dense_factorisation() {
             numeric.reserve(&symbolic);
             let a = dense(&matrix);
             let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
-            assert!(numeric.factor(&symbolic, &matrix));
+            assert!(numeric.factor(&symbolic, &matrix, &|| false));
             let mut x = b.clone();
             numeric.solve(&symbolic, x.as_mut_slice());
             let left = |x: &DVector<f64>| {
@@ -107,5 +107,5 @@ fn a_vanishing_pivot_is_reported() {
     let symbolic = Symbolic::new(&matrix);
     let mut numeric = Numeric::default();
     numeric.reserve(&symbolic);
-    assert!(!numeric.factor(&symbolic, &matrix));
+    assert!(!numeric.factor(&symbolic, &matrix, &|| false));
 }

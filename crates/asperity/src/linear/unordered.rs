@@ -39,10 +39,16 @@ impl Numeric {
         }
     }
 
-    /// Factors a matrix; false if a pivot vanishes, or if the matrix is too large to be factored densely.
-    pub(crate) fn factor(&mut self, symbolic: &Symbolic, matrix: &BlockMatrix) -> bool {
+    /// Factors a matrix; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is `given_up`
+    /// before.
+    pub(crate) fn factor(
+        &mut self,
+        symbolic: &Symbolic,
+        matrix: &BlockMatrix,
+        given_up: &dyn Fn() -> bool,
+    ) -> bool {
         let n = symbolic.rows;
-        if n > MOST_ROWS {
+        if n > MOST_ROWS || given_up() {
             return false;
         }
         let (entries, offsets) = (self.lu.begin(n), matrix.offsets());

@@ -4,12 +4,16 @@
 //! solve most islands where they are ([`Sweeper::solve_islands`]); what they leave is solved by the other methods as a
 //! problem with the rows of that island only. What an island does depends on no other, to the bit, so that islands may be
 //! solved side by side by any number of threads. Only where each of them is solved, but not the whole by the global
-//! measure, do all go on together.
+//! measure, do all go on together; by that measure islands of small percussions are not solved where it is small before.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::infeasibility::{Case, CaseState, Infeasibility};
-use super::measure::natural_residual::{Measured, Residual, is_worse, residual_of};
+use super::measure::growth;
+use super::measure::natural_map::{Squares, map_of};
+use super::measure::natural_residual::{Measured, Residual, is_worse};
+use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Plan, Sweeper, Swept, Task, Threads};
 use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
@@ -17,6 +21,10 @@ use crate::contact::{ContactProblem, Members, Memory, Part, put, take};
 
 /// Contacts that are worth a second thread: what sweeps leave takes some tens of microseconds per contact.
 const WORTHWHILE: usize = 64;
+
+/// Solves without use after which the problem of an island is forgotten, which takes some kilobytes per contact: islands
+/// that sweeps leave now and then keep their analysis.
+const KEPT: u8 = 32;
 
 /// The residual of an island that was not looked at.
 const UNKNOWN: Residual = Residual { value: f64::INFINITY, worst_contact: 0 };
@@ -53,7 +61,9 @@ pub struct Islands {
 pub struct Island<'a> {
     /// The contacts, ascending.
     pub contacts: &'a [usize],
-    /// How the solver ended there. Without iterations the percussions of before had solved the problem already.
+    /// How the solver ended there, by the measure of this island alone: where the whole is solved by the global measure, an
+    /// island of small percussions may be left as stalled. Without iterations the percussions of before had solved the
+    /// problem already.
     pub report: SolveReport,
 }
 
@@ -79,7 +89,7 @@ impl Islands {
 }
 
 /// Buffers in which an island is solved as a problem of its own.
-pub(super) trait Buffers: Default {
+pub(super) trait Buffers: Default + Send {
     /// Makes them fit a problem.
     fn prepare(&mut self, problem: &ContactProblem);
 
@@ -108,29 +118,26 @@ pub(super) struct Unsolved<'a, B> {
 
 /// An island that sweeps have left, as a problem of its own, and its solution.
 #[derive(Debug, Clone)]
-struct Own<B> {
+struct OwnProblem<B> {
     part: Part,
     /// Whether the entries of its operator are those of another step.
     stale: bool,
+    /// Solves since it was left.
+    unused: u8,
     before: Memory,
     memory: Memory,
     buffers: B,
     report: Option<SolveReport>,
 }
 
-impl<B: Buffers> Own<B> {
-    fn new(part: Part) -> Self {
-        let problem = part.problem();
-        let memory = Memory::new(problem.rows(), problem.contacts().len());
+impl<B: Buffers> OwnProblem<B> {
+    fn new(whole: &ContactProblem, contacts: &[usize]) -> Self {
+        let part = Part::new(whole, contacts);
+        let memory = Memory::new(part.problem().rows(), contacts.len());
         let mut buffers = B::default();
-        buffers.prepare(problem);
-        Self { part, stale: false, before: memory.clone(), memory, buffers, report: None }
-    }
-
-    /// What is needed to solve it.
-    fn unsolved(&mut self) -> Unsolved<'_, B> {
-        let Self { part, before, memory, buffers, .. } = self;
-        Unsolved { problem: part.problem(), before, memory, buffers }
+        buffers.prepare(part.problem());
+        let before = memory.clone();
+        Self { part, stale: false, unused: 0, before, memory, buffers, report: None }
     }
 
     /// Takes over what the island is given in this solve.
@@ -143,18 +150,31 @@ impl<B: Buffers> Own<B> {
         part.copy_velocities(task.problem);
         take(part.rows(), percussion, &mut before.percussion);
         take(part.contacts(), task.history, &mut before.states);
-        self.report = None;
+        (self.unused, self.report) = (0, None);
     }
 
-    /// Hands over what was found.
-    fn end(&self, iterate: &mut Iterate<'_>) {
+    /// What is needed to solve it.
+    fn unsolved(&mut self) -> Unsolved<'_, B> {
+        let Self { part, before, memory, buffers, .. } = self;
+        Unsolved { problem: part.problem(), before, memory, buffers }
+    }
+
+    /// Squares of what is left, with the prox parameter of the whole.
+    fn squares(&self, rho: f64) -> Squares {
+        let (problem, percussion) = (self.part.problem(), &self.memory.percussion[..]);
+        let measured = Measured { problem, percussion, velocity: self.buffers.found().velocity };
+        Squares::of(&measured, 0..problem.contacts().len(), rho)
+    }
+
+    /// Hands over what was found; the first stages are those of all islands together.
+    fn end(&self, iterate: &mut Iterate<'_>, first_stages: usize) {
         let Self { part, memory, buffers, .. } = self;
-        let found = buffers.found();
+        let Found { velocity, ambiguous, stages, .. } = buffers.found();
         put(part.rows(), &memory.percussion, iterate.percussion);
-        put(part.rows(), found.velocity, iterate.velocity);
+        put(part.rows(), velocity, iterate.velocity);
         put(part.contacts(), &memory.states, iterate.states);
-        put(part.contacts(), found.ambiguous, iterate.ambiguous);
-        merge(found.stages, iterate.stages);
+        put(part.contacts(), ambiguous, iterate.ambiguous);
+        merge(stages, iterate.stages, first_stages);
     }
 
     /// The proof that there is no solution, said of the whole problem.
@@ -182,25 +202,112 @@ impl<B: Buffers> Own<B> {
     }
 }
 
+/// What islands leave of the measure of the whole, in the order in which they are solved: as soon as it is small, the
+/// others need not be solved. Which ones these are does not depend on threads.
+#[derive(Debug, Clone, Default)]
+struct Tally {
+    /// Square of the measure that will do.
+    goal: f64,
+    rho: f64,
+    /// Square of `ρ‖b‖` of the whole.
+    loads: f64,
+    /// What the islands from each place on leave before they are solved.
+    rest: Vec<Squares>,
+    /// What those that were solved leave, and their sum at the first places, up to the first that was not.
+    found: Vec<Option<Squares>>,
+    sum: Squares,
+    solved: usize,
+    /// Places whose islands are solved in any case.
+    always: usize,
+}
+
+impl Tally {
+    /// Islands in the order in which they are solved: those whose percussions solve them already, which takes nothing,
+    /// then those of the largest percussions first, or of the largest loads where there are none yet.
+    fn begin(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        islands: &Members,
+    ) -> Vec<usize> {
+        let Task { problem, stop, .. } = *task;
+        let goal = 0.5 * stop.tolerance;
+        problem.velocity(iterate.percussion, iterate.velocity);
+        let measured =
+            Measured { problem, percussion: iterate.percussion, velocity: iterate.velocity };
+        let rho = problem.global_rho();
+        let of = |island: usize| {
+            let contacts = islands.of(island);
+            let (map, size) = map_of(&measured, contacts);
+            let squares = Squares::of(&measured, contacts.iter().copied(), rho);
+            (map <= goal, size, squares, island)
+        };
+        let mut all: Vec<_> = (0..islands.count()).map(of).collect();
+        all.sort_by(|(solved, size, ..), (other_solved, other, ..)| {
+            other_solved.cmp(solved).then(other.total_cmp(size))
+        });
+        let mut rest = vec![Squares::default(); all.len() + 1];
+        for (place, (_, _, squares, _)) in all.iter().enumerate().rev() {
+            rest[place] = rest[place + 1].and(*squares);
+        }
+        *self = Self {
+            goal: goal * goal,
+            rho,
+            loads: (rho * problem.load_norm()).powi(2),
+            rest,
+            found: vec![None; all.len()],
+            sum: Squares::default(),
+            solved: 0,
+            always: all.iter().take_while(|(solved, ..)| *solved).count(),
+        };
+        all.into_iter().map(|(.., island)| island).collect()
+    }
+
+    /// Whether the islands that follow those that were solved need not be solved.
+    fn is_enough(&self) -> bool {
+        let left = self.sum.and(self.rest[self.solved]);
+        self.solved >= self.always && left.relative(self.loads) <= self.goal
+    }
+
+    /// Takes in an island that was solved.
+    fn put(&mut self, place: usize, squares: Squares) {
+        self.found[place] = Some(squares);
+        while !self.is_enough()
+            && let Some(Some(squares)) = self.found.get(self.solved)
+        {
+            self.sum = self.sum.and(*squares);
+            self.solved += 1;
+        }
+    }
+}
+
+/// An island that is being solved, with its number.
+type Work<B> = (usize, Box<OwnProblem<B>>);
+
 /// What is kept of islands from one solve to the next.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts<B> {
     /// The islands that sweeps have left once.
-    own: Vec<Option<Box<Own<B>>>>,
-    /// Those of the islands that are being solved.
-    work: Vec<Box<Own<B>>>,
-    /// Those that they left in the last solve.
+    own: Vec<Option<Box<OwnProblem<B>>>>,
+    /// Those that are being solved, with their numbers.
+    work: Vec<Work<B>>,
+    /// What sweeps have come to, what they have left, and how islands ended, if they were solved one by one.
+    swept: Vec<Swept>,
     left: Vec<usize>,
-    /// What sweeps have come to, and how islands ended.
-    pub(super) swept: Vec<Swept>,
-    pub(super) reports: Vec<SolveReport>,
+    reports: Vec<SolveReport>,
 }
 
-impl<B> Parts<B> {
+impl<B: Buffers> Parts<B> {
     /// Forgets the islands of another problem.
     pub(super) fn reset(&mut self) {
         self.own.clear();
         self.reports.clear();
+    }
+
+    /// Number of islands that are kept as problems of their own.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> usize {
+        self.own.iter().flatten().count()
     }
 
     /// Forgets how islands ended in another solve.
@@ -217,19 +324,26 @@ impl<B> Parts<B> {
         max_sweeps: usize,
     ) -> Swept {
         let plan = Plan::exact(&task.stop, max_sweeps);
-        sweeper.solve_islands(task, iterate, plan, &mut self.swept);
-        self.report_sweeps(task.stop.tolerance);
-        self.swept.iter().fold(Swept::NOTHING, |all, swept| all.and(*swept))
+        self.sweep_with(task, iterate, sweeper, plan)
     }
 
-    /// How sweeps ended, island by island.
-    fn report_sweeps(&mut self, tolerance: f64) {
+    /// Sweeps, and how they ended, island by island; what all of them have come to.
+    fn sweep_with(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        sweeper: &mut Sweeper,
+        plan: Plan,
+    ) -> Swept {
+        sweeper.solve_islands(task, iterate, plan, &mut self.swept);
         let report = |swept: &Swept| {
             let findings = Findings { ambiguous: swept.ambiguous, ..Findings::default() };
-            SolveReport::new(swept.ended, swept.sweeps, swept.residual(), findings, tolerance)
+            let residual = swept.residual();
+            SolveReport::new(swept.ended, swept.sweeps, residual, findings, task.stop.tolerance)
         };
         self.reports.clear();
         self.reports.extend(self.swept.iter().map(report));
+        self.swept.iter().fold(Swept::NOTHING, |all, swept| all.and(*swept))
     }
 
     /// The island that has kept the whole from being solved ended as the whole did: proofs come after sweeps.
@@ -255,34 +369,35 @@ impl<B> Parts<B> {
         &self,
         members: &Members,
         whole: &SolveReport,
-        tolerance: f64,
-        residual: impl Fn(&[usize]) -> Residual,
+        stop: Stop<'_>,
+        measured: &Measured<'_>,
     ) -> Islands {
         let mut reports = self.reports.clone();
         if reports.len() != members.count() {
-            reports.clear();
-            reports.extend((0..members.count()).map(|island| {
-                if members.count() == 1 {
-                    return *whole;
-                }
-                let Residual { value, worst_contact } = residual(members.of(island));
-                let of_one = matches!(whole.status, Status::NoSolution | Status::Unbounded);
-                let own = members.of(island).binary_search(&whole.worst_contact).is_ok();
-                let status = match value <= tolerance {
+            let of_one = matches!(whole.status, Status::NoSolution | Status::Unbounded);
+            let report = |island: usize| {
+                let own = members.of(island);
+                let is_worst = own.binary_search(&whole.worst_contact).is_ok();
+                match (members.count(), of_one) {
+                    (1, _) => *whole,
+                    (_, true) if is_worst => {
+                        let Residual { value, .. } = stop.residual_of(measured, own);
+                        SolveReport { residual: value, ..*whole }
+                    }
                     // What is said of one island says nothing of others.
-                    _ if of_one && own => whole.status,
-                    true => Status::Converged,
-                    false if of_one => Status::Stalled,
-                    false => whole.status,
-                };
-                SolveReport { status, residual: value, worst_contact, ..*whole }
-            }));
+                    (_, true) => {
+                        let left = SolveReport { status: Status::Stalled, ..*whole };
+                        graded(left, stop, measured, own)
+                    }
+                    _ => graded(*whole, stop, measured, own),
+                }
+            };
+            reports.clear();
+            reports.extend((0..members.count()).map(report));
         }
         Islands { members: members.clone(), reports }
     }
-}
 
-impl<B: Buffers + Send> Parts<B> {
     /// Solves a problem of several islands, one by one; `None` where each of them is solved, but not the whole by its
     /// measure. What sweeps leave is given to `solve`, together with the number of threads that it may use itself.
     pub(super) fn solve(
@@ -294,47 +409,43 @@ impl<B: Buffers + Send> Parts<B> {
         solve: impl Fn(Unsolved<'_, B>, Stop<'_>, usize) -> SolveReport + Sync,
     ) -> Option<SolveReport> {
         let Task { problem, stop, .. } = *task;
-        let count = sweeper.islands().count();
         let sweeps = stop.measure == Measure::Contact;
-        self.swept.clear();
+        let mut tally = Tally::default();
+        let count = sweeper.islands().count();
         if sweeps {
-            sweeper.solve_islands(task, iterate, Plan::trial(&stop), &mut self.swept);
+            self.sweep_and_leave(task, iterate, sweeper);
         } else {
-            self.swept.resize(count, Swept::NOTHING);
+            self.reports.clear();
+            self.left = tally.begin(task, iterate, sweeper.islands());
         }
-        self.report_sweeps(stop.tolerance);
-        let Parts { own, work, left, swept, reports } = self;
-        left.clear();
-        let mut together = Swept::NOTHING;
-        for (island, (swept, report)) in swept.iter().zip(&*reports).enumerate() {
-            // Which of several solutions continues the states of contacts, the first that is found does not tell.
-            let alone = sweeper.islands().of(island).len() == 1;
-            let decided = sweeps && (alone || !swept.ambiguous);
-            if !(decided && swept.is_clear() && report.residual <= stop.tolerance) {
-                left.push(island);
-            }
-            together = together.and(*swept);
-        }
-        if sweeps {
-            let residual = together.residual();
-            iterate.stages.push(Stage::of(Method::GaussSeidel, together.sweeps, residual));
-        }
-        // Those that the time did not suffice for are measured at the end.
-        let unvisited =
+        let islands = sweeper.islands();
+        let Parts { own, work, left, reports, .. } = self;
+        let visited = reports.len();
+        // Those that the time does not suffice for, or that need not be solved, are measured at the end.
+        let unsolved =
             SolveReport::new(Ended::TimeLimit, 0, UNKNOWN, Findings::default(), stop.tolerance);
-        reports.resize(count, unvisited);
+        reports.resize(count, unsolved);
         own.resize_with(count, || None);
+        for kept in own.iter_mut() {
+            kept.iter_mut().for_each(|own| own.unused += 1);
+            kept.take_if(|own| own.unused > KEPT);
+        }
         for &island in &*left {
-            let make = || Box::new(Own::new(Part::new(problem, sweeper.islands().of(island))));
+            let make = || Box::new(OwnProblem::new(problem, islands.of(island)));
             let mut own = own[island].take().unwrap_or_else(make);
             own.begin(task, iterate.percussion);
-            work.push(own);
+            work.push((island, own));
         }
-        solve_all(work, task, threads, solve);
-        for (solved, &island) in work.drain(..).zip(&*left) {
+        let tally = (!sweeps).then_some(&mut tally);
+        let needed = solve_all(work, task, threads, tally, solve);
+        let mut left_over = sweeps && visited < count;
+        for (place, (island, solved)) in work.drain(..).enumerate() {
             let report = &mut reports[island];
-            if let Some(found) = solved.report {
-                solved.end(iterate);
+            if place >= needed {
+                // The measure of the whole was small before its turn came.
+                *report = SolveReport { status: Status::Stalled, ..unsolved };
+            } else if let Some(found) = solved.report {
+                solved.end(iterate, usize::from(sweeps));
                 if iterate.infeasibility.is_none() {
                     *iterate.infeasibility = solved.infeasibility(problem);
                 }
@@ -342,89 +453,151 @@ impl<B: Buffers + Send> Parts<B> {
                 let iterations = report.iterations + found.iterations;
                 *report = SolveReport { worst_contact, iterations, ..found };
             } else {
-                // Its turn has not come: it keeps the percussions that sweeps have led to.
+                // It keeps the percussions that sweeps have led to.
                 report.status = Status::TimeLimit;
+                left_over = true;
             }
             own[island] = Some(solved);
         }
-        let early = stop.early();
-        if early {
-            grade_unsolved(task, iterate, sweeper.islands(), reports);
+        if left_over {
+            problem.velocity(iterate.percussion, iterate.velocity);
         }
-        // Velocities of islands that were solved are those of their percussions.
-        let known = !early && left.len() == count;
-        let whole = whole(task, iterate, reports, known);
+        let Iterate { percussion, velocity, states, .. } = iterate;
+        let measured = Measured { problem, percussion, velocity };
+        for (island, report) in reports.iter_mut().enumerate() {
+            let contacts = islands.of(island);
+            let skipped = report.status == Status::Stalled && report.residual.is_infinite();
+            if skipped {
+                for &i in contacts {
+                    let (phase, slip) = phase_of(&measured, i);
+                    states[i] = task.history[i].after(phase, slip);
+                }
+            }
+            if skipped || left_over && report.status == Status::TimeLimit {
+                *report = graded(*report, stop, &measured, contacts);
+            }
+        }
+        let whole = whole(task, iterate, islands, reports);
         if whole.is_none() {
             // What follows changes all of them.
             reports.clear();
         }
         whole
     }
+
+    /// Sweeps, and the islands that they have left.
+    fn sweep_and_leave(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        sweeper: &mut Sweeper,
+    ) {
+        let together = self.sweep_with(task, iterate, sweeper, Plan::trial(&task.stop));
+        iterate.stages.push(Stage::of(Method::GaussSeidel, together.sweeps, together.residual()));
+        let swept = self.swept.iter().zip(&self.reports).enumerate();
+        let left = swept.filter(|(island, (swept, report))| {
+            // Which of several solutions continues the states of contacts, the first that is found does not tell.
+            let alone = sweeper.islands().of(*island).len() == 1;
+            let decided = alone || !swept.ambiguous;
+            !(decided && swept.is_clear() && report.residual <= task.stop.tolerance)
+        });
+        self.left.clear();
+        self.left.extend(left.map(|(island, _)| island));
+    }
 }
 
-/// Solves islands as problems of their own, side by side where that is worth it.
-fn solve_all<B: Buffers + Send>(
-    work: &mut [Box<Own<B>>],
+/// Solves islands as problems of their own, side by side where that is worth it; the number of those that count.
+fn solve_all<B: Buffers>(
+    work: &mut [Work<B>],
     task: &Task<'_>,
     threads: usize,
+    tally: Option<&mut Tally>,
     solve: impl Fn(Unsolved<'_, B>, Stop<'_>, usize) -> SolveReport + Sync,
-) {
-    let contacts: usize = work.iter().map(|own| own.part.contacts().len()).sum();
-    let several = work.len() > 1 && contacts >= WORTHWHILE;
+) -> usize {
+    let count = work.len();
+    let contacts: usize = work.iter().map(|(_, own)| own.part.contacts().len()).sum();
     let Stop { tolerance, measure, deadline, .. } = task.stop;
+    let tally = tally.map(Mutex::new);
+    let lock = || tally.as_ref().and_then(|tally| tally.lock().ok());
+    let is_enough = || lock().is_some_and(|tally| tally.is_enough());
+    let solve = |place: usize, own: &mut OwnProblem<B>, stop: Stop<'_>, threads: usize| {
+        own.report = Some(solve(own.unsolved(), stop, threads));
+        if let Some(rho) = lock().map(|tally| tally.rho) {
+            let squares = own.squares(rho);
+            lock().into_iter().for_each(|mut tally| tally.put(place, squares));
+        }
+    };
     let given_up = AtomicBool::new(false);
-    let share = |own: &mut Box<Own<B>>| {
+    let share = |(place, (_, own)): &mut (usize, &mut Work<B>)| {
         let cancelled = || given_up.load(Ordering::Relaxed);
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
-        own.report = Some(solve(own.unsolved(), stop, 1));
+        solve(*place, own, stop, 1);
     };
-    let ask = || given_up.store(task.stop.early(), Ordering::Relaxed);
-    if several && Threads::of(threads).share(work, share, ask) {
-        return;
-    }
-    for own in work {
-        if task.stop.early() {
-            break;
+    let ask = || {
+        if task.stop.early() || is_enough() {
+            given_up.store(true, Ordering::Relaxed);
         }
-        own.report = Some(solve(own.unsolved(), task.stop, threads));
+    };
+    let mut shared = false;
+    if count > 1 && contacts >= WORTHWHILE {
+        let pool = Threads::of(threads);
+        if pool.is_there() {
+            let mut numbered: Vec<_> = work.iter_mut().enumerate().collect();
+            shared = pool.share(&mut numbered, share, ask);
+        }
+    }
+    if !shared {
+        for (place, (_, own)) in work.iter_mut().enumerate() {
+            if task.stop.early() || is_enough() {
+                break;
+            }
+            solve(place, own, task.stop, threads);
+        }
+    }
+    match lock() {
+        Some(tally) if tally.is_enough() => tally.solved,
+        _ => count,
     }
 }
 
-/// Measures the islands that the time did not suffice for.
-#[cold]
-fn grade_unsolved(
-    task: &Task<'_>,
-    iterate: &mut Iterate<'_>,
-    members: &Members,
-    reports: &mut [SolveReport],
-) {
-    iterate.measure(task);
-    let Iterate { percussion, velocity, .. } = iterate;
-    let measured = Measured { problem: task.problem, percussion, velocity };
-    for (island, report) in reports.iter_mut().enumerate() {
-        if report.status == Status::TimeLimit {
-            let contacts = members.of(island).iter().copied();
-            let Residual { value, worst_contact } = residual_of(&measured, contacts);
-            let status =
-                if value <= task.stop.tolerance { Status::Converged } else { report.status };
-            *report = SolveReport { status, residual: value, worst_contact, ..*report };
-        }
-    }
+/// The report on an island that was not solved by itself: what its own measure says of it, else how it ended.
+fn graded(
+    ended: SolveReport,
+    stop: Stop<'_>,
+    measured: &Measured<'_>,
+    contacts: &[usize],
+) -> SolveReport {
+    let Residual { value, worst_contact } = stop.residual_of(measured, contacts);
+    let (status, worst_contact) = if value > stop.tolerance || value.is_nan() {
+        // Where the whole is solved by its measure, that does not see what is left here.
+        let converged = ended.status == Status::Converged;
+        (if converged { Status::Stalled } else { ended.status }, worst_contact)
+    } else if let Some(contact) = running(measured, contacts) {
+        (Status::Unbounded, contact)
+    } else {
+        (Status::Converged, worst_contact)
+    };
+    SolveReport { status, residual: value, worst_contact, ..ended }
+}
+
+/// The contact of an island that percussions run away from.
+fn running(measured: &Measured<'_>, contacts: &[usize]) -> Option<usize> {
+    growth::of_island(measured, contacts).and_then(|growth| growth.running())
 }
 
 /// The report on all islands; `None` where each of them is solved, but not the whole by its measure.
 fn whole(
     task: &Task<'_>,
     iterate: &mut Iterate<'_>,
+    islands: &Members,
     reports: &[SolveReport],
-    known: bool,
 ) -> Option<SolveReport> {
     let stop = task.stop;
     let ambiguous = iterate.ambiguous.contains(&true);
     let mut worst = reports[0];
     let mut residual = Residual { value: f64::NEG_INFINITY, worst_contact: 0 };
     for report in reports {
-        if rank(report.status) > rank(worst.status) {
+        if is_graver(report.status, worst.status) {
             worst = *report;
         }
         if is_worse(report.residual, residual.value) {
@@ -432,14 +605,16 @@ fn whole(
         }
     }
     if stop.measure == Measure::Global {
-        residual = if known {
-            stop.residual(task.problem, iterate.percussion, iterate.velocity)
-        } else {
-            iterate.measure(task)
-        };
-        let decided = matches!(worst.status, Status::NoSolution | Status::Unbounded);
-        if !decided && residual.value <= stop.tolerance {
-            worst.status = Status::Converged;
+        let Iterate { percussion, velocity, .. } = iterate;
+        residual = stop.residual(task.problem, percussion, velocity);
+        let small = residual.value <= stop.tolerance;
+        if small && worst.status != Status::NoSolution {
+            // However an island has ended, it matters only where its percussions run away.
+            let measured = Measured { problem: task.problem, percussion, velocity };
+            let unsolved = (0..reports.len()).filter(|&i| reports[i].status != Status::Converged);
+            let runs = unsolved.filter_map(|island| running(&measured, islands.of(island))).next();
+            worst.status = runs.map_or(Status::Converged, |_| Status::Unbounded);
+            worst.worst_contact = runs.unwrap_or(residual.worst_contact);
         } else if worst.status == Status::Converged {
             return None;
         }
@@ -460,23 +635,25 @@ fn whole(
     })
 }
 
-/// Of several islands that with the largest number says how the whole has ended.
-fn rank(status: Status) -> u8 {
-    match status {
-        Status::Converged => 0,
-        Status::Inexact => 1,
-        Status::Stalled => 2,
-        Status::MaxIterations => 3,
-        Status::TimeLimit => 4,
-        Status::NotApplicable => 5,
-        Status::Unbounded => 6,
-        Status::NoSolution => 7,
-    }
+/// Of several islands that whose status comes last here says how the whole has ended.
+const GRAVITY: [Status; 8] = [
+    Status::Converged,
+    Status::Inexact,
+    Status::Stalled,
+    Status::MaxIterations,
+    Status::TimeLimit,
+    Status::NotApplicable,
+    Status::Unbounded,
+    Status::NoSolution,
+];
+
+fn is_graver(status: Status, than: Status) -> bool {
+    GRAVITY.iter().rev().take_while(|other| **other != than).any(|other| *other == status)
 }
 
-/// Puts what an island went through beside what others did: the most iterations count, and all factorisations.
-fn merge(own: &[Stage], all: &mut Vec<Stage>) {
-    let mut place = 0;
+/// Puts what an island went through beside what others did, after the stages of all islands together: the most iterations
+/// count, and all factorisations.
+fn merge(own: &[Stage], all: &mut Vec<Stage>, mut place: usize) {
     for stage in own {
         let same = all[place..].iter().position(|other| other.method == stage.method);
         let Some(next) = same else {

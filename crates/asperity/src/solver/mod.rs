@@ -36,6 +36,7 @@ pub(crate) use one_contact::{Rising, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use solution::Solution;
 
+use std::cell::Cell;
 use std::num::NonZeroU64;
 
 use crate::contact::{ContactProblem, ContactRows, ContactState, Members, Memory};
@@ -119,6 +120,21 @@ pub enum Solver {
     },
 }
 
+/// Where a solve begins.
+#[derive(Clone, Copy)]
+struct Start<'a> {
+    /// What was remembered before.
+    before: &'a Memory,
+    /// Whether sweeps have led there, and promise nothing more.
+    swept: bool,
+}
+
+impl<'a> From<&'a Memory> for Start<'a> {
+    fn from(before: &'a Memory) -> Self {
+        Self { before, swept: false }
+    }
+}
+
 /// Buffers, and what was found at the last call besides percussions and states.
 ///
 /// What it holds of one problem is found again as long as that is solved; for another one it is prepared anew.
@@ -173,10 +189,7 @@ impl Workspace {
         report: &SolveReport,
     ) -> Islands {
         let measured = Measured { problem, percussion, velocity: &self.velocity };
-        let worst = |contacts: &[usize]| {
-            measure::natural_residual::residual_of(&measured, contacts.iter().copied())
-        };
-        self.parts.islands(self.sweeper.islands(), report, stop.tolerance, worst)
+        self.parts.islands(self.sweeper.islands(), report, stop, &measured)
     }
 
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
@@ -328,32 +341,41 @@ impl Solver {
                 }
             }
         }
-        self.solve_many(problem, stop, (before, false), memory, workspace)
+        // Who has given up once has given up: that some work was left is not to be forgotten.
+        let given_up = Cell::new(false);
+        let ask = |cancelled: &dyn Fn() -> bool| {
+            given_up.set(given_up.get() || cancelled());
+            given_up.get()
+        };
+        let latched = || stop.cancelled.is_some_and(ask);
+        let cancelled = stop.cancelled.is_some().then_some(&latched as &dyn Fn() -> bool);
+        let stop = Stop { cancelled, ..stop };
+        self.solve_many(problem, stop, Start::from(before), memory, workspace)
     }
 
-    /// The same for any number of contacts, and where something is wrong; what is remembered `before` may be what sweeps in
-    /// vain have led to.
+    /// The same for any number of contacts, and where something is wrong.
     #[inline(never)]
     fn solve_many(
         &self,
         problem: &ContactProblem,
         stop: Stop<'_>,
-        (before, swept): (&Memory, bool),
+        start: Start<'_>,
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
+        let Start { before, swept } = start;
         if !workspace.fits(problem) {
             workspace.prepare(problem);
         }
         if !before.fits(problem) {
             let nothing = Memory::new(problem.rows(), problem.contacts().len());
-            return self.solve_many(problem, stop, (&nothing, false), memory, workspace);
+            return self.solve_many(problem, stop, Start::from(&nothing), memory, workspace);
         }
         if problem.delassus().is_matrix_free() {
             match self {
                 Self::ProxJacobi { .. } => {}
                 Self::Auto { .. } => {
-                    let start = (before, false);
+                    let start = Start::from(before);
                     return MATRIX_FREE.solve_many(problem, stop, start, memory, workspace);
                 }
                 _ => return not_applicable(problem, stop, before, memory, workspace),
@@ -411,12 +433,13 @@ impl Solver {
                 let solve = |island: Unsolved<'_, Workspace>, stop: Stop<'_>, threads| {
                     let Unsolved { problem, before, memory, buffers } = island;
                     let solver = Self::Auto { interior_point, threads };
-                    solver.solve_many(problem, stop, (before, swept), memory, buffers)
+                    solver.solve_many(problem, stop, Start { before, swept }, memory, buffers)
                 };
                 if let Some(report) = parts.solve(&task, &mut iterate, sweeper, threads, solve) {
                     return report;
                 }
-                found = None;
+                // All go on together, whatever a sweep over contacts that do not influence each other has found.
+                (once, found) = (false, None);
             }
             Self::Exact { max_sweeps } if !once && stop.measure == Measure::Contact => {
                 let swept = parts.sweep(&task, &mut iterate, sweeper, max_sweeps);
@@ -600,5 +623,40 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
         if !finite || growth::of_island(&measured, contacts).is_some_and(runs) {
             rows().for_each(|row| percussion[row] = 0.0);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::contact::NormalForce;
+    use crate::law::FrictionLaw;
+
+    /// By the global measure every island is a problem of its own; sweeps solve these by the measure of contacts.
+    #[test]
+    fn islands_that_sweeps_solve_are_forgotten_after_some_solves() {
+        let mut delassus = DMatrix::identity(4, 4);
+        for (i, j) in [(0, 2), (1, 3)] {
+            (delassus[(i, j)], delassus[(j, i)]) = (0.01, 0.01);
+        }
+        let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
+        let contacts = vec![(law.into(), NormalForce::Prescribed(2.0)); 4];
+        let problem = ContactProblem::new(delassus, vec![3.0, 0.2, 0.1, -0.3], contacts).unwrap();
+        let mut workspace = Workspace::default();
+        let mut solve = |measure: Measure| {
+            let mut memory = Memory::default();
+            let stop = Stop::default().with_measure(measure);
+            let report = Solver::default().solve(&problem, stop, &mut memory, &mut workspace);
+            assert_eq!(report.status, Status::Converged);
+            workspace.parts.kept()
+        };
+        assert_eq!(solve(Measure::Global), 2);
+        let kept: Vec<usize> = (0..40).map(|_| solve(Measure::Contact)).collect();
+        let last = 32;
+        assert_eq!(kept[..last], vec![2; last]);
+        assert_eq!(kept[last..], [0; 8]);
+        assert_eq!(solve(Measure::Global), 2);
     }
 }

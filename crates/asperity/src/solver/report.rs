@@ -161,7 +161,8 @@ pub struct Stage {
     pub iterations: usize,
     /// Matrices factored.
     pub factorizations: usize,
-    /// What was reached: natural map of the best percussions, of a solver without phases its residual.
+    /// What was reached: natural map of the best percussions, of several islands the largest. Of a solver without phases, and
+    /// of sweeps over all islands before some of them go on by themselves, it is the residual that decides.
     pub residual: f64,
 }
 

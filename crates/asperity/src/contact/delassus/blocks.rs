@@ -331,7 +331,8 @@ impl BlockMatrix {
         self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
     }
 
-    /// `Σ_j G_ij P_j` and `Σ_j |G_ij P_j|` in the `N` rows of a contact.
+    /// `Σ_j G_ij P_j` and `Σ_j |G_ij P_j|` in the `N` rows of a contact, to the bit those of [`add_row`](Self::add_row) and
+    /// [`add_magnitudes`](Self::add_magnitudes): block by block.
     #[inline(always)]
     pub(crate) fn row_products<const N: usize>(
         &self,
@@ -347,19 +348,20 @@ impl BlockMatrix {
             if let (Ok(p), Some((g, _))) = (<&[f64; N]>::try_from(p), block.split_at_checked(N * N))
             {
                 for a in 0..N {
-                    for b in 0..N {
+                    let (mut sum, mut magnitude) = (g[N * a] * p[0], (g[N * a] * p[0]).abs());
+                    for b in 1..N {
                         let term = g[N * a + b] * p[b];
-                        sums[a] += term;
-                        magnitudes[a] += term.abs();
+                        sum += term;
+                        magnitude += term.abs();
                     }
+                    sums[a] += sum;
+                    magnitudes[a] += magnitude;
                 }
                 continue;
             }
             for (a, row) in block.chunks_exact(p.len()).take(N).enumerate() {
-                for (g, p) in row.iter().zip(p) {
-                    sums[a] += g * p;
-                    magnitudes[a] += (g * p).abs();
-                }
+                sums[a] += row.iter().zip(p).map(|(g, p)| g * p).sum::<f64>();
+                magnitudes[a] += row.iter().zip(p).map(|(g, p)| (g * p).abs()).sum::<f64>();
             }
         }
         (sums, magnitudes)

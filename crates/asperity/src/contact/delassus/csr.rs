@@ -69,6 +69,24 @@ impl Csr {
         Self::new(argument, matrix.nrows(), matrix.ncols(), starts, indices, values)
     }
 
+    /// The same matrix without entries that are zero.
+    pub(super) fn without_zeros(self) -> Self {
+        if self.values.iter().all(|value| *value != 0.0) {
+            return self;
+        }
+        let mut sparse = Self { rows: self.rows, columns: self.columns, ..Self::default() };
+        sparse.starts.push(0);
+        for i in 0..self.rows {
+            let (indices, values) = self.row(i);
+            for (j, value) in indices.iter().zip(values).filter(|(_, value)| **value != 0.0) {
+                sparse.indices.push(*j);
+                sparse.values.push(*value);
+            }
+            sparse.starts.push(sparse.indices.len());
+        }
+        sparse
+    }
+
     /// Some rows of the matrix, without the columns that are not among `columns`, ascending.
     pub(super) fn part(&self, rows: &[usize], columns: &[usize]) -> Self {
         let mut part = Self { rows: rows.len(), columns: columns.len(), ..Self::default() };

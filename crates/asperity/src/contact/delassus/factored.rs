@@ -30,6 +30,8 @@ impl Factored {
     /// [`ArgumentError`] if the shapes do not fit each other, if a contact has not 1 to 4 rows, or if `M` is not
     /// symmetric positive definite or couples too many degrees of freedom.
     pub fn new(mass: Csr, directions: Csr, sizes: &[usize]) -> Result<Self, ArgumentError> {
+        // Zeros that are kept connect nothing.
+        let (mass, directions) = (mass.without_zeros(), directions.without_zeros());
         let blocks = assemble(&mass, &directions, sizes)?;
         Self::with_blocks(mass, directions, blocks)
     }

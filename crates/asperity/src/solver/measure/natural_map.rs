@@ -24,16 +24,64 @@ pub fn natural_map(
 
 /// See [`natural_map`].
 pub(crate) fn map(measured: &Measured<'_>) -> f64 {
-    let Measured { problem, percussion, .. } = *measured;
-    let (rho, mut defect) = (problem.global_rho(), 0.0);
-    for contact in problem.contacts() {
-        defect += contact_defect(measured, contact, rho);
+    let problem = measured.problem;
+    let rho = problem.global_rho();
+    let all = Squares::of(measured, 0..problem.contacts().len(), rho);
+    all.relative((rho * problem.load_norm()).powi(2)).sqrt()
+}
+
+/// The same of contacts that influence no others, as if there were only these, and what it is relative to, a percussion.
+pub(crate) fn map_of(measured: &Measured<'_>, contacts: &[usize]) -> (f64, f64) {
+    let problem = measured.problem;
+    let (mut rows, mut trace, mut loads) = (0, 0.0, 0.0);
+    for &i in contacts {
+        let contact = &problem.contacts()[i];
+        rows += contact.len();
+        trace += contact.len() as f64 / problem.rho(i);
+        for row in contact.rows() {
+            loads += (problem.free_velocity()[row] + problem.restitution()[row]).powi(2);
+        }
     }
-    let scale = || {
-        let squares = percussion.iter().map(|p| p * p).sum::<f64>();
-        f64::max(squares, (rho * problem.load_norm()).powi(2))
-    };
-    f64::sqrt(relative(defect, scale))
+    let rho = rows as f64 / trace;
+    let (all, loads) = (Squares::of(measured, contacts.iter().copied(), rho), rho * rho * loads);
+    (all.relative(loads).sqrt(), all.percussion.max(loads).sqrt())
+}
+
+/// Sums of the squares of defects and of percussions.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Squares {
+    defect: f64,
+    percussion: f64,
+}
+
+impl Squares {
+    /// Of some contacts, with the prox parameter of the whole problem.
+    pub(crate) fn of(
+        measured: &Measured<'_>,
+        contacts: impl Iterator<Item = usize>,
+        rho: f64,
+    ) -> Self {
+        let mut sums = Self::default();
+        for i in contacts {
+            let contact = &measured.problem.contacts()[i];
+            sums.defect += contact_defect(measured, contact, rho);
+            for p in &measured.percussion[contact.rows()] {
+                sums.percussion += p * p;
+            }
+        }
+        sums
+    }
+
+    /// With those of other contacts.
+    pub(crate) fn and(self, other: Self) -> Self {
+        let Self { defect, percussion } = other;
+        Self { defect: self.defect + defect, percussion: self.percussion + percussion }
+    }
+
+    /// Square of the natural map of all contacts, whose loads have this square, times that of `ρ`.
+    pub(crate) fn relative(&self, loads: f64) -> f64 {
+        relative(self.defect, || f64::max(self.percussion, loads))
+    }
 }
 
 /// Square of the defect of a contact.

@@ -126,9 +126,11 @@ fn measure<const N: usize, const P: usize>(
     let (mut squares, mut loads, mut all) = (0.0, 0.0, 0.0);
     for a in 0..N {
         squares += percussion[a] * percussion[a];
-        let (load, sum) = (free[a] + restitution[a], free[a].abs() + restitution[a].abs());
+        let load = free[a] + restitution[a];
         loads += load * load;
-        all += (brought[a] + sum) * (brought[a] + sum);
+        // In the order of `scale` of the natural residual: measures do not tell, to the bit, which way they were found.
+        let sum = brought[a] + free[a].abs() + restitution[a].abs();
+        all += sum * sum;
     }
     let normal = (normal_rows == 1).then_some((xi, free[0] + restitution[0]));
     let size = Size::of(percussion, normal, (squares, loads), rho);

@@ -37,7 +37,7 @@ pub struct Stop<'a> {
     pub measure: Measure,
     /// Wall clock limit.
     pub deadline: Option<Instant>,
-    /// Asked between sweeps; the solver gives up when it answers yes.
+    /// Asked between sweeps and on the way through factorisations; the solver gives up when it answers yes.
     pub cancelled: Option<&'a dyn Fn() -> bool>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Stop<'a> {
     }
 
     /// The same, unless `cancelled` says that nobody waits any longer: it is asked again and again, and should be quick
-    /// to answer.
+    /// to answer. In one solve it is not asked any more once it has answered yes.
     #[must_use]
     pub fn unless(self, cancelled: &'a dyn Fn() -> bool) -> Self {
         Self { cancelled: Some(cancelled), ..self }
@@ -86,6 +86,17 @@ impl<'a> Stop<'a> {
         map: f64,
     ) -> Residual {
         self.decisive(&Measured { problem, percussion, velocity }, || map)
+    }
+
+    /// The same of contacts that influence no others, as if there were only these.
+    pub(crate) fn residual_of(&self, measured: &Measured<'_>, contacts: &[usize]) -> Residual {
+        let contact = natural_residual::residual_of(measured, contacts.iter().copied());
+        match self.measure {
+            Measure::Contact => contact,
+            Measure::Global => {
+                Residual { value: natural_map::map_of(measured, contacts).0, ..contact }
+            }
+        }
     }
 
     fn decisive(&self, measured: &Measured<'_>, map: impl FnOnce() -> f64) -> Residual {

@@ -12,6 +12,7 @@
 
 use super::cones::{Cones, own_rows};
 use super::progress::Progress;
+use super::task::Task;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -153,7 +154,7 @@ impl Admm {
             self.percussion.fill(0.0);
         }
         self.start(problem, cones, way);
-        if !self.factor(problem, cones, matrix) {
+        if !self.factor(&progress.task, cones, matrix) {
             return End::Over;
         }
         let (mut own, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
@@ -174,7 +175,7 @@ impl Admm {
             let ratio = residuals.primal / residuals.dual;
             let balanced = (1.0 / way.unbalanced..=way.unbalanced).contains(&ratio);
             let due = own < EARLY || own % LATE == 0;
-            if due && !balanced && !self.change_penalty(problem, cones, matrix, ratio) {
+            if due && !balanced && !self.change_penalty(&progress.task, cones, matrix, ratio) {
                 break;
             }
         }
@@ -201,24 +202,20 @@ impl Admm {
         }
     }
 
-    fn factor(
-        &mut self,
-        problem: &ContactProblem,
-        cones: &Cones,
-        matrix: &mut NewtonMatrix,
-    ) -> bool {
+    fn factor(&mut self, task: &Task<'_>, cones: &Cones, matrix: &mut NewtonMatrix) -> bool {
+        let Task { problem, stop, .. } = *task;
         self.factorizations += 1;
         for ((a, t), point) in self.a.iter_mut().zip(&cones.t).zip(&self.points) {
             *a = t * self.penalty;
             a.row_mut(0).scale_mut(point.weight);
         }
-        matrix.factor(problem, &self.a, &cones.k)
+        matrix.factor(problem, &self.a, &cones.k, &|| stop.early())
     }
 
     /// The penalty for residuals of this ratio; false if there is no factorisation with it.
     fn change_penalty(
         &mut self,
-        problem: &ContactProblem,
+        task: &Task<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         ratio: f64,
@@ -228,7 +225,7 @@ impl Admm {
         self.points.iter_mut().for_each(|point| point.w /= factor);
         (self.momentum, self.change) = (1.0, f64::INFINITY);
         self.extrapolate(0.0);
-        self.factor(problem, cones, matrix)
+        self.factor(task, cones, matrix)
     }
 
     /// One iteration.

@@ -7,6 +7,7 @@
 
 use super::cones::{Cones, own_rows};
 use super::progress::Progress;
+use super::task::Task;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -111,7 +112,7 @@ impl Interior {
                 break;
             }
             iterations += 1;
-            if !self.advance(problem, cones, matrix, units) {
+            if !self.advance(&progress.task, cones, matrix, units) {
                 break;
             }
         }
@@ -160,11 +161,12 @@ impl Interior {
     /// One step; false if it failed.
     fn advance(
         &mut self,
-        problem: &ContactProblem,
+        task: &Task<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         units: Units,
     ) -> bool {
+        let Task { problem, stop, .. } = *task;
         let gap: f64 = self.points.iter().map(|p| p.x.dot(&p.z)).sum();
         let mean = gap / self.points.len() as f64;
         for (i, point) in self.points.iter_mut().enumerate() {
@@ -172,7 +174,7 @@ impl Interior {
             self.a[i] = cones.t[i] * point.weight;
             self.b[i] = point.theta * point.slope * cones.k[i] * (point.weight * units.rho);
         }
-        if !matrix.factor(problem, &self.a, &self.b) {
+        if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             return false;
         }
         let mut solve = |interior: &mut Self, sigma_mean: f64, corrected: bool| {

@@ -165,7 +165,7 @@ impl Newton {
         let mut iterations = 0;
         while norm > goal.tolerance && iterations < goal.max_iterations && !stop.early() {
             iterations += 1;
-            if !self.direction(problem, matrix, goal.epsilon) {
+            if !self.direction(task, matrix, goal.epsilon) {
                 break;
             }
             norm = self.search(task, percussion, goal);
@@ -230,14 +230,10 @@ impl Newton {
     }
 
     /// The Newton step `(A + εB + BG) d = −F`; false if there is none.
-    fn direction(
-        &mut self,
-        problem: &ContactProblem,
-        matrix: &mut NewtonMatrix,
-        epsilon: f64,
-    ) -> bool {
+    fn direction(&mut self, task: &Task<'_>, matrix: &mut NewtonMatrix, epsilon: f64) -> bool {
+        let Task { problem, stop, .. } = *task;
         self.factorizations += 1;
-        if !matrix.factor(problem, &self.a, &self.b) {
+        if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             return false;
         }
         for (d, f) in self.step.iter_mut().zip(&self.f) {

@@ -7,6 +7,7 @@
 //! some of them are not.
 
 use super::progress::Progress;
+use super::task::Task;
 use crate::law::ContactMatrix;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
@@ -37,7 +38,7 @@ impl Standing {
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
     ) -> Option<f64> {
-        let problem = progress.task.problem;
+        let Task { problem, stop, .. } = progress.task;
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.clear();
         self.percussion.resize(rows, 0.0);
@@ -48,7 +49,7 @@ impl Standing {
         self.b.clear();
         self.b.resize(contacts, ContactMatrix::identity());
         let (mut steps, mut last) = (0, f64::INFINITY);
-        if matrix.factor(problem, &self.a, &self.b) {
+        if matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             while steps < STEPS {
                 problem.velocity(&self.percussion, &mut self.step);
                 for (step, restitution) in self.step.iter_mut().zip(problem.restitution()) {

@@ -28,6 +28,11 @@ impl Threads {
         Self(pool::of_this_process(count.min(available.max(4))))
     }
 
+    /// Whether there is a pool.
+    pub(crate) fn is_there(&self) -> bool {
+        self.0.is_some()
+    }
+
     /// Whether so many contacts are worth several threads.
     #[inline]
     pub(crate) fn serve(&self, contacts: usize) -> bool {

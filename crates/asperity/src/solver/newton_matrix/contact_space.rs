@@ -44,6 +44,7 @@ impl ContactSpace {
         problem: &ContactProblem,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
+        given_up: &dyn Fn() -> bool,
     ) -> bool {
         let g = problem.delassus().blocks();
         self.matrix.values_mut().fill(0.0);
@@ -63,7 +64,7 @@ impl ContactSpace {
                 }
             }
         }
-        self.numeric.factor(&self.symbolic, &self.matrix)
+        self.numeric.factor(&self.symbolic, &self.matrix, given_up)
     }
 }
 

@@ -81,19 +81,22 @@ impl NewtonMatrix {
         self.pattern.iter().copied().eq(pattern(problem))
     }
 
-    /// Factors `A + B G`; false if that failed.
+    /// Factors `A + B G`; false if that failed, or if it was `given_up` on the way.
     pub(crate) fn factor(
         &mut self,
         problem: &ContactProblem,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
+        given_up: &dyn Fn() -> bool,
     ) -> bool {
         if is_small(problem) {
             return self.dense.factor(problem, a, b);
         }
         match (self.in_body_space, &mut self.body, problem.delassus()) {
-            (true, Some(body), Delassus::Factored(factored)) => body.factor(factored, a, b),
-            _ => self.contact.factor(problem, a, b),
+            (true, Some(body), Delassus::Factored(factored)) => {
+                body.factor(factored, a, b, given_up)
+            }
+            _ => self.contact.factor(problem, a, b, given_up),
         }
     }
 
