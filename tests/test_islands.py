@@ -382,3 +382,12 @@ def test_piles_step_side_by_side_as_each_alone():
     together, fewer = balls(3), balls(2)
     assert (together.u[:, : fewer.u.shape[1]] == fewer.u).all()
     np.testing.assert_allclose(together.u[:, :18], balls(1).u, atol=1e-8)
+
+
+def test_a_large_island_leaves_time_for_small_ones():
+    parts = [problems.pile(9), *(problems.wall(4, columns=3, push=1.0) for _ in range(5))]
+    solution = side_by_side(parts).solve(time_limit=0.5, on_failure="record")
+    assert solution.status is Status.TIME_LIMIT
+    first, *others = solution.islands
+    assert first.status is Status.TIME_LIMIT
+    assert all(island.status is Status.CONVERGED for island in others)

@@ -8,7 +8,7 @@
 //!
 //! Where an attempt by Newton's method costs less than the sweeps that are still to come, after three of them at the
 //! earliest, it is made at once: a step costs as much as three to ten sweeps, but where bodies are wide or many some tens
-//! to hundreds (`method/cost.rs`). If it fails, sweeps go on as long as they promise an end.
+//! to hundreds (`method/sweeps/cost.rs`). If it fails, sweeps go on as long as they promise an end.
 
 use crate::contact::{ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;

@@ -503,6 +503,10 @@ impl<B: Buffers> Parts<B> {
         });
         self.left.clear();
         self.left.extend(left.map(|(island, _)| island));
+        if task.stop.deadline.is_some() {
+            // A large one that takes all the time would leave many small ones unsolved.
+            self.left.sort_by_key(|&island| sweeper.islands().of(island).len());
+        }
     }
 }
 

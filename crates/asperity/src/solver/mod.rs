@@ -3,7 +3,7 @@
 //! | solver | file | method |
 //! |---|---|---|
 //! | [`Solver::Auto`] | `auto.rs` | sweeps, Newton, interior point, proximal point: what it takes |
-//! | [`Solver::Exact`] | `method/sweep.rs` | block Gauss–Seidel, every contact solved exactly (`one_contact/`) |
+//! | [`Solver::Exact`] | `method/sweeps/sweep.rs` | block Gauss–Seidel, every contact solved exactly (`one_contact/`) |
 //! | [`Solver::ProxJacobi`] | `method/prox.rs` | the iteration of \[WL19\] (20)–(22), (69), (70) |
 //! | [`Solver::ProxGaussSeidel`] | `method/prox.rs` | the same, contact after contact |
 //! | [`Solver::Newton`] | `method/newton.rs` | semismooth Newton on the natural map |

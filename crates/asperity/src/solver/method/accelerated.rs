@@ -14,7 +14,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::progress::Progress;
-use super::rate::TRIAL_SWEEPS;
+use super::sweeps::TRIAL_SWEEPS;
 use crate::solver::report::Method;
 use crate::vectors::dot;
 

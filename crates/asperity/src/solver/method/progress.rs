@@ -3,7 +3,7 @@
 //! Every method hands the percussions that it finds to [`Progress::grade`], which keeps the best ones by the natural map
 //! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
 
-use super::sweep::Sweeper;
+use super::sweeps::Sweeper;
 use super::task::{Iterate, Task};
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};

@@ -8,13 +8,13 @@ use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
 use super::sweep::{BATCH, Sweeper, mark_ambiguous};
 use super::swept::Swept;
-use super::task::{Iterate, Task};
 use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_residual::Measured;
 use crate::solver::measure::own::measure_coupled;
 use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::Stop;
+use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::Ended;
 

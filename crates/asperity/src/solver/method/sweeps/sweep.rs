@@ -8,10 +8,10 @@
 use std::ops::Range;
 
 use super::swept::Swept;
-use super::task::{Iterate, Task};
-use super::threads;
 use crate::contact::{Components, ContactProblem, ContactState, Members, Phase};
 use crate::solver::measure::own::{OwnMeasure, measure_alone};
+use crate::solver::method::task::{Iterate, Task};
+use crate::solver::method::threads;
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};

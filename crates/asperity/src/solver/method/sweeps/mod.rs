@@ -1,0 +1,13 @@
+//! Block Gauss–Seidel: a sweep, sweeps island by island, and how long they are worth going on with.
+
+mod cost;
+mod island_sweeps;
+mod rate;
+mod sweep;
+mod swept;
+
+pub(crate) use cost::Cost;
+pub(crate) use island_sweeps::Plan;
+pub(crate) use rate::{Rate, TRIAL_SWEEPS};
+pub(crate) use sweep::{Own, Sweeper, mark_ambiguous};
+pub(crate) use swept::Swept;
