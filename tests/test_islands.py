@@ -224,12 +224,13 @@ def test_iterations_of_an_island_are_all_that_it_took():
     solution = side_by_side([wall, problems.sliders(1, law=DISK)]).solve()
     assert solution.islands[0].iterations == solution.iterations
     sweeps, *others = solution.stages
-    assert sweeps.method == "gauss_seidel" and others
+    assert sweeps.method == "gauss_seidel"
+    assert others
     assert solution.iterations == sum(stage.iterations for stage in solution.stages)
 
 
 def test_contacts_that_go_on_together_are_reported_as_such():
-    """A contact that is solved by its own measure, but not among a thousand heavy ones by that of the whole."""
+    """A contact is solved by its own measure, but not beside heavy ones by that of the whole."""
     random = np.random.default_rng(11)
     for _ in range(40):
         turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
@@ -247,7 +248,8 @@ def test_contacts_that_go_on_together_are_reported_as_such():
     tolerance = np.sqrt(alone * swept.natural_map)
     solution = problem.solve(measure="global", tolerance=tolerance, on_failure="record")
     methods = [stage.method for stage in solution.stages]
-    assert methods[:2] == ["gauss_seidel", "gauss_seidel"] and methods[-1] != "gauss_seidel"
+    assert methods[:2] == ["gauss_seidel", "gauss_seidel"]
+    assert methods[-1] != "gauss_seidel"
     assert solution.iterations == sum(stage.iterations for stage in solution.stages)
 
 
@@ -337,7 +339,8 @@ def test_what_is_small_without_an_island_is_not_kept_from_being_solved_by_it(lim
     assert solution.converged
     assert solution.residual == both.natural_map(solution.percussion) <= 1e-8
     closed, rest = solution.islands
-    assert closed.status is Status.STALLED and closed.residual > 1e-8
+    assert closed.status is Status.STALLED
+    assert closed.residual > 1e-8
     assert rest.status is Status.CONVERGED
     assert (solution.percussion == both.solve(asp.Auto(), **options).percussion).all()
     # By the measure of contacts every island counts.
