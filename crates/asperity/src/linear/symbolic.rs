@@ -42,8 +42,6 @@ pub(crate) struct Symbolic {
     pub(super) waiting: usize,
     /// Floating-point operations of a factorisation.
     pub(crate) operations: f64,
-    /// Entries of the factors.
-    pub(crate) entries: f64,
 }
 
 /// Consecutive columns are joined although their patterns differ while the zeros this adds are few, at most a tenth, and
@@ -182,7 +180,6 @@ impl Symbolic {
             self.waiting = self.waiting.max(waiting);
             self.largest = self.largest.max(*size);
             let (k, r) = (*pivots as f64, rest as f64);
-            self.entries += k * (k + 2.0 * r);
             self.operations += 2.0 / 3.0 * k * k * k + 2.0 * k * k * r + 2.0 * k * r * r;
         }
     }

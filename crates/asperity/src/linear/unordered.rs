@@ -12,8 +12,6 @@ pub(crate) struct Symbolic {
     rows: usize,
     /// Floating-point operations of a factorisation.
     pub(crate) operations: f64,
-    /// Entries of the factors.
-    pub(crate) entries: f64,
 }
 
 impl Symbolic {
@@ -21,7 +19,7 @@ impl Symbolic {
     pub(crate) fn new(matrix: &BlockMatrix) -> Self {
         let rows = matrix.rows();
         let size = rows as f64;
-        Self { rows, operations: 2.0 / 3.0 * size.powi(3), entries: size * size }
+        Self { rows, operations: 2.0 / 3.0 * size.powi(3) }
     }
 }
 
