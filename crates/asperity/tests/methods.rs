@@ -258,7 +258,10 @@ fn newton_follows_a_few_sweeps_that_creep() {
         let solution = problem.solve(&Solver::default(), stop);
         assert_eq!(solution.report.status, Status::Converged, "{height}: {solution:?}");
         let [first, second] = &solution.stages[..] else { panic!("{:?}", solution.stages) };
-        assert_eq!((first.method, second.method), (Method::GaussSeidel, Method::Newton));
+        // A dense factorisation of the higher column takes as long as many sweeps, which are accelerated then.
+        let dear = height == 30 && !cfg!(feature = "sparse");
+        let next = if dear { Method::GaussSeidel } else { Method::Newton };
+        assert_eq!((first.method, second.method), (Method::GaussSeidel, next));
         assert!(first.iterations <= 10 && second.factorizations <= 8, "{:?}", solution.stages);
         for (a, b) in solution.velocity.iter().zip(&sweeps.velocity) {
             assert!((a - b).abs() < 1e-6, "{height}: {a} {b}");
