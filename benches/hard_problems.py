@@ -1,6 +1,7 @@
 """Why some problems are hard: is there a solution, is it regular, do iterations contract?
 
     python benches/hard_problems.py [--problems pile7,pile8] [--files a.npz b.npz] [--time-limit 60]
+    python benches/hard_problems.py --dear [--files a.npz]
 
 For unilateral contacts with isotropic friction, p = 2, between bodies. Columns, in units in which
 the mean of the diagonal of G and of the loads of a contact are 1:
@@ -14,6 +15,9 @@ the mean of the diagonal of G and of the loads of a contact are 1:
 - map: De Saxcé's shift μ‖ξ_T‖ as a function of itself, by way of the convex problem with a given
   shift. Its derivative at the solution, by the eigenvalues beyond 1: iterations that take the shift
   from the last iterate converge where there is none, with small steps where none is to the right.
+
+With `--dear`: times of `Auto` on piles and columns of spheres, where factorisations are dear, each
+of 4 s at most; constants of `crates/asperity/src/solver/auto.rs` were chosen by them.
 """
 
 import argparse
@@ -127,13 +131,44 @@ def linearised(scaled: Scaled, solution: asp.ContactSolution) -> str:
     return f"{text}, largest {largest:.3g}"
 
 
+def dear(others: list[asp.ContactProblem]) -> None:
+    """Print the time of `Auto` on piles and columns, and which of them it does not solve."""
+    cases = [(str(place), problem) for place, problem in enumerate(others)]
+    for layers in range(3, 9):
+        for friction in (0.1, 0.3, 0.5):
+            law = asp.FrictionLaw.isotropic(friction)
+            for speed in (0.0, 0.3):
+                pile = problems.pile(layers, law=law, speed=speed)
+                cases.append((f"pile {layers}, friction {friction}, {speed} m/s", pile))
+    for count in (3, 6, 12, 18, 26, 36, 46, 70):
+        for friction in (0.1, 0.5):
+            law = asp.FrictionLaw.isotropic(friction)
+            name = f"{count} columns, friction {friction}"
+            cases.append((name, problems.columns(count, height=10, law=law)))
+    times = []
+    for name, problem in cases:
+        start = time.process_time()
+        solution = problem.solve(
+            tolerance=1e-8, measure="global", time_limit=4.0, on_failure="record"
+        )
+        times.append(time.process_time() - start)
+        if not solution.converged:
+            print(f"{name}: {solution.status}, {solution.natural_map:.1e}")
+    mean = 1e3 * np.exp(np.log(times).mean())
+    print(f"{len(cases)} problems: {sum(times):.2f} s, geometric mean {mean:.2f} ms", flush=True)
+
+
 def main() -> None:
     """Print some lines per problem."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--problems", default="pile5,pile7,pile8", help="layers of piles")
     parser.add_argument("--files", nargs="*", default=[])
     parser.add_argument("--time-limit", type=float, default=60.0, help="s per solve")
+    parser.add_argument("--dear", action="store_true", help="times of piles and columns")
     options = parser.parse_args()
+    if options.dear:
+        dear([asp.ContactProblem.load(file) for file in options.files])
+        return
     piles = [name for name in options.problems.split(",") if name]
     cases = [(name, problems.pile(int(name.removeprefix("pile")))) for name in piles]
     cases += [(file, asp.ContactProblem.load(file)) for file in options.files]

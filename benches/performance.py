@@ -44,8 +44,8 @@ SUBJECTS = {
 HEAD = """# Performance
 
 What does a step cost, what does Python add, what does a second core save? Times differ from
-machine to machine; ratios of two times that are measured in turns, on the same machine in the
-same minutes, hardly do. Every number of this page is such a ratio: what asperity takes, over what
+machine to machine; ratios of two times that are measured on the same machine within the same
+minutes hardly do. Every number of this page is such a ratio: what asperity takes, over what
 something else takes that is run beside it, a loop written by hand for this problem alone, the
 same work done in another way, NumPy, SciPy or another engine. Less than 1 is quicker than that.
 
@@ -112,7 +112,7 @@ def run(name: str, words: Sequence[str]) -> str:
             lines.append(line)
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, words)
-    text = "".join(lines)
+    text = f"measured\t{machine()}" + "".join(lines)
     KEPT.mkdir(parents=True, exist_ok=True)
     with atomic(KEPT / f"{name}.txt") as file:
         file.write(text.encode())
@@ -181,9 +181,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if missing:
         print(f"not run yet: {', '.join(missing)}", file=sys.stderr)
         return 1
-    found = {
-        name: list(ratios((KEPT / f"{name}.txt").read_text(encoding="utf-8"))) for name in every
-    }
+    kept = {name: (KEPT / f"{name}.txt").read_text(encoding="utf-8") for name in every}
+    where = {name: text.partition("\n")[0].partition("\t")[2] for name, text in kept.items()}
+    here = machine().strip()
+    if others := [name for name, one in where.items() if one != here]:
+        print(
+            f"of another day, machine or build: {', '.join(others)}; `make bench` runs all",
+            file=sys.stderr,
+        )
+        return 1
+    found = {name: list(ratios(text)) for name, text in kept.items()}
     text = page(found, machine())
     with atomic(options.out) as file:
         file.write(text.encode())

@@ -27,7 +27,9 @@ def kept(tmp_path, monkeypatch):
     folder.mkdir()
     for number, name in enumerate(BENCHES):
         line = f"ratio\tcase of {name}\t{number}.5\ta floor\twhat it costs"
-        (folder / f"{name}.txt").write_text(f"a table\n{line}\n", encoding="utf-8")
+        (folder / f"{name}.txt").write_text(
+            f"measured\tMeasured here.\na table\n{line}\n", encoding="utf-8"
+        )
     monkeypatch.setattr(performance, "KEPT", folder)
     monkeypatch.setattr(performance, "machine", lambda: "Measured here.\n")
     return folder
@@ -78,6 +80,14 @@ def test_a_bench_that_is_missing_leaves_the_page(kept, tmp_path, capsys):
     assert performance.main(["--only", "--out", str(page)]) == 1
     assert BENCHES[0] in capsys.readouterr().err
     assert page.read_text(encoding="utf-8") == "before"
+
+
+def test_benches_of_another_day_are_not_said_to_be_of_today(kept, tmp_path, capsys):
+    file = kept / f"{BENCHES[0]}.txt"
+    file.write_text(file.read_text(encoding="utf-8").replace("here", "there"), encoding="utf-8")
+    assert performance.main(["--only", "--out", str(tmp_path / "page.md")]) == 1
+    assert BENCHES[0] in capsys.readouterr().err
+    assert not (tmp_path / "page.md").exists()
 
 
 def test_a_bench_that_fails_is_not_kept(kept, monkeypatch):

@@ -51,8 +51,8 @@ class Island(Record):
         residual: value there of the measure that decided, of this island alone. Where the whole is
             solved by the ``"global"`` measure, an island of small percussions may be left above
             the tolerance, as ``STALLED``.
-        iterations: sweeps or iterations there; 0 where the percussions to start from solved the
-            island already.
+        iterations: sweeps or iterations there; 0 where nothing was done: the percussions to start
+            from solved the island already, or its turn had not come, as `status` tells.
     """
 
     contacts: tuple[int, ...]

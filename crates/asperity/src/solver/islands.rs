@@ -4,7 +4,8 @@
 //! solve most islands where they are ([`Sweeper::solve_islands`]); what they leave is solved by the other methods as a
 //! problem with the rows of that island only. What an island does depends on no other, to the bit, so that islands may be
 //! solved side by side by any number of threads. Only where each of them is solved, but not the whole by the global
-//! measure, do all go on together; by that measure islands of small percussions are not solved where it is small before.
+//! measure, do all go on together. By the global measure islands of small percussions are left as they are once the measure
+//! of the whole is small.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,8 +63,8 @@ pub struct Island<'a> {
     /// The contacts, ascending.
     pub contacts: &'a [usize],
     /// How the solver ended there, by the measure of this island alone: where the whole is solved by the global measure, an
-    /// island of small percussions may be left as stalled. Without iterations the percussions of before had solved the
-    /// problem already.
+    /// island of small percussions may be left as stalled. Without iterations nothing was done there:
+    /// the percussions of before had solved it already, or its turn had not come, as its status tells.
     pub report: SolveReport,
 }
 
@@ -223,7 +224,7 @@ struct Tally {
 
 impl Tally {
     /// Islands in the order in which they are solved: those whose percussions solve them already, which takes nothing,
-    /// then those of the largest percussions first, or of the largest loads where there are none yet.
+    /// then the largest ones first, by `max(‖P‖, ρ‖b‖)`.
     fn begin(
         &mut self,
         task: &Task<'_>,
@@ -439,6 +440,10 @@ impl<B: Buffers> Parts<B> {
         let tally = (!sweeps).then_some(&mut tally);
         let needed = solve_all(work, task, threads, tally, solve);
         let mut left_over = sweeps && visited < count;
+        if sweeps {
+            // What is told of them does not depend on the order in which they were solved.
+            work.sort_by_key(|(island, _)| *island);
+        }
         for (place, (island, solved)) in work.drain(..).enumerate() {
             let report = &mut reports[island];
             if place >= needed {
@@ -467,13 +472,11 @@ impl<B: Buffers> Parts<B> {
         for (island, report) in reports.iter_mut().enumerate() {
             let contacts = islands.of(island);
             let skipped = report.status == Status::Stalled && report.residual.is_infinite();
-            if skipped {
+            if skipped || left_over && report.status == Status::TimeLimit {
                 for &i in contacts {
                     let (phase, slip) = phase_of(&measured, i);
                     states[i] = task.history[i].after(phase, slip);
                 }
-            }
-            if skipped || left_over && report.status == Status::TimeLimit {
                 *report = graded(*report, stop, &measured, contacts);
             }
         }
@@ -534,6 +537,9 @@ fn solve_all<B: Buffers>(
     let given_up = AtomicBool::new(false);
     let share = |(place, (_, own)): &mut (usize, &mut Work<B>)| {
         let cancelled = || given_up.load(Ordering::Relaxed);
+        if cancelled() {
+            return;
+        }
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
         solve(*place, own, stop, 1);
     };
@@ -639,7 +645,7 @@ fn whole(
     })
 }
 
-/// Of several islands that whose status comes last here says how the whole has ended.
+/// The gravest status of the islands, the last one of these, is that of the whole.
 const GRAVITY: [Status; 8] = [
     Status::Converged,
     Status::Inexact,

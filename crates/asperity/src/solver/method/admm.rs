@@ -167,6 +167,9 @@ impl Admm {
             }
             self.restore(problem, cones);
             let grade = progress.grade(&self.percussion);
+            if progress.is_hopeless() {
+                return End::Over;
+            }
             if grade < 0.5 * lowest {
                 (lowest, lowest_at) = (grade, own);
             } else if own - lowest_at >= patience {
