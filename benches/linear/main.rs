@@ -20,6 +20,9 @@ mod contact;
 #[allow(dead_code, unused_imports)]
 #[path = "../../crates/asperity/src/linear/mod.rs"]
 mod linear;
+#[allow(dead_code)]
+#[path = "../../crates/asperity/src/threads.rs"]
+mod threads;
 #[allow(dead_code, unused_imports)]
 #[path = "../../crates/asperity/src/vectors.rs"]
 mod vectors;

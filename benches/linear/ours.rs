@@ -1,8 +1,12 @@
 //! The factorisation of the library.
 
 use crate::contact::BlockMatrix;
-use crate::linear::{DenseLu, Numeric, Symbolic};
+use crate::linear::{DenseLu, Execution, Numeric, Symbolic};
 use crate::measure::Factorisation;
+use crate::threads::Threads;
+
+/// By one thread, to the end.
+const ALONE: Execution<'_> = Execution { threads: Threads::NONE, given_up: &|| false };
 
 /// Analysed once, factored without allocation.
 pub struct Ours<'a> {
@@ -22,7 +26,7 @@ impl<'a> Ours<'a> {
 
 impl Factorisation for Ours<'_> {
     fn factor(&mut self) -> bool {
-        self.numeric.factor(&self.symbolic, self.matrix, &|| false)
+        self.numeric.factor(&self.symbolic, self.matrix, ALONE)
     }
 
     fn solve(&mut self, x: &mut [f64]) {

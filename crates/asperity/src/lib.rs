@@ -67,6 +67,7 @@ mod random;
 pub mod simulate;
 pub mod solver;
 pub mod system;
+mod threads;
 pub mod trajectory;
 mod vectors;
 

@@ -2,13 +2,17 @@
 
 use std::ops::Range;
 
-use super::patience::Patience;
+use super::execution::Work;
+use crate::threads::join;
 
 /// Columns of a panel.
 const PANEL: usize = 16;
 /// Rows and columns of a tile that stays in registers.
 const ROWS: usize = 8;
 const COLUMNS: usize = 4;
+/// Operations of the update by a panel that are worth a second thread, and columns that one thread takes at a time.
+const WORTHWHILE: usize = 500_000;
+const PART: usize = 16 * COLUMNS;
 
 /// Buffers of [`eliminate`].
 #[derive(Debug, Clone, Default)]
@@ -34,9 +38,9 @@ pub(super) fn eliminate(
     pivots: usize,
     swaps: &mut [usize],
     packed: &mut Packed,
-    patience: &mut Patience<'_>,
+    work: &mut Work<'_>,
 ) -> bool {
-    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed, patience })
+    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed, work })
 }
 
 /// A call of [`eliminate`] that the compiler copies into every set of instructions.
@@ -46,7 +50,7 @@ struct Elimination<'a, 'b> {
     pivots: usize,
     swaps: &'a mut [usize],
     packed: &'a mut Packed,
-    patience: &'a mut Patience<'b>,
+    work: &'a mut Work<'b>,
 }
 
 impl pulp::NullaryFnOnce for Elimination<'_, '_> {
@@ -54,11 +58,11 @@ impl pulp::NullaryFnOnce for Elimination<'_, '_> {
 
     #[inline(always)]
     fn call(self) -> bool {
-        let Self { front, size, pivots, swaps, packed, patience } = self;
+        let Self { front, size, pivots, swaps, packed, work } = self;
         if fused() {
-            eliminate_with::<true>(front, size, pivots, swaps, packed, patience)
+            eliminate_with::<true>(front, size, pivots, swaps, packed, work)
         } else {
-            eliminate_with::<false>(front, size, pivots, swaps, packed, patience)
+            eliminate_with::<false>(front, size, pivots, swaps, packed, work)
         }
     }
 }
@@ -79,7 +83,7 @@ fn eliminate_with<const FMA: bool>(
     pivots: usize,
     swaps: &mut [usize],
     packed: &mut Packed,
-    patience: &mut Patience<'_>,
+    work: &mut Work<'_>,
 ) -> bool {
     let mut start = 0;
     while start < pivots {
@@ -88,9 +92,9 @@ fn eliminate_with<const FMA: bool>(
             return false;
         }
         exchange(front, size, start..end, swaps);
-        update::<FMA>(front, size, start..end, packed);
+        update::<FMA>(front, size, start..end, packed, work);
         let rest = size - start;
-        if patience.is_over(2 * (end - start) * rest * rest) {
+        if work.is_given_up(2 * (end - start) * rest * rest) {
             return false;
         }
         start = end;
@@ -162,6 +166,7 @@ fn update<const FMA: bool>(
     size: usize,
     columns: Range<usize>,
     packed: &mut Packed,
+    work: &Work<'_>,
 ) {
     let Range { start, end } = columns;
     let depth = end - start;
@@ -178,35 +183,87 @@ fn update<const FMA: bool>(
             out.copy_from_slice(&column[first..first + ROWS]);
         }
     }
-    let mut above = [[0.0; COLUMNS]; PANEL];
-    for columns in right.chunks_mut(COLUMNS * size) {
-        for (b, column) in columns.chunks_exact(size).enumerate() {
-            for (row, value) in above.iter_mut().zip(&column[start..end]) {
-                row[b] = *value;
-            }
+    let panel = Panel { entries: panel, size, start, end, packed: &packed.left };
+    if work.shared && 2 * depth * rest * rest >= WORTHWHILE {
+        panel.update_in_parts::<FMA>(right);
+    } else {
+        panel.update::<FMA>(right);
+    }
+}
+
+/// Eliminated columns, and all that the columns right of them need to know.
+#[derive(Clone, Copy)]
+struct Panel<'a> {
+    entries: &'a [f64],
+    size: usize,
+    start: usize,
+    end: usize,
+    /// The rows below, tile by tile.
+    packed: &'a [f64],
+}
+
+impl Panel<'_> {
+    /// Updates columns by several threads. Each column is computed as it would be by one.
+    fn update_in_parts<const FMA: bool>(self, right: &mut [f64]) {
+        let columns = right.len() / self.size;
+        if columns <= PART {
+            return pulp::Arch::new().dispatch(Update::<FMA> { panel: self, right });
         }
-        // All columns of the tile at once.
-        for p in 0..depth {
-            let (done, below) = above[..depth].split_at_mut(p + 1);
-            let l = &panel[p * size + start + p + 1..p * size + end];
-            for (row, l) in below.iter_mut().zip(l) {
-                for (value, u) in row.iter_mut().zip(&done[p]) {
-                    *value = add::<FMA>(-*l, *u, *value);
+        let half = (columns / 2).next_multiple_of(COLUMNS);
+        let (left, right) = right.split_at_mut(half * self.size);
+        join(|| self.update_in_parts::<FMA>(left), || self.update_in_parts::<FMA>(right));
+    }
+
+    /// Updates columns: rows of `U`, and the Schur complement below them.
+    #[inline(always)]
+    fn update<const FMA: bool>(self, right: &mut [f64]) {
+        let Self { entries: panel, size, start, end, packed } = self;
+        let (depth, tiles) = (end - start, (size - end) / ROWS);
+        let mut above = [[0.0; COLUMNS]; PANEL];
+        for columns in right.chunks_mut(COLUMNS * size) {
+            for (b, column) in columns.chunks_exact(size).enumerate() {
+                for (row, value) in above.iter_mut().zip(&column[start..end]) {
+                    row[b] = *value;
                 }
             }
-        }
-        for (b, column) in columns.chunks_exact_mut(size).enumerate() {
-            for (row, value) in above.iter().zip(&mut column[start..end]) {
-                *value = row[b];
+            // All columns of the tile at once.
+            for p in 0..depth {
+                let (done, below) = above[..depth].split_at_mut(p + 1);
+                let l = &panel[p * size + start + p + 1..p * size + end];
+                for (row, l) in below.iter_mut().zip(l) {
+                    for (value, u) in row.iter_mut().zip(&done[p]) {
+                        *value = add::<FMA>(-*l, *u, *value);
+                    }
+                }
+            }
+            for (b, column) in columns.chunks_exact_mut(size).enumerate() {
+                for (row, value) in above.iter().zip(&mut column[start..end]) {
+                    *value = row[b];
+                }
+            }
+            let above = &above[..depth];
+            if columns.len() == COLUMNS * size {
+                tiled::<FMA>(columns, size, end, tiles, above, packed);
+                rows_left_over::<FMA>(columns, size, end + tiles * ROWS, panel, above);
+            } else {
+                rows_left_over::<FMA>(columns, size, end, panel, above);
             }
         }
-        let above = &above[..depth];
-        if columns.len() == COLUMNS * size {
-            tiled::<FMA>(columns, size, end, tiles, above, &packed.left);
-            rows_left_over::<FMA>(columns, size, end + tiles * ROWS, panel, above);
-        } else {
-            rows_left_over::<FMA>(columns, size, end, panel, above);
-        }
+    }
+}
+
+/// A call of [`Panel::update`] that the compiler copies into every set of instructions.
+struct Update<'a, const FMA: bool> {
+    panel: Panel<'a>,
+    right: &'a mut [f64],
+}
+
+impl<const FMA: bool> pulp::NullaryFnOnce for Update<'_, FMA> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.panel.update::<FMA>(self.right);
     }
 }
 

@@ -4,8 +4,7 @@
 //! `P Aᵀ = L U`, and `A x = b` reads `Uᵀ Lᵀ P x = b`.
 
 use super::dense::{Packed, eliminate};
-use super::patience::Patience;
-
+use super::execution::Work;
 use crate::vectors::{dot, largest};
 
 /// A factored matrix.
@@ -31,6 +30,11 @@ impl DenseLu {
 
     /// Gaussian elimination with exchanges; false if a pivot is not larger than `threshold` times the largest entry.
     pub(crate) fn factor(&mut self, threshold: f64) -> bool {
+        self.factor_by(&mut { Work::ALONE }, threshold)
+    }
+
+    /// The same as part of other work; false, too, if nobody waits for it any longer.
+    pub(super) fn factor_by(&mut self, work: &mut Work<'_>, threshold: f64) -> bool {
         let n = self.size;
         // Elimination that stops early leaves swaps as they were, which may be those of a larger matrix.
         self.swaps.clear();
@@ -40,8 +44,7 @@ impl DenseLu {
             self.reserved = n;
         }
         let largest = largest(&self.entries);
-        let patience = &mut Patience::new(&|| false);
-        eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed, patience)
+        eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed, work)
             && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }
 

@@ -3,7 +3,8 @@
 //!
 //! Matrices `A + B G` of Newton's method are small (10² to 10⁴ rows), nearly the same from one iteration to
 //! the next and always of the same pattern: the analysis is done once ([`Symbolic`]), the rest without
-//! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only.
+//! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only. Several threads share the columns of
+//! large fronts.
 //!
 //! Why not one of the sparse LU factorisations that exist: here entries go from blocks of a known, symmetric pattern
 //! into dense fronts; a minimum-degree ordering of that pattern holds, as rows are exchanged within fronts only, while
@@ -32,13 +33,13 @@
 mod block_lu;
 mod dense;
 mod dense_lu;
+mod execution;
 mod least_norm;
 #[cfg(feature = "sparse")]
 mod numeric;
 #[cfg(feature = "sparse")]
 mod order;
 mod padded_lu;
-mod patience;
 #[cfg(feature = "sparse")]
 mod symbolic;
 #[cfg(test)]
@@ -48,6 +49,7 @@ mod unordered;
 
 pub(crate) use block_lu::BlockLu;
 pub(crate) use dense_lu::DenseLu;
+pub(crate) use execution::Execution;
 pub(crate) use least_norm::LeastNorm;
 #[cfg(feature = "sparse")]
 pub(crate) use numeric::Numeric;

@@ -2,7 +2,7 @@
 
 use super::Symbolic;
 use super::dense::{self, Packed};
-use super::patience::Patience;
+use super::execution::{Execution, Work};
 use super::symbolic::Front;
 use crate::contact::BlockMatrix;
 
@@ -41,15 +41,24 @@ impl Numeric {
         self.local.resize(symbolic.largest, 0.0);
     }
 
-    /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes, or if it is `given_up`, which is asked every
-    /// few milliseconds.
+    /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes, or if it is given up, which is asked every
+    /// few milliseconds. Threads change nothing in what comes out.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,
         matrix: &BlockMatrix,
-        given_up: &dyn Fn() -> bool,
+        execution: Execution<'_>,
     ) -> bool {
-        let (mut top, mut patience) = (0, Patience::new(given_up));
+        execution.run(symbolic.operations, |work| self.factor_fronts(symbolic, matrix, work))
+    }
+
+    fn factor_fronts(
+        &mut self,
+        symbolic: &Symbolic,
+        matrix: &BlockMatrix,
+        work: &mut Work<'_>,
+    ) -> bool {
+        let mut top = 0;
         for (s, front) in symbolic.fronts.iter().enumerate() {
             let (size, pivots) = (front.size, front.pivots);
             let dense = &mut self.front[..size * size];
@@ -69,7 +78,7 @@ impl Numeric {
                 add_child(dense, size, into, &self.stack[top..top + len * len]);
             }
             let swaps = &mut self.swaps[front.first..front.first + pivots];
-            if !dense::eliminate(dense, size, pivots, swaps, &mut self.packed, &mut patience) {
+            if !dense::eliminate(dense, size, pivots, swaps, &mut self.packed, work) {
                 return false;
             }
             let rest = size - pivots;

@@ -2,9 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Numeric, Symbolic};
+use super::{Execution, Numeric, Symbolic};
 use crate::contact::{BlockMatrix, Delassus};
 use crate::random::random;
+use crate::threads::Threads;
+
+/// By one thread, to the end.
+const ALONE: Execution<'_> = Execution { threads: Threads::NONE, given_up: &|| false };
 
 /// A matrix of random blocks whose pattern is a chain with random chords.
 fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
@@ -53,7 +57,7 @@ fn solves_as_a_dense_factorisation_does() {
             matrix.values_mut().iter_mut().for_each(|value| *value *= 1.0 + 0.1 * round as f64);
             let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
             let mut x = b.clone();
-            assert!(numeric.factor(&symbolic, &matrix, &|| false));
+            assert!(numeric.factor(&symbolic, &matrix, ALONE));
             numeric.solve(&symbolic, x.as_mut_slice());
             let error = (dense(&matrix) * &x - &b).amax() / x.amax();
             assert!(error < 1e-11, "{nodes} nodes: {error}");
@@ -87,7 +91,7 @@ fn ill_conditioned_matrices_leave_little_more_than_a_dense_factorisation() {
             numeric.reserve(&symbolic);
             let a = dense(&matrix);
             let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
-            assert!(numeric.factor(&symbolic, &matrix, &|| false));
+            assert!(numeric.factor(&symbolic, &matrix, ALONE));
             let mut x = b.clone();
             numeric.solve(&symbolic, x.as_mut_slice());
             let left = |x: &DVector<f64>| {
@@ -107,5 +111,25 @@ fn a_vanishing_pivot_is_reported() {
     let symbolic = Symbolic::new(&matrix);
     let mut numeric = Numeric::default();
     numeric.reserve(&symbolic);
-    assert!(!numeric.factor(&symbolic, &matrix, &|| false));
+    assert!(!numeric.factor(&symbolic, &matrix, ALONE));
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let mut seed = 4;
+    let matrix = example(200, 4000, &mut seed);
+    let symbolic = Symbolic::new(&matrix);
+    let b: Vec<f64> = (0..matrix.rows()).map(|_| random(&mut seed)).collect();
+    let solved = |threads: &Threads| {
+        let mut numeric = Numeric::default();
+        numeric.reserve(&symbolic);
+        assert!(numeric.factor(&symbolic, &matrix, Execution { threads, given_up: &|| false }));
+        let mut x = b.clone();
+        numeric.solve(&symbolic, &mut x);
+        x
+    };
+    let alone = solved(Threads::NONE);
+    for count in 2..5 {
+        assert_eq!(solved(&Threads::of(count)), alone, "{count} threads");
+    }
 }

@@ -1,6 +1,6 @@
 //! What takes the place of the sparse factorisation without the feature `sparse`: the whole matrix as one dense front.
 
-use super::DenseLu;
+use super::{DenseLu, Execution};
 use crate::contact::BlockMatrix;
 
 /// Most rows that are factored: the matrix of so many takes 128 MB.
@@ -37,16 +37,16 @@ impl Numeric {
         }
     }
 
-    /// Factors a matrix; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is `given_up`
+    /// Factors a matrix; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is given up
     /// before.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,
         matrix: &BlockMatrix,
-        given_up: &dyn Fn() -> bool,
+        execution: Execution<'_>,
     ) -> bool {
         let n = symbolic.rows;
-        if n > MOST_ROWS || given_up() {
+        if n > MOST_ROWS {
             return false;
         }
         let (entries, offsets) = (self.lu.begin(n), matrix.offsets());
@@ -58,7 +58,7 @@ impl Numeric {
                 }
             }
         }
-        self.lu.factor(0.0)
+        execution.run(symbolic.operations, |work| self.lu.factor_by(work, 0.0))
     }
 
     /// `x ← A⁻¹ x`.

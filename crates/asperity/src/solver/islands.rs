@@ -16,9 +16,10 @@ use super::measure::natural_map::{Squares, map_of};
 use super::measure::natural_residual::{Measured, Residual, is_worse};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
-use super::method::{Iterate, Plan, Sweeper, Swept, Task, Threads};
+use super::method::{Iterate, Plan, Sweeper, Swept, Task};
 use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
 use crate::contact::{ContactProblem, Members, Memory, Part, put, take};
+use crate::threads::Threads;
 
 /// Contacts that are worth a second thread: what sweeps leave takes some tens of microseconds per contact.
 const WORTHWHILE: usize = 64;

@@ -40,13 +40,12 @@ use std::cell::Cell;
 use std::num::NonZeroU64;
 
 use crate::contact::{ContactProblem, ContactRows, ContactState, Members, Memory};
+use crate::threads::Threads;
 use auto::Methods;
 use islands::{Buffers, Found, Parts, Unsolved};
 use measure::growth::{self, Groups};
 use measure::natural_residual::Measured;
-use method::{
-    Iterate, Order, Own, Plan, ProxIteration, Sweeper, Swept, Task, Threads, mark_ambiguous,
-};
+use method::{Iterate, Order, Own, Plan, ProxIteration, Sweeper, Swept, Task, mark_ambiguous};
 use one_contact::block::Block;
 use one_contact::solve::{OneContact, Settled};
 use report::{Ended, Findings};

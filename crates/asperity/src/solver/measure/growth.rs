@@ -112,18 +112,18 @@ struct Powers {
 }
 
 impl Powers {
-    /// Takes in a contact that pushes, the largest load of all being known.
-    fn add(&mut self, measured: &Measured<'_>, contact: usize, largest: f64) {
+    /// Takes in a contact that pushes, under the loads of all.
+    fn add(&mut self, measured: &Measured<'_>, contact: usize, loads: &Loads) {
         let Measured { problem, percussion, .. } = *measured;
         let row = problem.contacts()[contact].offset;
         let (push, xi) = (percussion[row], measured.xi(row));
-        let (load, brought) = velocities(problem, contact, percussion);
+        let (load, brought) = loads.velocities(problem, contact, percussion);
         self.contacts += 1;
         self.approach += push * f64::max(0.0, -xi);
         self.separation += push * f64::max(0.0, xi);
         self.load += push * load.abs();
         self.net += push * load;
-        self.largest += push * largest;
+        self.largest += push * loads.largest;
         self.brought += push * brought;
     }
 
@@ -216,12 +216,10 @@ pub(crate) fn of(
 #[cold]
 pub(crate) fn of_island(measured: &Measured<'_>, contacts: &[usize]) -> Option<Growth> {
     let Measured { problem, percussion, .. } = *measured;
-    let (free, restitution) = (problem.free_velocity(), problem.restitution());
-    let rows = contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
-    let largest = rows.fold(0.0, |m: f64, row| m.max((free[row] + restitution[row]).abs()));
+    let loads = Loads::of(problem, contacts.iter().map(|&i| &problem.contacts()[i]));
     let pushing = |i: &&usize| pushes(&problem.contacts()[**i], percussion);
     let mut sums = Powers::default();
-    contacts.iter().filter(pushing).for_each(|&i| sums.add(measured, i, largest));
+    contacts.iter().filter(pushing).for_each(|&i| sums.add(measured, i, &loads));
     let kind = sums.kind()?;
     let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
     let power = |i: usize| {
@@ -302,11 +300,10 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     let Measured { problem, percussion, .. } = *measured;
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);
     groups.begin(problem);
-    let loads = problem.free_velocity().iter().zip(problem.restitution());
-    let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
+    let loads = Loads::of(problem, problem.contacts().iter());
     for (i, _) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.members.first(i);
-        groups.sums[group].add(measured, i, largest);
+        groups.sums[group].add(measured, i, &loads);
     }
     let mut worst: Option<(GrowthKind, f64, usize)> = None;
     for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
@@ -324,27 +321,53 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     Some(Growth { kind, contact, factor: brought / load })
 }
 
-/// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring, and
-/// `Σ_j |G_ij P_j|`.
-fn velocities(problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
-    let row = problem.contacts()[i].offset;
-    let mut load = problem.free_velocity()[row] + problem.restitution()[row];
-    let mut brought = 0.0;
-    if let Delassus::MatrixFree(operator) = problem.delassus() {
-        // Without entries only their size is known.
-        brought += operator.norm() * largest(percussion);
-        return (load, brought);
-    }
-    for (j, block) in problem.delassus().blocks().row(i) {
-        let rows = &problem.contacts()[j];
-        // The normal row is the first one.
-        let terms = || block.iter().zip(&percussion[rows.rows()]).map(|(g, p)| g * p);
-        terms().for_each(|term| brought += term.abs());
-        if rows.normal != NormalForce::Unilateral {
-            terms().for_each(|term| load += term);
+/// What percussions of contacts are compared with.
+struct Loads {
+    /// The largest load of a row.
+    largest: f64,
+    /// Whether the normal percussion of a contact is prescribed: it is a load of the others.
+    prescribed: bool,
+}
+
+impl Loads {
+    /// Of contacts that influence no others.
+    fn of<'a>(problem: &ContactProblem, contacts: impl Iterator<Item = &'a ContactRows>) -> Self {
+        let mut loads = Self { largest: 0.0, prescribed: false };
+        for contact in contacts {
+            let rows = contact.rows();
+            for (b, e) in
+                problem.free_velocity()[rows.clone()].iter().zip(&problem.restitution()[rows])
+            {
+                loads.largest = loads.largest.max((b + e).abs());
+            }
+            loads.prescribed |= contact.normal != NormalForce::Unilateral;
         }
+        loads
     }
-    (load, brought)
+
+    /// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring, and `Σ_j |G_ij P_j|`.
+    fn velocities(&self, problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
+        let row = problem.contacts()[i].offset;
+        let mut load = problem.free_velocity()[row] + problem.restitution()[row];
+        if let Delassus::MatrixFree(operator) = problem.delassus() {
+            // Without entries only their size is known.
+            return (load, operator.norm() * largest(percussion));
+        }
+        let blocks = problem.delassus().blocks();
+        if self.prescribed {
+            for (j, block) in blocks.row(i) {
+                let rows = &problem.contacts()[j];
+                if rows.normal != NormalForce::Unilateral {
+                    let terms = block.iter().zip(&percussion[rows.rows()]);
+                    terms.for_each(|(g, p)| load += g * p);
+                }
+            }
+        }
+        // The normal row is the first one.
+        let mut brought = [0.0; 4];
+        blocks.add_magnitudes(i, percussion, &mut brought);
+        (load, brought[0])
+    }
 }
 
 /// Whether percussions are so large against the loads that they ask for a second look.

@@ -15,6 +15,7 @@ use super::progress::Progress;
 use super::task::Task;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
+use crate::linear::Execution;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 
@@ -206,13 +207,14 @@ impl Admm {
     }
 
     fn factor(&mut self, task: &Task<'_>, cones: &Cones, matrix: &mut NewtonMatrix) -> bool {
-        let Task { problem, stop, .. } = *task;
+        let Task { problem, stop, threads, .. } = *task;
         self.factorizations += 1;
         for ((a, t), point) in self.a.iter_mut().zip(&cones.t).zip(&self.points) {
             *a = t * self.penalty;
             a.row_mut(0).scale_mut(point.weight);
         }
-        matrix.factor(problem, &self.a, &cones.k, &|| stop.early())
+        let execution = Execution { threads, given_up: &|| stop.early() };
+        matrix.factor(problem, &self.a, &cones.k, execution)
     }
 
     /// The penalty for residuals of this ratio; false if there is no factorisation with it.

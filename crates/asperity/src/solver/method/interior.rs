@@ -10,6 +10,7 @@ use super::progress::Progress;
 use super::task::Task;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
+use crate::linear::Execution;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 
@@ -166,7 +167,7 @@ impl Interior {
         matrix: &mut NewtonMatrix,
         units: Units,
     ) -> bool {
-        let Task { problem, stop, .. } = *task;
+        let Task { problem, stop, threads, .. } = *task;
         let gap: f64 = self.points.iter().map(|p| p.x.dot(&p.z)).sum();
         let mean = gap / self.points.len() as f64;
         for (i, point) in self.points.iter_mut().enumerate() {
@@ -174,7 +175,8 @@ impl Interior {
             self.a[i] = cones.t[i] * point.weight;
             self.b[i] = point.theta * point.slope * cones.k[i] * (point.weight * units.rho);
         }
-        if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
+        let execution = Execution { threads, given_up: &|| stop.early() };
+        if !matrix.factor(problem, &self.a, &self.b, execution) {
             return false;
         }
         let mut solve = |interior: &mut Self, sigma_mean: f64, corrected: bool| {

@@ -11,7 +11,6 @@ mod proximal;
 mod standing;
 mod sweeps;
 mod task;
-mod threads;
 
 pub(crate) use accelerated::Accelerated;
 pub(crate) use admm::{ALONE, Admm, BESIDE};
@@ -24,4 +23,3 @@ pub(crate) use proximal::ProximalPoint;
 pub(crate) use standing::Standing;
 pub(crate) use sweeps::{Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, mark_ambiguous};
 pub(crate) use task::{Iterate, Task};
-pub(crate) use threads::Threads;

@@ -5,10 +5,11 @@
 //! well posed even where `G` has no full rank.
 
 use super::task::Task;
-use super::threads::{LEAF, join};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Derivatives, Rho};
+use crate::linear::Execution;
 use crate::solver::newton_matrix::NewtonMatrix;
+use crate::threads::{LEAF, join};
 use crate::vectors::norm;
 
 /// Halvings of a step, and values of `‖F‖` among which the largest must be undercut: more let steps pass that lead
@@ -231,9 +232,10 @@ impl Newton {
 
     /// The Newton step `(A + εB + BG) d = −F`; false if there is none.
     fn direction(&mut self, task: &Task<'_>, matrix: &mut NewtonMatrix, epsilon: f64) -> bool {
-        let Task { problem, stop, .. } = *task;
+        let Task { problem, stop, threads, .. } = *task;
         self.factorizations += 1;
-        if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
+        let execution = Execution { threads, given_up: &|| stop.early() };
+        if !matrix.factor(problem, &self.a, &self.b, execution) {
             return false;
         }
         for (d, f) in self.step.iter_mut().zip(&self.f) {

@@ -9,6 +9,7 @@
 use super::progress::Progress;
 use super::task::Task;
 use crate::law::ContactMatrix;
+use crate::linear::Execution;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 use crate::vectors::norm;
@@ -38,7 +39,7 @@ impl Standing {
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
     ) -> Option<f64> {
-        let Task { problem, stop, .. } = progress.task;
+        let Task { problem, stop, threads, .. } = progress.task;
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.clear();
         self.percussion.resize(rows, 0.0);
@@ -49,7 +50,8 @@ impl Standing {
         self.b.clear();
         self.b.resize(contacts, ContactMatrix::identity());
         let (mut steps, mut last) = (0, f64::INFINITY);
-        if matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
+        let execution = Execution { threads, given_up: &|| stop.early() };
+        if matrix.factor(problem, &self.a, &self.b, execution) {
             while steps < STEPS {
                 problem.velocity(&self.percussion, &mut self.step);
                 for (step, restitution) in self.step.iter_mut().zip(problem.restitution()) {

@@ -1,12 +1,12 @@
 //! What a method is given, and what it may change.
 
-use super::threads::Threads;
 use crate::contact::{ContactProblem, ContactState};
 use crate::solver::infeasibility::Infeasibility;
 use crate::solver::measure::natural_residual::{Measured, Residual};
 use crate::solver::measure::phase::classify;
 use crate::solver::measure::stop::Stop;
 use crate::solver::report::Stage;
+use crate::threads::Threads;
 
 /// What does not change during a solve.
 #[derive(Clone, Copy)]

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::contact::{BlockMatrix, Components, ContactProblem, Factored};
 use crate::law::ContactMatrix;
-use crate::linear::{Numeric, Symbolic};
+use crate::linear::{Execution, Numeric, Symbolic};
 
 /// Groups larger than this are not eliminated as dense blocks.
 const LARGEST_GROUP: usize = 64;
@@ -128,13 +128,13 @@ impl BodySpace {
         self.product.resize(4 * longest.unwrap_or(0), 0.0);
     }
 
-    /// Factors `M + W A⁻¹B Wᵀ`; false if some `A` has no inverse, or if it is `given_up`.
+    /// Factors `M + W A⁻¹B Wᵀ`; false if some `A` has no inverse, or if it is given up.
     pub(super) fn factor(
         &mut self,
         factored: &Factored,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
-        given_up: &dyn Fn() -> bool,
+        execution: Execution<'_>,
     ) -> bool {
         self.matrix.values_mut().fill(0.0);
         for (&(i, k, at), value) in self.mass_places.iter().zip(factored.mass().values()) {
@@ -150,7 +150,7 @@ impl BodySpace {
             contact.load(factored);
             contact.add(&self.d[i], &mut self.product, &mut self.matrix);
         }
-        self.numeric.factor(&self.symbolic, &self.matrix, given_up)
+        self.numeric.factor(&self.symbolic, &self.matrix, execution)
     }
 
     /// `g ← (A + B G)⁻¹ g`.

@@ -2,7 +2,7 @@
 
 use crate::contact::{BlockMatrix, ContactProblem};
 use crate::law::ContactMatrix;
-use crate::linear::{Numeric, Symbolic};
+use crate::linear::{Execution, Numeric, Symbolic};
 
 /// Elimination among the rows of the contacts.
 #[derive(Debug, Clone, Default)]
@@ -44,7 +44,7 @@ impl ContactSpace {
         problem: &ContactProblem,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
-        given_up: &dyn Fn() -> bool,
+        execution: Execution<'_>,
     ) -> bool {
         let g = problem.delassus().blocks();
         self.matrix.values_mut().fill(0.0);
@@ -64,7 +64,7 @@ impl ContactSpace {
                 }
             }
         }
-        self.numeric.factor(&self.symbolic, &self.matrix, given_up)
+        self.numeric.factor(&self.symbolic, &self.matrix, execution)
     }
 }
 

@@ -7,7 +7,7 @@ mod dense_space;
 
 use crate::contact::{ContactProblem, Delassus};
 use crate::law::ContactMatrix;
-use crate::linear::{PaddedLu, Symbolic};
+use crate::linear::{Execution, PaddedLu, Symbolic};
 use body_space::BodySpace;
 use contact_space::ContactSpace;
 use dense_space::DenseSpace;
@@ -81,22 +81,22 @@ impl NewtonMatrix {
         self.pattern.iter().copied().eq(pattern(problem))
     }
 
-    /// Factors `A + B G`; false if that failed, or if it was `given_up` on the way.
+    /// Factors `A + B G`; false if that failed, or if it was given up on the way.
     pub(crate) fn factor(
         &mut self,
         problem: &ContactProblem,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
-        given_up: &dyn Fn() -> bool,
+        execution: Execution<'_>,
     ) -> bool {
         if is_small(problem) {
             return self.dense.factor(problem, a, b);
         }
         match (self.in_body_space, &mut self.body, problem.delassus()) {
             (true, Some(body), Delassus::Factored(factored)) => {
-                body.factor(factored, a, b, given_up)
+                body.factor(factored, a, b, execution)
             }
-            _ => self.contact.factor(problem, a, b, given_up),
+            _ => self.contact.factor(problem, a, b, execution),
         }
     }
 

@@ -5,7 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::NewtonMatrix;
 use crate::contact::{BlockMatrix, ContactProblem, Csr, Delassus, Factored, NormalForce};
 use crate::law::{ContactMatrix, FrictionLaw, Law};
+use crate::linear::Execution;
 use crate::random::random;
+use crate::threads::Threads;
+
+/// By one thread, to the end.
+const ALONE: Execution<'_> = Execution { threads: Threads::NONE, given_up: &|| false };
 
 fn law(p: usize) -> Law {
     match p {
@@ -93,7 +98,7 @@ fn solves_as_a_dense_factorisation_does() {
             let expected = dense.clone().lu().solve(&right).unwrap();
             for (problem, matrix) in problems.iter().zip(&mut matrices) {
                 matrix.prepare(problem);
-                assert!(matrix.factor(problem, &a, &b, &|| false));
+                assert!(matrix.factor(problem, &a, &b, ALONE));
                 let mut found = right.clone();
                 matrix.solve(problem, found.as_mut_slice());
                 let error = (&found - &expected).amax() / expected.amax();

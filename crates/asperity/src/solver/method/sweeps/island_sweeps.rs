@@ -67,16 +67,19 @@ impl Sweeper {
         for island in 0..islands.count() {
             let members = islands.of(island);
             let mut own = self.solve_island(task, iterate, plan, (members, &mut visited));
-            if own.ended != Ended::TimeLimit && !side_by_side && members.len() > 1 {
+            let residual = own.residual().value;
+            // Other methods go on with it, and ask what is asked here at their end.
+            let is_left = plan.policy == Policy::FirstFound && !(residual <= task.stop.tolerance);
+            let is_done = own.ended != Ended::TimeLimit && !is_left;
+            if is_done && !side_by_side && members.len() > 1 {
                 for &i in members {
                     iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
                     own.ambiguous |= iterate.ambiguous[i];
                 }
             }
-            if own.may_grow {
+            if own.may_grow && !is_left {
                 let Iterate { percussion, velocity, .. } = iterate;
                 let measured = Measured { problem: task.problem, percussion, velocity };
-                let residual = own.residual().value;
                 own.may_grow = growth::of_island(&measured, members)
                     .is_some_and(|growth| growth.is_suspicious(residual));
             }

@@ -11,11 +11,11 @@ use super::swept::Swept;
 use crate::contact::{Components, ContactProblem, ContactState, Members, Phase};
 use crate::solver::measure::own::{OwnMeasure, measure_alone};
 use crate::solver::method::task::{Iterate, Task};
-use crate::solver::method::threads;
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
 use crate::solver::report::Ended;
+use crate::threads;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
 pub(super) const BATCH: usize = 8 * threads::LEAF;
