@@ -4,7 +4,7 @@
 //! polar to each other, and one algorithm gives either from the other.
 
 use crate::numeric::root::{Bracket, Sample};
-use crate::numeric::vectors::{cast, cross, cross_3, quarter_turn, tangents};
+use crate::numeric::vectors::{along, cast, cross, cross_3, quarter_turn, tangents};
 use crate::{ConvexSet, Matrix, StarSet, Vector};
 
 /// Support point of a convex set from its gauge.
@@ -52,8 +52,29 @@ where
         let unit = x / size;
         by_hessians(set, &unit).or_else(|| by_portals(set, &unit))
     };
-    let gradient = if P == 3 { quick() } else { None }.unwrap_or_else(|| farthest(&support_jet, x));
+    let gradient = match P {
+        3 => quick().unwrap_or_else(|| farthest_by_widths(set, x)),
+        _ => farthest(&support_jet, x),
+    };
     (gradient.dot(x), gradient)
+}
+
+/// The normal with `h = 1` along which `x` is farthest, in coordinates in which the set is as wide along all axes: of a
+/// needle ellipsoids leave some digits.
+fn farthest_by_widths<const P: usize, S>(set: &S, x: &Vector<P>) -> Vector<P>
+where
+    S: ConvexSet<P> + ?Sized,
+{
+    let widths = Vector::<P>::from_fn(|i, _| {
+        let width = set.support(&along(i, 1.0)) + set.support(&along(i, -1.0));
+        // Of a set of the user it may be anything.
+        if width > 0.0 && width < f64::MAX { width } else { 1.0 }
+    });
+    let support_jet = |y: &Vector<P>| {
+        let point = set.support_point(&y.component_div(&widths)).component_div(&widths);
+        (y.dot(&point), point)
+    };
+    farthest(&support_jet, &x.component_div(&widths)).component_div(&widths)
 }
 
 /// Newton's method for the smallest `h` on the plane `x·y = 1`, for sets that are round where `x` leaves them; `None`
