@@ -73,6 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"one artefact at a time, got {', '.join(map(str, options.artefact))}")
     artefact = options.artefact[0].resolve(strict=True)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
+        # Tests that begin as the administrator may go on as a user, who reads what is installed.
+        Path(scratch).chmod(0o755)
         _check(artefact, Path(scratch), options)
         if options.newcomer:
             _newcomer(artefact, Path(scratch))

@@ -35,6 +35,33 @@ def test_factorisations_do_not_grow_with_the_size(scene):
         assert factorizations(solved(make(size))) <= most
 
 
+@pytest.mark.parametrize("measure", ["contact", "global"])
+def test_what_stands_is_asked_early_where_contacts_are_many(measure):
+    wall = problems.wall(35, columns=35, push=1.0)
+    solution = wall.solve(measure=measure)
+    swept, stood = solution.stages
+    assert (swept.method, stood.method) == ("gauss_seidel", "newton")
+    assert 1 <= swept.iterations <= 4
+    assert stood.factorizations == 1
+    shared = wall.solve(asp.Auto(threads=2), measure=measure)
+    assert shared.percussion.tobytes() == solution.percussion.tobytes()
+
+
+def test_a_factorisation_that_is_dear_is_not_tried_early():
+    """Every contact influences every other one: a factorisation takes as long as 600 sweeps."""
+    rng = np.random.default_rng(0)
+    contacts = 1000
+    ways = rng.normal(size=(2 * contacts, 20))
+    velocity = rng.normal(size=2 * contacts)
+    velocity[0::2] = -1.0 - 0.2 * rng.random(contacts)
+    problem = asp.ContactProblem(
+        np.eye(2 * contacts) + ways @ ways.T / contacts,
+        free_velocity=velocity,
+        laws=asp.FrictionLaw.isotropic(0.3, dimension=1),
+    )
+    assert {stage.method for stage in solved(problem).stages} == {"gauss_seidel"}
+
+
 def test_a_stack_carries_what_lies_on_it():
     boxes = 2500
     solution = solved(problems.stack(boxes))

@@ -48,8 +48,8 @@ class Auto(Solver):
 
     Args:
         interior_point: whether `InteriorPoint` and `ADMM` may be used.
-        threads: for work that is done contact by contact, from 513 contacts on; the result does
-            not depend on it.
+        threads: for work that is done contact by contact, from 513 contacts on, for islands side
+            by side and for factorisations with large fronts; the result does not depend on it.
 
     >>> from asperity import Auto
     >>> Auto(threads=2)

@@ -22,7 +22,7 @@
 //!
 //! | feature | what it adds |
 //! |---|---|
-//! | `parallel`, by default | threads for work that is done contact by contact, where a [`Solver`](solver::Solver) is given some |
+//! | `parallel`, by default | threads for contacts, islands and large fronts of factorisations, where a [`Solver`](solver::Solver) is given some |
 //! | `sparse`, by default | sparse factorisations for the methods of many contacts; else dense ones, up to 4,000 rows |
 //! | `serde` | sets ([`set::Star`], [`set::Convex`]), laws, contact problems, trajectories and motions as data |
 //!

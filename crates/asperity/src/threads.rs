@@ -1,7 +1,10 @@
-//! Threads for loops over contacts that do not influence each other; without the feature `parallel` there are none.
+//! Threads for what does not depend on each other: contacts, islands, columns of a front; without the feature `parallel`
+//! there are none.
 //!
-//! Every contact is computed by itself, whoever computes it, and nothing is summed across threads: results are
-//! the same to the bit for any number of threads.
+//! Each of them is computed by itself, whoever computes it, and nothing is summed across threads: results are the same to
+//! the bit for any number of threads.
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Contacts that one thread takes at a time.
 pub(crate) const LEAF: usize = 512;
@@ -19,7 +22,7 @@ impl Threads {
         if contacts <= LEAF { Self(None) } else { Self::of(count) }
     }
 
-    /// At most `count` threads, not more than the machine has.
+    /// At most `count` threads, not more than the machine has, or four.
     pub(crate) fn of(count: usize) -> Self {
         if count <= 1 {
             return Self(None);
@@ -31,6 +34,15 @@ impl Threads {
     /// Whether there is a pool.
     pub(crate) fn is_there(&self) -> bool {
         self.0.is_some()
+    }
+
+    /// The pool for work that would make others wait, if nobody else does such work there: calls that share a pool would
+    /// else wait for each other, where each has a processor of its own.
+    pub(crate) fn claim(&self) -> Option<Claim<'_>> {
+        let threads = self.0.is_some().then_some(self)?;
+        let busy = self.0.as_ref().map(pool::busy)?;
+        let claimed = busy.compare_exchange(false, true, Ordering::Acquire, Ordering::Relaxed);
+        claimed.is_ok().then_some(Claim { threads, busy })
     }
 
     /// Whether so many contacts are worth several threads.
@@ -61,6 +73,18 @@ impl Threads {
     }
 }
 
+/// A pool that others leave alone until this is dropped.
+pub(crate) struct Claim<'a> {
+    pub(crate) threads: &'a Threads,
+    busy: &'a AtomicBool,
+}
+
+impl Drop for Claim<'_> {
+    fn drop(&mut self) {
+        self.busy.store(false, Ordering::Release);
+    }
+}
+
 pub(crate) use pool::join;
 
 /// Calls `work` with the number and the flag of every contact, and with buffers that each thread makes for itself.
@@ -83,13 +107,25 @@ pub(crate) fn each<B: Default>(
 
 #[cfg(feature = "parallel")]
 mod pool {
+    use std::sync::atomic::AtomicBool;
     use std::sync::{Arc, Mutex, mpsc};
     use std::time::Duration;
 
     pub(crate) use rayon::join;
     use rayon::{ThreadPool, ThreadPoolBuilder};
 
-    pub(super) type Pool = Arc<ThreadPool>;
+    pub(super) type Pool = Arc<Shared>;
+
+    /// A pool, and whether somebody has claimed it.
+    #[derive(Debug)]
+    pub(super) struct Shared {
+        pool: ThreadPool,
+        busy: AtomicBool,
+    }
+
+    pub(super) fn busy(pool: &Pool) -> &AtomicBool {
+        &pool.busy
+    }
 
     /// How often a thread that waits for others looks after something else.
     const PATIENCE: Duration = Duration::from_millis(5);
@@ -105,13 +141,14 @@ mod pool {
         if let Some((_, _, pool)) = pools.iter().find(|(_, threads, _)| *threads == count) {
             return Some(pool.clone());
         }
-        let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count).build().ok()?);
+        let threads = ThreadPoolBuilder::new().num_threads(count).build().ok()?;
+        let pool = Arc::new(Shared { pool: threads, busy: AtomicBool::new(false) });
         pools.push((process, count, pool.clone()));
         Some(pool)
     }
 
     pub(super) fn install<T: Send>(pool: &Pool, work: impl FnOnce() -> T + Send) -> T {
-        pool.install(work)
+        pool.pool.install(work)
     }
 
     pub(super) fn share<T: Send>(
@@ -121,7 +158,7 @@ mod pool {
         meanwhile: impl Fn(),
     ) {
         let (under_way, done) = mpsc::channel::<()>();
-        pool.in_place_scope(|scope| {
+        pool.pool.in_place_scope(|scope| {
             let work = &work;
             for item in items {
                 let own = under_way.clone();
@@ -146,6 +183,10 @@ mod pool {
 
     pub(super) fn of_this_process(_count: usize) -> Option<Pool> {
         None
+    }
+
+    pub(super) fn busy(pool: &Pool) -> &std::sync::atomic::AtomicBool {
+        match *pool {}
     }
 
     pub(super) fn install<T>(pool: &Pool, _work: impl FnOnce() -> T) -> T {

@@ -4,8 +4,8 @@ mod common;
 
 use asperity::law::{Fall, FlowSets, FrictionLaw, Law, LawError, Stribeck, flow_sets};
 use asperity::set::{
-    Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipse, Ellipsoid, Interval, Star, StarSet,
-    Superellipse, Vector, Verdict,
+    Ball, Convex, ConvexSet, Cuboid, CustomConvex, Ellipse, Ellipsoid, Interval, SetError, Star,
+    StarSet, Superellipse, Vector, Verdict,
 };
 use common::{Random, V, laws};
 
@@ -140,6 +140,24 @@ fn degenerate_sets_are_refused() {
     assert_eq!(FrictionLaw::new(custom, disk).unwrap_err().argument(), "reservoir");
     assert!(Ellipse::new(V::new(0.0, 1.0)).is_err());
     assert!(Ball::new(f64::NAN).is_err());
+}
+
+/// The message names what was given: a number that is too large is not one that is no number.
+#[test]
+fn slips_that_are_not_finite_are_refused_with_their_value() {
+    let law = FrictionLaw::<2>::isotropic(0.5).unwrap();
+    let refused = |x: f64, y: f64| match law.force(&V::new(x, y), 1.0) {
+        Err(LawError::Set(SetError::Parameter { argument: "slip", value, .. })) => value,
+        other => panic!("{other:?}"),
+    };
+    for other in [0.0, 1.0, -2.0, f64::INFINITY, f64::MAX] {
+        for infinite in [f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(refused(infinite, other), f64::INFINITY);
+            assert_eq!(refused(other, infinite), f64::INFINITY);
+        }
+        assert!(refused(f64::NAN, other).is_nan() && refused(other, f64::NAN).is_nan());
+    }
+    assert!(law.force(&V::new(f64::MAX, f64::MAX), 1.0).is_ok());
 }
 
 fn flat_ellipse(a: f64, b: f64, degrees: f64) -> Convex<2> {

@@ -16,7 +16,7 @@ use asperity::solver::{
     natural_residual,
 };
 use common::Random;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 fn isotropic(mu: f64) -> Law {
     FrictionLaw::<2>::isotropic(mu).unwrap().into()
@@ -644,6 +644,15 @@ fn between_walls(
         .collect()
 }
 
+/// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`.
+fn part_of_closing_that_percussions_change(problem: &ContactProblem, direction: &[f64]) -> f64 {
+    let delassus = problem.delassus().to_dense();
+    let brought = delassus.tr_mul(&DVector::from_column_slice(direction));
+    let scale = delassus.diagonal().map(f64::sqrt);
+    let largest = scale.component_mul(&DVector::from_column_slice(direction)).amax();
+    brought.component_div(&scale).amax() / largest
+}
+
 /// Three walls at any angles: the proof has the weights of the balance of forces, whatever the masses and the operator.
 #[test]
 fn proofs_have_the_weights_of_the_balance_of_forces() {
@@ -677,6 +686,9 @@ fn proofs_have_the_weights_of_the_balance_of_forces() {
                     }
                     close(proof.closing_velocity, closing);
                     assert!(proof.residual <= 1e-14 && proof.cases.is_empty(), "{proof:?}");
+                    let left = part_of_closing_that_percussions_change(problem, &proof.direction);
+                    let off = (proof.residual - left).abs();
+                    assert!(off <= 4.0 * f64::EPSILON, "{name} {masses:?}: {left:e} {proof:?}");
                     // A little slower they part, and what they close on is only what friction holds.
                     let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
                     solver.solve(open, Stop::at(1e-9), &mut memory, &mut workspace);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::threads::Threads;
 
 /// Operations that are worth several threads: a few milliseconds.
-const WORTHWHILE: f64 = 3e7;
+pub(super) const WORTHWHILE: f64 = 3e7;
 
 /// Operations between two questions: some milliseconds.
 const BETWEEN: f64 = 1e7;
@@ -20,7 +20,8 @@ pub(crate) struct Execution<'a> {
 }
 
 impl Execution<'_> {
-    /// Runs a factorisation of so many operations, among threads where that is worth it; false if it failed.
+    /// Runs a factorisation of so many operations, among threads where that is worth it and these are free; false if it
+    /// failed.
     pub(super) fn run<F: FnMut(&mut Work<'_>) -> bool + Send>(
         self,
         operations: f64,
@@ -28,7 +29,8 @@ impl Execution<'_> {
     ) -> bool {
         let Self { threads, given_up } = self;
         let mut job = (factor, false);
-        if threads.is_there() && operations >= WORTHWHILE {
+        let claim = if operations >= WORTHWHILE { threads.claim() } else { None };
+        if let Some(claim) = claim {
             // What asks whether somebody waits may not leave this thread.
             let over = AtomicBool::new(false);
             let shared = |(factor, done): &mut (F, bool)| {
@@ -36,7 +38,7 @@ impl Execution<'_> {
                 *done = factor(&mut Work { shared: true, given_up: &given_up, operations: 0.0 });
             };
             let ask = || over.store(given_up(), Ordering::Relaxed);
-            threads.share(std::slice::from_mut(&mut job), shared, ask);
+            claim.threads.share(std::slice::from_mut(&mut job), shared, ask);
         } else {
             job.1 = (job.0)(&mut Work { shared: false, given_up, operations: 0.0 });
         }

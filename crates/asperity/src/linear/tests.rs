@@ -1,7 +1,10 @@
 //! The factorisation against dense ones.
 
+use std::cell::Cell;
+
 use nalgebra::{DMatrix, DVector};
 
+use super::execution::WORTHWHILE;
 use super::{Execution, Numeric, Symbolic};
 use crate::contact::{BlockMatrix, Delassus};
 use crate::random::random;
@@ -119,6 +122,7 @@ fn threads_change_no_bit() {
     let mut seed = 4;
     let matrix = example(200, 4000, &mut seed);
     let symbolic = Symbolic::new(&matrix);
+    assert!(symbolic.operations > WORTHWHILE, "{}", symbolic.operations);
     let b: Vec<f64> = (0..matrix.rows()).map(|_| random(&mut seed)).collect();
     let solved = |threads: &Threads| {
         let mut numeric = Numeric::default();
@@ -131,5 +135,25 @@ fn threads_change_no_bit() {
     let alone = solved(Threads::NONE);
     for count in 2..5 {
         assert_eq!(solved(&Threads::of(count)), alone, "{count} threads");
+    }
+}
+
+#[test]
+fn what_threads_share_is_given_up_too() {
+    let matrix = example(300, 20_000, &mut 5);
+    let symbolic = Symbolic::new(&matrix);
+    for threads in [1, 2] {
+        let threads = &Threads::of(threads);
+        let mut numeric = Numeric::default();
+        numeric.reserve(&symbolic);
+        let asked = Cell::new(0);
+        let given_up = || {
+            asked.set(asked.get() + 1);
+            true
+        };
+        assert!(!numeric.factor(&symbolic, &matrix, Execution { threads, given_up: &given_up }));
+        assert!(asked.get() > 0);
+        // The pool is free again, and the next factorisation is whole.
+        assert!(numeric.factor(&symbolic, &matrix, Execution { threads, ..ALONE }));
     }
 }

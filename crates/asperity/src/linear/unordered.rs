@@ -38,7 +38,7 @@ impl Numeric {
     }
 
     /// Factors a matrix; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is given up
-    /// before.
+    /// on the way.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,
@@ -46,7 +46,7 @@ impl Numeric {
         execution: Execution<'_>,
     ) -> bool {
         let n = symbolic.rows;
-        if n > MOST_ROWS {
+        if n > MOST_ROWS || (execution.given_up)() {
             return false;
         }
         let (entries, offsets) = (self.lu.begin(n), matrix.offsets());

@@ -71,11 +71,15 @@ const FROM_SWEEPS: usize = 30;
 const PATIENCE: usize = 400;
 /// Fewest contacts of what may stand by itself: fewer are as soon solved by Newton's method.
 const MANY: usize = 64;
-/// Contacts from which on what stands is asked for after so many sweeps, in place of up to twenty: their data do not stay
-/// in the cache of the processor. A wall of 10⁵ contacts takes 0.56 of the time. Of the stored problems one of 376 contacts,
-/// which slips, takes 1.6 times as long where it is asked early.
+/// Contacts from which on it is asked after `SETTLED` sweeps whether they stand, not when sweeps promise nothing more, which
+/// may take hundreds: their data do not stay in the cache of the processor, which is what sweeps wait for and factorisations
+/// do not. A wall of 10⁵ contacts takes 0.56 of the time. Of the stored problems one of 376 contacts, which slips, takes 1.6
+/// times as long where it is asked early.
 const LARGE: usize = 1000;
 const SETTLED: usize = 4;
+/// Sweeps that a factorisation takes as long as at most for that: in a wall of 10⁵ contacts it is 47 of them, in columns of
+/// 1240 spheres thousands.
+const EARLY: f64 = 100.0;
 
 /// The methods with their buffers, and the matrix that they share.
 #[derive(Debug, Clone, Default)]
@@ -221,16 +225,18 @@ fn first_attempts(
     // One is enough where sweeps were made before, as long as they were worth it, which tells of contacts that have no
     // solution.
     let swept = progress.task.swept;
-    let early = contacts >= LARGE && !swept;
+    let early = contacts >= LARGE && cost.is_sparse();
     let goes_on = sweeps.run(progress, swept, if early { SETTLED } else { usize::MAX });
     let mut settled = 0;
     if early && !progress.is_over() && progress.may_stand() {
-        settled = sweeps.count;
-        progress.record(Method::GaussSeidel, settled, 0);
         matrix.prepare(problem);
-        first.resting = standing.attempt(progress, matrix);
-        if progress.is_over() {
-            return first;
+        if cost.sweeps(matrix.operations(problem)) <= EARLY {
+            settled = sweeps.count;
+            progress.record(Method::GaussSeidel, settled, 0);
+            first.resting = standing.attempt(progress, matrix);
+            if progress.is_over() {
+                return first;
+            }
         }
     }
     if goes_on {
@@ -245,12 +251,17 @@ fn first_attempts(
             sweeps.run(progress, false, usize::MAX);
         }
     }
-    progress.record(Method::GaussSeidel, sweeps.count - settled, 0);
+    if settled == 0 || sweeps.count > settled {
+        progress.record(Method::GaussSeidel, sweeps.count - settled, 0);
+    }
     if progress.is_over() {
         return first;
     }
     proximal.prepare(problem);
-    if contacts >= MANY && settled == 0 && progress.may_stand() {
+    if contacts < MANY || !progress.may_stand() {
+        // Further sweeps may have opened what seemed to stand.
+        first.resting = None;
+    } else if settled == 0 {
         first.resting = standing.attempt(progress, matrix);
     }
     let sweeps_per_factorization = cost.sweeps(matrix.operations(problem));

@@ -80,7 +80,8 @@ pub enum Solver {
     Auto {
         /// Whether the interior point method may be used where the laws allow it.
         interior_point: bool,
-        /// Threads for work that is done contact by contact; results do not depend on it.
+        /// Threads for work that is done contact by contact, for islands side by side and for factorisations with large
+        /// fronts; results do not depend on it.
         threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.

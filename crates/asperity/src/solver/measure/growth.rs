@@ -353,6 +353,7 @@ impl Loads {
             // Without entries only their size is known.
             return (load, operator.norm() * largest(percussion));
         }
+        // The normal row is the first one.
         let blocks = problem.delassus().blocks();
         if self.prescribed {
             for (j, block) in blocks.row(i) {
@@ -363,7 +364,6 @@ impl Loads {
                 }
             }
         }
-        // The normal row is the first one.
         let mut brought = [0.0; 4];
         blocks.add_magnitudes(i, percussion, &mut brought);
         (load, brought[0])

@@ -12,6 +12,8 @@ const PRODUCT: f64 = 2.0;
 const STEP: f64 = 8.0;
 /// Sweeps in the time in which a pattern is analysed: between 10 and 40 on the stored problems of `auto.rs`.
 const ANALYSIS: f64 = 20.0;
+/// Most entries of a row of `G` that is sparse: thirty other contacts; bricks and spheres have ten.
+const SPARSE: f64 = 100.0;
 /// Steps that an attempt by Newton's method is expected to take. `Auto` takes 0.70, 0.71 and 0.77 times as long with 5, 6 and
 /// 8 as without attempts on the stored problems of up to 400 contacts, and 0.66 and 0.68 times with 5 and 8 on 240 problems
 /// of 4 to 100 contacts (scenes and random ones, laws of all dimensions), as geometric means.
@@ -21,6 +23,7 @@ const STEPS: f64 = 6.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cost {
     rows: usize,
+    entries: f64,
     sweep: f64,
     /// A step of Newton's method without its factorisation.
     step: f64,
@@ -38,7 +41,12 @@ impl Cost {
         }
         let entries = entries as f64;
         let (sweep, step) = (PRODUCT * entries + VISIT * count, STEP * entries + JET * count);
-        Self { rows, sweep, step }
+        Self { rows, entries, sweep, step }
+    }
+
+    /// Whether contacts influence few others, so that the pattern is soon analysed.
+    pub(crate) fn is_sparse(&self) -> bool {
+        self.entries <= SPARSE * self.rows as f64
     }
 
     /// Sweeps in the time of an attempt, as far as that is known before the pattern is analysed; its analysis counts, whether

@@ -41,6 +41,11 @@ impl Plan {
         let goal = 0.5 * stop.tolerance;
         Self { policy: Policy::FirstFound, goal, max_sweeps: MOST_SWEEPS }
     }
+
+    /// Whether other methods go on with an island, which ask at their end what is asked here of one that is solved.
+    fn leaves(&self, swept: &Swept, tolerance: f64) -> bool {
+        self.policy == Policy::FirstFound && !(swept.residual().value <= tolerance)
+    }
 }
 
 impl Sweeper {
@@ -67,9 +72,7 @@ impl Sweeper {
         for island in 0..islands.count() {
             let members = islands.of(island);
             let mut own = self.solve_island(task, iterate, plan, (members, &mut visited));
-            let residual = own.residual().value;
-            // Other methods go on with it, and ask what is asked here at their end.
-            let is_left = plan.policy == Policy::FirstFound && !(residual <= task.stop.tolerance);
+            let is_left = plan.leaves(&own, task.stop.tolerance);
             let is_done = own.ended != Ended::TimeLimit && !is_left;
             if is_done && !side_by_side && members.len() > 1 {
                 for &i in members {
@@ -80,6 +83,7 @@ impl Sweeper {
             if own.may_grow && !is_left {
                 let Iterate { percussion, velocity, .. } = iterate;
                 let measured = Measured { problem: task.problem, percussion, velocity };
+                let residual = own.residual().value;
                 own.may_grow = growth::of_island(&measured, members)
                     .is_some_and(|growth| growth.is_suspicious(residual));
             }
@@ -91,7 +95,11 @@ impl Sweeper {
         if side_by_side && swept.len() == islands.count() {
             mark_ambiguous(task, iterate, self);
             for (island, swept) in swept.iter_mut().enumerate() {
-                swept.ambiguous |= islands.of(island).iter().any(|&i| iterate.ambiguous[i]);
+                let members = islands.of(island);
+                if members.len() > 1 && plan.leaves(swept, task.stop.tolerance) {
+                    members.iter().for_each(|&i| iterate.ambiguous[i] = false);
+                }
+                swept.ambiguous |= members.iter().any(|&i| iterate.ambiguous[i]);
             }
         }
         self.islands = islands;
