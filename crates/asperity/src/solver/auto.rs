@@ -77,8 +77,7 @@ const MANY: usize = 64;
 /// times as long where it is asked early.
 const LARGE: usize = 1000;
 const SETTLED: usize = 4;
-/// Sweeps that a factorisation takes as long as at most for that: in a wall of 10⁵ contacts it is 47 of them, in columns of
-/// 1240 spheres thousands.
+/// Sweeps that a factorisation takes as long as at most for that: 47 in a wall of 10⁵ contacts.
 const EARLY: f64 = 100.0;
 
 /// The methods with their buffers, and the matrix that they share.
