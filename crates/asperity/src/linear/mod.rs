@@ -27,6 +27,9 @@
 //! whoever asks looks at the residual of what comes out. On the same matrices the largest componentwise backward error
 //! is 8e-8 here and 8e-7 with faer, both of the wall of 3373 contacts, whose matrix is singular but for the
 //! regularisation; on single matrices faer's is up to two hundred times smaller (3e-15), or nine hundred times larger.
+//! Steps of Newton's method need no more digits: on the stored problems what a step leaves of `F` is at most 4e-6 of it, but
+//! for single steps of the two largest (1e-2 and 5e-5), and one refinement with the same factors, of every step or where
+//! more than 1e-8 was left, changed the number of factorisations of one of 23 problems, by one. So there is none.
 //! Without the feature `sparse` matrices are factored densely (`unordered.rs`). `tests.rs` compares what is left over
 //! with a dense factorisation, also for badly scaled matrices.
 
