@@ -335,6 +335,8 @@ def test_verdicts_that_were_missed():
     # the search by cases leads to.
     seeds = (6227, 314, 704, 1697, 3682, 5264, 6752, 8130, 5557)
     assert check_random_systems(seeds) == {"converged": 1, "closing": 1, "friction": 7}
+    # Systems that a change of the loads by one part in 10⁶ gives a solution: rounding decides.
+    assert check_random_systems([8136, 9167])["closing"] == 0
 
 
 # Bodies that friction jams: percussions up to 1e10 times the loads leave small residuals, while all
