@@ -80,7 +80,7 @@ long: $(VENV)/.installed
 # the binary again, or into fuzz/corpus, from where `make test` replays it.
 SECONDS ?= 3600
 TARGETS ?= sets one_contact many_contacts events steps
-TIMEOUT ?= 10
+TIMEOUT ?= 30
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 FUZZ_FLAGS = --cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
 	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
