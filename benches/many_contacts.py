@@ -110,7 +110,8 @@ def measure(scene: str, size: int, options: argparse.Namespace) -> None:
 def solved(problem: asp.ContactProblem, options: argparse.Namespace, repeat: int) -> dict:
     """Return the shortest processor time of a solve, the growth of memory and how it ended.
 
-    The pattern is analysed at the first one: the shortest one is solved again.
+    The first solve analyses the pattern. There is a second one at every size, so that what is
+    compared among sizes is a solve with the analysis kept.
     """
     times: list[float] = []
     before = peak()

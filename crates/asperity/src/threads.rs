@@ -39,10 +39,8 @@ impl Threads {
     /// The pool for work that would make others wait, if nobody else does such work there: calls that share a pool would
     /// else wait for each other, where each has a processor of its own.
     pub(crate) fn claim(&self) -> Option<Claim<'_>> {
-        let threads = self.0.is_some().then_some(self)?;
-        let busy = self.0.as_ref().map(pool::busy)?;
-        let claimed = busy.compare_exchange(false, true, Ordering::Acquire, Ordering::Relaxed);
-        claimed.is_ok().then_some(Claim { threads, busy })
+        let busy = pool::busy(self.0.as_ref()?);
+        (!busy.swap(true, Ordering::Acquire)).then_some(Claim(busy))
     }
 
     /// Whether so many contacts are worth several threads.
@@ -74,14 +72,11 @@ impl Threads {
 }
 
 /// A pool that others leave alone until this is dropped.
-pub(crate) struct Claim<'a> {
-    pub(crate) threads: &'a Threads,
-    busy: &'a AtomicBool,
-}
+pub(crate) struct Claim<'a>(&'a AtomicBool);
 
 impl Drop for Claim<'_> {
     fn drop(&mut self) {
-        self.busy.store(false, Ordering::Release);
+        self.0.store(false, Ordering::Release);
     }
 }
 

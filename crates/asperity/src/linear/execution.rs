@@ -29,16 +29,17 @@ impl Execution<'_> {
     ) -> bool {
         let Self { threads, given_up } = self;
         let mut job = (factor, false);
-        let claim = if operations >= WORTHWHILE { threads.claim() } else { None };
-        if let Some(claim) = claim {
+        if operations >= WORTHWHILE
+            && let Some(_claim) = threads.claim()
+        {
             // What asks whether somebody waits may not leave this thread.
-            let over = AtomicBool::new(false);
+            let over = AtomicBool::new(given_up());
             let shared = |(factor, done): &mut (F, bool)| {
                 let given_up = || over.load(Ordering::Relaxed);
                 *done = factor(&mut Work { shared: true, given_up: &given_up, operations: 0.0 });
             };
             let ask = || over.store(given_up(), Ordering::Relaxed);
-            claim.threads.share(std::slice::from_mut(&mut job), shared, ask);
+            threads.share(std::slice::from_mut(&mut job), shared, ask);
         } else {
             job.1 = (job.0)(&mut Work { shared: false, given_up, operations: 0.0 });
         }

@@ -438,8 +438,7 @@ impl Search<'_, '_> {
         let largest = z.amax();
         let (mut gap, mut terms) = (z.dot(load), z.component_mul(load).abs().sum());
         let (mut residual, mut nearly, mut missed) = (0.0_f64, false, Vec::new());
-        // `Gᵀz` itself is rounded: whoever computes it in another order finds other last digits.
-        let mut allowed = f64::EPSILON * largest;
+        let mut left = 0.0_f64;
         let mut holds = largest > 0.0;
         for (k, (member, &state)) in members.iter().zip(states).enumerate() {
             if !member.allows(state, z) {
@@ -463,7 +462,7 @@ impl Search<'_, '_> {
                     let rest = (y[member.first] - most) / unit;
                     nearly |= rest < NEARLY;
                     residual = residual.max(-rest);
-                    allowed = allowed.max(most - y[member.first] + f64::EPSILON * largest);
+                    left = left.max(most - y[member.first]);
                     if rest * unit < -rounding * (1.0 + member.radius) {
                         holds = false;
                         missed.push((k, beyond));
@@ -471,8 +470,9 @@ impl Search<'_, '_> {
                 }
             }
         }
-        // What rounding leaves allows percussions beyond all bounds only.
-        holds &= gap >= HUGE * allowed * load.amax();
+        // What rounding leaves allows percussions beyond all bounds only, also for whoever computes `Gᵀz` in another order
+        // and finds other last digits.
+        holds &= gap >= HUGE * (left + f64::EPSILON * largest) * load.amax();
         // The comparisons also turn away NaN.
         if holds && gap > MARGIN * terms && (!nearly || self.keeps_masses(z)) {
             Verdict::Refuted(residual)
