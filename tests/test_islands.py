@@ -96,11 +96,17 @@ def test_an_island_does_not_depend_on_others_to_the_bit():
 
 @pytest.mark.parametrize("measure", ["contact", "global"])
 def test_threads_and_the_order_of_islands_change_no_bit(measure):
-    problem = side_by_side(scenes() + [problems.wall(5, columns=4, push=1.0, law=DISK)] * 2)
+    wall = problems.wall(6, columns=5, push=1.0, law=DISK)
+    problem = side_by_side(scenes() + [wall, problems.sliders(40), wall])
+    # From 512 contacts on several threads sweep islands, too.
+    assert len(problem.laws) > 512
     one = problem.solve(measure=measure)
     for threads in (2, 3):
         other = problem.solve(asp.Auto(threads=threads), measure=measure)
         assert (other.percussion == one.percussion).all()
+        assert (other.velocity == one.velocity).all()
+        assert (other.phase == one.phase).all()
+        assert (other.ambiguous_contacts == one.ambiguous_contacts).all()
         assert other.islands == one.islands
         assert other.stages == one.stages
     # Islands interleave, but the contacts of each keep their order.

@@ -56,6 +56,22 @@ proptest! {
     }
 }
 
+/// Beside the corner of a needle the ratio to a ball is largest on both sides, and least at the corner between them.
+#[test]
+fn the_larger_of_two_maxima_beside_a_corner_is_found() {
+    let needle = Superellipsoid::new(V::new(0.11169561398793218, 2.0423289466208883), 1.0).unwrap();
+    for (p, q) in [(0.22599164726759402, -0.23942908475456526), (-0.1, 0.05), (0.0, 0.3)] {
+        let map = Matrix::<2>::new(1.0, p, q, 1.0 + p * q);
+        let outer = Star::from(needle).mapped(&map).unwrap();
+        let [first, second] = [0, 1].map(|i| map.column(i) * needle.semi_axes()[i]);
+        // The distance of the nearer pair of its sides, each between two corners, from the origin.
+        let distance = |side: V| (first.x * second.y - first.y * second.x).abs() / side.norm();
+        let nearest = distance(first - second).min(distance(first + second));
+        let found = largest_scale_inside(&Ball::UNIT, &outer);
+        assert!(close(found, nearest, 1e-9), "{found} instead of {nearest}");
+    }
+}
+
 /// A set of which nothing is known but its gauge and its corners.
 #[derive(Debug)]
 struct Plain<'a, const P: usize>(&'a Star<P>);

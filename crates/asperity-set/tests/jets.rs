@@ -137,3 +137,26 @@ fn of_a_rounded_octahedron() {
     let e = Vector::<3>::new(1.0, 0.0, 0.0);
     derivative(sum.as_convex().unwrap(), &d, &e, 2.344910255057173, 1e-10).unwrap();
 }
+
+/// The nearest point lies on what an edge of the octahedron sweeps: where the octahedron's own point is along its edge, the
+/// other members decide.
+#[test]
+fn of_a_sum_with_edges_of_an_octahedron() {
+    let slender = Vector::<3>::new(0.8761873450804801, 4.420542388834843, 1.8609945907501215);
+    let round = Vector::<3>::new(1.2412016763344282, 1.3284508487432631, 1.403288050725085);
+    let axes = Vector::<3>::new(2.7319439385858524, 1.1941319291506403, 4.776687151838691);
+    let [slender, round] =
+        [slender, round].map(|a| Star::from(Convex::from(Ellipsoid::new(a).unwrap())));
+    let octahedron = Star::from(Superellipsoid::new(axes, 1.0).unwrap());
+    let sum = Star::minkowski_sum(&[slender, round, octahedron]).unwrap();
+    let set = sum.as_convex().unwrap();
+    let e = Vector::<3>::new(1.0, 0.0, 0.0);
+    for n in 0..40 {
+        let d = Vector::<3>::new(
+            0.31136914398530163,
+            -0.945906066170267,
+            -0.09116452246433915 + 1e-3 * n as f64,
+        );
+        derivative(set, &d, &e, 1.4351171547850246, 0.0).unwrap();
+    }
+}

@@ -36,6 +36,11 @@ impl Threads {
         self.0.is_some()
     }
 
+    /// Number of threads that work at the same time.
+    pub(crate) fn count(&self) -> usize {
+        self.0.as_ref().map_or(1, pool::count)
+    }
+
     /// The pool for work that would make others wait, if nobody else does such work there: calls that share a pool would
     /// else wait for each other, where each has a processor of its own.
     pub(crate) fn claim(&self) -> Option<Claim<'_>> {
@@ -118,6 +123,10 @@ mod pool {
         busy: AtomicBool,
     }
 
+    pub(super) fn count(pool: &Pool) -> usize {
+        pool.pool.current_num_threads()
+    }
+
     pub(super) fn busy(pool: &Pool) -> &AtomicBool {
         &pool.busy
     }
@@ -178,6 +187,10 @@ mod pool {
 
     pub(super) fn of_this_process(_count: usize) -> Option<Pool> {
         None
+    }
+
+    pub(super) fn count(pool: &Pool) -> usize {
+        match *pool {}
     }
 
     pub(super) fn busy(pool: &Pool) -> &std::sync::atomic::AtomicBool {

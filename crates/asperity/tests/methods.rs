@@ -354,9 +354,19 @@ fn islands_do_not_depend_on_each_other() {
 /// A solve that is given up at any time tells the residual of what it leaves, also where it could not be given up again.
 #[test]
 fn who_gives_up_once_is_told_what_is_left() {
+    check_giving_up(40);
+}
+
+/// From some hundred contacts on several threads sweep islands, too.
+#[test]
+fn who_gives_up_sweeps_of_several_threads_is_told_what_is_left() {
+    check_giving_up(300);
+}
+
+fn check_giving_up(count: usize) {
     let mut random = Random::new(23);
-    let islands: Vec<Island> = (0..40).map(|_| Island::random(&mut random)).collect();
-    let contacts: Vec<_> = (0..40).flat_map(|island| [(island, 0), (island, 1)]).collect();
+    let islands: Vec<Island> = (0..count).map(|_| Island::random(&mut random)).collect();
+    let contacts: Vec<_> = (0..count).flat_map(|island| [(island, 0), (island, 1)]).collect();
     let problem = of_islands(&islands, &contacts);
     for (threads, measure) in
         [(1, Measure::Contact), (2, Measure::Contact), (1, Measure::Global), (2, Measure::Global)]

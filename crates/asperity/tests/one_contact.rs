@@ -5,6 +5,7 @@
 mod common;
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asperity::contact::{
     BlockMatrix, ContactProblem, ContactState, Csr, Memory, NormalForce, Phase,
@@ -156,51 +157,61 @@ fn amplification(problem: &ContactProblem, solution: &ContactSolution) -> f64 {
 }
 
 /// Every solution of the scan is listed, every listed one solves the problem, and a contact that is
-/// called unambiguous has exactly one.
+/// called unambiguous has exactly one: for every law, of which each thread takes the next one.
 fn compare(count: usize) {
-    for (place, (name, law)) in laws().into_iter().enumerate() {
-        let nodes = nodes(&law);
-        let xs: Vec<V> =
-            nodes.iter().map(|p| p.position / law.reservoir().gauge(&p.position)).collect();
-        let law = Law::from(law);
-        let Law::Two(planar) = &law else { unreachable!() };
-        for family in FAMILIES {
-            let mut random = Random::new(place as u64 + 1);
-            let (mut missed, mut several, mut none) = (0, 0, 0);
-            for _ in 0..count {
-                let problem = one_contact(law.clone(), family, &mut random);
-                let equation = Equation::new(&problem, planar);
-                let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]).unwrap();
-                for solution in &listed {
-                    let residual = residual(&problem, solution);
-                    let bound = 1e-12 + 1e-14 * amplification(&problem, solution);
-                    assert!(residual < bound, "{name} {family:?}: {residual:e} {solution:?}");
-                }
-                let first = problem.contacts()[0].normal_rows();
-                let ratio = |s: &ContactSolution| {
-                    let normal = if first == 1 { s.percussion[0] } else { 1.0 };
-                    V::new(-s.percussion[first] / normal, -s.percussion[first + 1] / normal)
-                };
-                for x in scan(&equation, &nodes, &xs) {
-                    let near = |s: &&ContactSolution| {
-                        s.phase != Phase::Open && (ratio(s) - x).norm() < 1e-7
-                    };
-                    missed += usize::from(!listed.iter().any(|s| near(&s)));
-                }
-                for (k, one) in listed.iter().enumerate() {
-                    let same = |s: &ContactSolution| {
-                        let apart = (ratio(s) - ratio(one)).norm();
-                        s.phase == one.phase && apart < 1e-9 && !(s.degenerate || one.degenerate)
-                    };
-                    assert!(!listed[..k].iter().any(same), "{name} {family:?}: {listed:?}");
-                }
-                several += usize::from(listed.len() > 1);
-                none += usize::from(listed.is_empty());
-                check_selection(&problem, &listed, &mut random, name);
-            }
-            assert_eq!(missed, 0, "{name} {family:?}: solutions missed of {count} problems");
-            println!("{name}, {family:?}: {several} with several solutions, {none} without");
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let place = next.fetch_add(1, Ordering::Relaxed)
+            && let Some((name, law)) = laws().into_iter().nth(place)
+        {
+            compare_law(place, name, law, count);
         }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+}
+
+fn compare_law(place: usize, name: &str, law: FrictionLaw<2>, count: usize) {
+    let nodes = nodes(&law);
+    let xs: Vec<V> =
+        nodes.iter().map(|p| p.position / law.reservoir().gauge(&p.position)).collect();
+    let law = Law::from(law);
+    let Law::Two(planar) = &law else { unreachable!() };
+    for family in FAMILIES {
+        let mut random = Random::new(place as u64 + 1);
+        let (mut missed, mut several, mut none) = (0, 0, 0);
+        for _ in 0..count {
+            let problem = one_contact(law.clone(), family, &mut random);
+            let equation = Equation::new(&problem, planar);
+            let listed = solutions(&problem, 0, &vec![0.0; problem.rows()]).unwrap();
+            for solution in &listed {
+                let residual = residual(&problem, solution);
+                let bound = 1e-12 + 1e-14 * amplification(&problem, solution);
+                assert!(residual < bound, "{name} {family:?}: {residual:e} {solution:?}");
+            }
+            let first = problem.contacts()[0].normal_rows();
+            let ratio = |s: &ContactSolution| {
+                let normal = if first == 1 { s.percussion[0] } else { 1.0 };
+                V::new(-s.percussion[first] / normal, -s.percussion[first + 1] / normal)
+            };
+            for x in scan(&equation, &nodes, &xs) {
+                let near =
+                    |s: &&ContactSolution| s.phase != Phase::Open && (ratio(s) - x).norm() < 1e-7;
+                missed += usize::from(!listed.iter().any(|s| near(&s)));
+            }
+            for (k, one) in listed.iter().enumerate() {
+                let same = |s: &ContactSolution| {
+                    let apart = (ratio(s) - ratio(one)).norm();
+                    s.phase == one.phase && apart < 1e-9 && !(s.degenerate || one.degenerate)
+                };
+                assert!(!listed[..k].iter().any(same), "{name} {family:?}: {listed:?}");
+            }
+            several += usize::from(listed.len() > 1);
+            none += usize::from(listed.is_empty());
+            check_selection(&problem, &listed, &mut random, name);
+        }
+        assert_eq!(missed, 0, "{name} {family:?}: solutions missed of {count} problems");
+        println!("{name}, {family:?}: {several} with several solutions, {none} without");
     }
 }
 

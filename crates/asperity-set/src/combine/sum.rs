@@ -116,7 +116,9 @@ fn by_members<const P: usize>(
     z: &Vector<P>,
     near: &Vector<P>,
 ) -> Option<(Vector<P>, Matrix<P>)> {
-    const SMALL: f64 = 1e-9;
+    // The steps of a point along a flat direction are differences of numbers `1/SMALL` times as large, whose own rounding is
+    // multiplied by `1/SMALL` again: below the root of the machine precision it grows from step to step.
+    const SMALL: f64 = 1e-7;
     const SETTLED: f64 = 1e-11;
     if sets.len() > MEMBERS {
         return None;

@@ -64,6 +64,8 @@ impl<const P: usize> Form<'_, P> {
 #[derive(Debug, Clone)]
 pub struct TurningDirections<const P: usize> {
     points: Vec<Vector<P>>,
+    /// Those at which the boundary of a set has a corner.
+    is_corner: Vec<bool>,
     /// Whether they go all around. Else they are those of the first quarter, as both sets are symmetric to the axes.
     around: bool,
 }
@@ -104,14 +106,15 @@ impl<const P: usize> TurningDirections<P> {
             }
             same
         });
-        let points = sorted.into_iter().map(|point| point.2).collect();
-        Some(Self { points, around: !quarter })
+        let (points, is_corner) = sorted.into_iter().map(|(_, corner, x)| (x, corner)).unzip();
+        Some(Self { points, is_corner, around: !quarter })
     }
 
     /// The largest value of a function of degree zero with the symmetries of both sets, and where it is: every local
-    /// maximum is refined between its neighbours by Brent's method.
+    /// maximum is refined between its neighbours by Brent's method, on either side of a corner by itself, at which a
+    /// function may have a minimum with a maximum on both sides.
     pub fn largest(&self, value: impl Fn(&Vector<P>) -> f64) -> (f64, Vector<P>) {
-        let Self { points, around } = self;
+        let Self { points, is_corner, around } = self;
         let values: Vec<f64> = points.iter().map(&value).collect();
         let last = points.len() - 1;
         let mut best = (f64::NEG_INFINITY, Vector::zeros());
@@ -134,8 +137,15 @@ impl<const P: usize> TurningDirections<P> {
             if values[i] > best.0 {
                 best = (values[i], points[i]);
             }
-            if values[i] >= values[before] && values[i] >= values[after] {
-                let found = refined([points[before], points[i], points[after]], values[i], &value);
+            let above = [before, after].map(|j| values[i] >= values[j]);
+            let sides = if is_corner[i] {
+                [(above[0], (-1.0, 0.0)), (above[1], (0.0, 1.0))]
+            } else {
+                [(above == [true; 2], (-1.0, 1.0)), (false, (0.0, 0.0))]
+            };
+            for (_, side) in sides.into_iter().filter(|(is_above, _)| *is_above) {
+                let three = [points[before], points[i], points[after]];
+                let found = refined(three, side, values[i], &value);
                 if found.0 > best.0 {
                     best = found;
                 }
@@ -145,11 +155,13 @@ impl<const P: usize> TurningDirections<P> {
     }
 }
 
-/// The local maximum between three neighbours of which the middle one has the largest value.
+/// The local maximum between three neighbours, from minus one at the first to one at the last, within these bounds, of
+/// which the middle one has the largest value.
 ///
 /// The maximum of a smooth function is determined to half of the digits of its place, a kink to all of them.
 fn refined<const P: usize>(
     [before, middle, after]: [Vector<P>; 3],
+    (mut low, mut high): (f64, f64),
     value_there: f64,
     value: impl Fn(&Vector<P>) -> f64,
 ) -> (f64, Vector<P>) {
@@ -160,7 +172,6 @@ fn refined<const P: usize>(
         if t < 0.0 { middle + (before - middle) * -t } else { middle + (after - middle) * t }
     };
     // The best place, the second and the third one, within the bounds.
-    let (mut low, mut high) = (-1.0, 1.0);
     let (mut best, mut second, mut third) =
         ((0.0, value_there), (0.0, value_there), (0.0, value_there));
     let (mut step, mut before_last) = (0.0_f64, 0.0_f64);

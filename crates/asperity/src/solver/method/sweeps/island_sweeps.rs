@@ -6,8 +6,8 @@
 
 use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
-use super::sweep::{BATCH, Sweeper, mark_ambiguous};
 use super::swept::Swept;
+use super::visitor::{BATCH, Visitor};
 use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_residual::Measured;
@@ -48,33 +48,23 @@ impl Plan {
     }
 }
 
-impl Sweeper {
-    /// The islands of the problem.
-    #[inline]
-    pub(crate) fn islands(&self) -> &Members {
-        &self.islands
-    }
-
-    /// Sweeps island by island; `swept` receives what they have come to, of fewer islands if the stop has ended it early.
-    /// Afterwards velocities belong to the percussions and states to what the contacts do, and contacts are marked as
-    /// ambiguous.
-    pub(crate) fn solve_islands(
+impl Visitor<'_> {
+    /// Sweeps islands in this order; `put` receives what each has come to, the last of them where the stop has ended it
+    /// early.
+    pub(super) fn solve_in_turn(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         plan: Plan,
-        swept: &mut Vec<Swept>,
+        (islands, numbers): (&Members, impl Iterator<Item = usize>),
+        mut put: impl FnMut(Swept),
     ) {
-        let islands = std::mem::take(&mut self.islands);
-        let side_by_side = task.threads.serve(task.problem.contacts().len());
         let mut visited = 0;
-        swept.clear();
-        for island in 0..islands.count() {
-            let members = islands.of(island);
+        for members in numbers.map(|island| islands.of(island)) {
             let mut own = self.solve_island(task, iterate, plan, (members, &mut visited));
             let is_left = plan.leaves(&own, task.stop.tolerance);
-            let is_done = own.ended != Ended::TimeLimit && !is_left;
-            if is_done && !side_by_side && members.len() > 1 {
+            let is_early = own.ended == Ended::TimeLimit;
+            if !is_early && !is_left && members.len() > 1 {
                 for &i in members {
                     iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
                     own.ambiguous |= iterate.ambiguous[i];
@@ -87,22 +77,11 @@ impl Sweeper {
                 own.may_grow = growth::of_island(&measured, members)
                     .is_some_and(|growth| growth.is_suspicious(residual));
             }
-            swept.push(own);
-            if own.ended == Ended::TimeLimit {
+            put(own);
+            if is_early {
                 break;
             }
         }
-        if side_by_side && swept.len() == islands.count() {
-            mark_ambiguous(task, iterate, self);
-            for (island, swept) in swept.iter_mut().enumerate() {
-                let members = islands.of(island);
-                if members.len() > 1 && plan.leaves(swept, task.stop.tolerance) {
-                    members.iter().for_each(|&i| iterate.ambiguous[i] = false);
-                }
-                swept.ambiguous |= members.iter().any(|&i| iterate.ambiguous[i]);
-            }
-        }
-        self.islands = islands;
     }
 
     /// Sweeps over the contacts of one island; `visited` counts contacts since the last look at the clock.
@@ -171,30 +150,6 @@ impl Sweeper {
             }
         }
         Swept { sweeps, ..swept }
-    }
-
-    /// Sweeps over all contacts until the measure of the stop is small, which may be one of all of them together.
-    pub(crate) fn solve_together(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        plan: Plan,
-    ) -> (usize, Ended) {
-        let mut sweeps = 0;
-        loop {
-            // Contacts without a solution may find one when the others have moved.
-            self.sweep(task, iterate, plan.policy, sweeps == 0);
-            sweeps += 1;
-            if iterate.measure(task).value <= plan.goal {
-                return (sweeps, Ended::Done);
-            }
-            if task.stop.early() {
-                return (sweeps, Ended::TimeLimit);
-            }
-            if sweeps >= plan.max_sweeps {
-                return (sweeps, Ended::MaxIterations);
-            }
-        }
     }
 }
 

@@ -5,6 +5,8 @@ mod island_sweeps;
 mod rate;
 mod sweep;
 mod swept;
+mod visitor;
+mod worker;
 
 pub(crate) use cost::Cost;
 pub(crate) use island_sweeps::Plan;

@@ -7,18 +7,18 @@
 
 use std::ops::Range;
 
+use super::island_sweeps::Plan;
 use super::swept::Swept;
-use crate::contact::{Components, ContactProblem, ContactState, Members, Phase};
+use super::visitor::{BATCH, Visitor, record};
+use super::worker::{Worker, solve_side_by_side};
+use crate::contact::{Components, ContactProblem, ContactState, Members};
 use crate::solver::measure::own::{OwnMeasure, measure_alone};
 use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
-use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
+use crate::solver::one_contact::solve::{Candidates, OneContact, Policy, Start};
 use crate::solver::report::Ended;
 use crate::threads;
-
-/// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
-pub(super) const BATCH: usize = 8 * threads::LEAF;
 
 /// Prepared blocks and buffers.
 #[derive(Debug, Clone, Default)]
@@ -28,8 +28,9 @@ pub(crate) struct Sweeper {
     /// What is left of the work on contacts in sweeps.
     efforts: Vec<Effort>,
     /// Contacts that influence each other, directly or by others.
-    pub(super) islands: Members,
+    islands: Members,
     pub(crate) candidates: Candidates,
+    workers: Vec<Worker>,
 }
 
 impl Sweeper {
@@ -79,59 +80,66 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
+        let Self { blocks, efforts, candidates, .. } = self;
+        let mut visitor = Visitor { blocks, efforts, candidates };
         let mut stuck = None;
         for i in 0..task.problem.contacts().len() {
-            if !self.visit(task, iterate, policy, first, i) {
+            if !visitor.visit(task, iterate, policy, first, i) {
                 stuck = Some(i);
             }
         }
         stuck
     }
 
-    /// Solves a contact with the percussions of the others held; whether there is a solution.
+    /// The islands of the problem.
     #[inline]
-    pub(super) fn visit(
+    pub(crate) fn islands(&self) -> &Members {
+        &self.islands
+    }
+
+    /// Sweeps island by island; `swept` receives what they have come to, of fewer islands if the stop has ended it early.
+    /// Afterwards velocities belong to the percussions and states to what the contacts do, and contacts are marked as
+    /// ambiguous.
+    pub(crate) fn solve_islands(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
-        policy: Policy,
-        first: bool,
-        i: usize,
-    ) -> bool {
-        let (problem, history, block) = (task.problem, &task.history[i], &self.blocks[i]);
-        let state = &mut iterate.states[i];
-        let held = problem.contact_velocity(i, iterate.percussion, false);
-        let percussion = &mut iterate.percussion[problem.contacts()[i].rows()];
-        if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
-            percussion.fill(0.0);
-            state.phase = Phase::Open;
-            return true;
+        plan: Plan,
+        swept: &mut Vec<Swept>,
+    ) {
+        swept.clear();
+        let Self { blocks, efforts, islands, candidates, workers } = self;
+        let mut visitor = Visitor { blocks, efforts, candidates };
+        if task.threads.serve(task.problem.contacts().len()) {
+            solve_side_by_side((workers, visitor), islands, task, iterate, plan, swept);
+        } else {
+            let all = (&*islands, 0..islands.count());
+            visitor.solve_in_turn(task, iterate, plan, all, |own| swept.push(own));
         }
-        let slip = (!first).then_some(state.slip);
-        let contact = OneContact { problem, contact: i, block, held };
-        let (candidates, effort) = (&mut self.candidates, &mut self.efforts[i]);
-        let start = Start { history, slip };
-        let found = contact.solve(policy, start, percussion, candidates, effort);
-        match (policy, found) {
-            (Policy::Prove, found) => record(found, history, state, &mut iterate.ambiguous[i]),
-            (Policy::FirstFound, Some(found)) => {
-                (state.phase, state.slip) = (found.phase, found.slip);
-            }
-            (Policy::FirstFound, None) => {}
-        }
-        found.is_some()
     }
 
-    /// Whether a contact has more than one solution with the percussions of the others held.
-    #[inline]
-    pub(super) fn is_ambiguous(
+    /// Sweeps over all contacts until the measure of the stop is small, which may be one of all of them together.
+    pub(crate) fn solve_together(
         &mut self,
         task: &Task<'_>,
-        percussion: &[f64],
-        contact: usize,
-    ) -> bool {
-        let one = OneContact::new(task.problem, contact, &self.blocks[contact], percussion);
-        one.is_ambiguous(&task.history[contact], &mut self.candidates)
+        iterate: &mut Iterate<'_>,
+        plan: Plan,
+    ) -> (usize, Ended) {
+        let mut sweeps = 0;
+        loop {
+            // Contacts without a solution may find one when the others have moved.
+            self.sweep(task, iterate, plan.policy, sweeps == 0);
+            sweeps += 1;
+            if iterate.measure(task).value <= plan.goal {
+                return (sweeps, Ended::Done);
+            }
+            if task.stop.early() {
+                return (sweeps, Ended::TimeLimit);
+            }
+            if sweeps >= plan.max_sweeps {
+                return (sweeps, Ended::MaxIterations);
+            }
+        }
     }
 
     /// Solves and measures the only contact of a problem.
@@ -169,21 +177,6 @@ impl Sweeper {
         }
         swept.and(rest.run(task, blocks, candidates))
     }
-}
-
-/// The state of a contact after its solution; the state before where there is none.
-#[inline(always)]
-fn record(
-    found: Option<Found>,
-    history: &ContactState,
-    state: &mut ContactState,
-    ambiguous: &mut bool,
-) {
-    match found {
-        Some(found) => state.follow(history, found.phase, found.slip),
-        None => *state = *history,
-    }
-    *ambiguous = found.is_some_and(|found| found.ambiguous);
 }
 
 /// What belongs to one contact.

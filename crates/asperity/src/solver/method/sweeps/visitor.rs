@@ -1,0 +1,81 @@
+//! A visit to one contact: it is solved with the percussions of the others held.
+
+use crate::contact::{ContactState, Phase};
+use crate::solver::method::task::{Iterate, Task};
+use crate::solver::one_contact::block::Block;
+use crate::solver::one_contact::effort::Effort;
+use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
+use crate::threads;
+
+/// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
+pub(super) const BATCH: usize = 8 * threads::LEAF;
+
+/// Who visits contacts: prepared blocks, and what is left of the work on each of them.
+pub(super) struct Visitor<'a> {
+    pub(super) blocks: &'a [Block],
+    pub(super) efforts: &'a mut [Effort],
+    pub(super) candidates: &'a mut Candidates,
+}
+
+impl Visitor<'_> {
+    /// Solves a contact with the percussions of the others held; whether there is a solution.
+    #[inline]
+    pub(super) fn visit(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        policy: Policy,
+        first: bool,
+        i: usize,
+    ) -> bool {
+        let (problem, history, block) = (task.problem, &task.history[i], &self.blocks[i]);
+        let state = &mut iterate.states[i];
+        let held = problem.contact_velocity(i, iterate.percussion, false);
+        let percussion = &mut iterate.percussion[problem.contacts()[i].rows()];
+        if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
+            percussion.fill(0.0);
+            state.phase = Phase::Open;
+            return true;
+        }
+        let slip = (!first).then_some(state.slip);
+        let contact = OneContact { problem, contact: i, block, held };
+        let (candidates, effort) = (&mut *self.candidates, &mut self.efforts[i]);
+        let start = Start { history, slip };
+        let found = contact.solve(policy, start, percussion, candidates, effort);
+        match (policy, found) {
+            (Policy::Prove, found) => record(found, history, state, &mut iterate.ambiguous[i]),
+            (Policy::FirstFound, Some(found)) => {
+                (state.phase, state.slip) = (found.phase, found.slip);
+            }
+            (Policy::FirstFound, None) => {}
+        }
+        found.is_some()
+    }
+
+    /// Whether a contact has more than one solution with the percussions of the others held.
+    #[inline]
+    pub(super) fn is_ambiguous(
+        &mut self,
+        task: &Task<'_>,
+        percussion: &[f64],
+        contact: usize,
+    ) -> bool {
+        let one = OneContact::new(task.problem, contact, &self.blocks[contact], percussion);
+        one.is_ambiguous(&task.history[contact], self.candidates)
+    }
+}
+
+/// The state of a contact after its solution; the state before where there is none.
+#[inline(always)]
+pub(super) fn record(
+    found: Option<Found>,
+    history: &ContactState,
+    state: &mut ContactState,
+    ambiguous: &mut bool,
+) {
+    match found {
+        Some(found) => state.follow(history, found.phase, found.slip),
+        None => *state = *history,
+    }
+    *ambiguous = found.is_some_and(|found| found.ambiguous);
+}
