@@ -60,7 +60,7 @@ proptest! {
 #[test]
 fn the_larger_of_two_maxima_beside_a_corner_is_found() {
     let needle = Superellipsoid::new(V::new(0.11169561398793218, 2.0423289466208883), 1.0).unwrap();
-    for (p, q) in [(0.22599164726759402, -0.23942908475456526), (-0.1, 0.05), (0.0, 0.3)] {
+    for (p, q) in [(-0.23942908475456526, 0.22599164726759402), (-0.1, 0.05), (0.0, 0.3)] {
         let map = Matrix::<2>::new(1.0, p, q, 1.0 + p * q);
         let outer = Star::from(needle).mapped(&map).unwrap();
         let [first, second] = [0, 1].map(|i| map.column(i) * needle.semi_axes()[i]);
@@ -69,6 +69,28 @@ fn the_larger_of_two_maxima_beside_a_corner_is_found() {
         let nearest = distance(first - second).min(distance(first + second));
         let found = largest_scale_inside(&Ball::UNIT, &outer);
         assert!(close(found, nearest, 1e-9), "{found} instead of {nearest}");
+    }
+}
+
+/// Nor is the point of a needle that is farthest away its tip, but lies on both sides of it.
+#[test]
+fn the_farthest_point_of_a_needle_lies_beside_its_tip() {
+    let axes = V::new(0.18630193764733524, 11.67473380317603);
+    for exponent in [2.5, 3.0, 4.182359812651839, 8.0] {
+        // Where the normal is along the position, x/a is this part of y/b.
+        let part = (axes.x / axes.y).powf(2.0 / (exponent - 2.0));
+        let tip = V::new(axes.x * part, axes.y) / (1.0 + part.powf(exponent)).powf(1.0 / exponent);
+        let needle = Star::from(Superellipsoid::new(axes, exponent).unwrap());
+        let turned = Matrix::<2>::new(
+            0.97983002585355,
+            -0.19983273114240233,
+            0.19983273114240233,
+            0.97983002585355,
+        );
+        let needle = needle.mapped(&turned).unwrap();
+        let inner = needle.as_convex().unwrap();
+        let found = largest_scale_inside(inner, &Ball::UNIT);
+        assert!(close(found, 1.0 / tip.norm(), 1e-13), "{exponent}: {found} {}", 1.0 / tip.norm());
     }
 }
 

@@ -11,11 +11,20 @@ const DIRECTIONS: usize = 32;
 /// Directions closer than this, in quarter turns, count as one.
 const SAME: f64 = 1e-13;
 
+/// What is known of a function in a direction: on an axis of a set and at a corner it may have a minimum between two maxima
+/// that are much nearer than the next directions.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+enum Place {
+    Between,
+    OnAxis,
+    AtCorner,
+}
+
 impl<const P: usize> Form<'_, P> {
     /// Adds points in the directions in which the boundary of a planar set turns, equidistant in three ways: in the
     /// positions of the set with semi-axes one, in the shares `|xᵢ/aᵢ|^s` as they are on a circle, and in the
     /// normals; if asked for in the first quarter only. Whether the set is resolved by them.
-    fn add_directions(&self, quarter: bool, out: &mut Vec<Vector<P>>) -> bool {
+    fn add_directions(&self, quarter: bool, out: &mut Vec<(Vector<P>, Place)>) -> bool {
         let count = if quarter { DIRECTIONS / 4 + 1 } else { DIRECTIONS };
         let mut add = |frame: &Matrix<P>, power: f64| {
             for k in 0..count {
@@ -24,8 +33,9 @@ impl<const P: usize> Form<'_, P> {
                 let [cosine, sine] = [cosine, sine].map(|v| if v.abs() < 1e-9 { 0.0 } else { v });
                 let bent = [cosine, sine].map(|v| v.abs().powf(power).copysign(v));
                 let x = frame * Vector::from_fn(|i, _| bent[i.min(1)]);
+                let on_axis = k % (DIRECTIONS / 4) == 0;
                 if x.amax() > 0.0 {
-                    out.push(x);
+                    out.push((x, if on_axis { Place::OnAxis } else { Place::Between }));
                 }
             }
         };
@@ -52,7 +62,7 @@ impl<const P: usize> Form<'_, P> {
             Self::Image { of, map } => {
                 let first = out.len();
                 let resolved = of.form().add_directions(false, out);
-                out[first..].iter_mut().for_each(|x| *x = map * *x);
+                out[first..].iter_mut().for_each(|(x, _)| *x = map * *x);
                 resolved
             }
             Self::Any => false,
@@ -63,9 +73,7 @@ impl<const P: usize> Form<'_, P> {
 /// Points in the directions in which the boundaries of two planar sets turn, counter-clockwise.
 #[derive(Debug, Clone)]
 pub struct TurningDirections<const P: usize> {
-    points: Vec<Vector<P>>,
-    /// Those at which the boundary of a set has a corner.
-    is_corner: Vec<bool>,
+    points: Vec<(Vector<P>, Place)>,
     /// Whether they go all around. Else they are those of the first quarter, as both sets are symmetric to the axes.
     around: bool,
 }
@@ -81,71 +89,60 @@ impl<const P: usize> TurningDirections<P> {
             set.form().powers().is_some_and(|(lower, upper, _)| lower == upper)
         };
         let quarter = is_symmetric(a) && is_symmetric(b);
-        let mut points: Vec<Vector<P>> = a.corners().into_iter().chain(b.corners()).collect();
+        let corners = a.corners().into_iter().chain(b.corners());
+        let mut points: Vec<(Vector<P>, Place)> = corners.map(|x| (x, Place::AtCorner)).collect();
         if quarter {
-            points.retain(|x| x.min() >= 0.0);
+            points.retain(|(x, _)| x.min() >= 0.0);
         }
-        let corners = points.len();
         points.reserve(6 * DIRECTIONS);
         if ![a, b].iter().all(|set| set.form().add_directions(quarter, &mut points)) {
             return None;
         }
-        let place = |(i, x): (usize, Vector<P>)| {
+        let sorted = |(x, place): (Vector<P>, Place)| {
             // By a power of two, so that no direction is rounded off a cusp.
             let near = x * 2f64.powi(-b.gauge(&x).log2().round() as i32);
-            (diamond(&cast(&x)), i < corners, near)
+            (diamond(&cast(&x)), (near, place))
         };
-        let mut sorted: Vec<(f64, bool, Vector<P>)> =
-            points.into_iter().enumerate().map(place).collect();
+        let mut sorted: Vec<(f64, (Vector<P>, Place))> = points.into_iter().map(sorted).collect();
         sorted.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
         sorted.dedup_by(|next, kept| {
             let same = next.0 - kept.0 <= SAME;
             // Beside a corner a function may be far from its value there.
-            if same && next.1 {
+            if same && next.1.1 > kept.1.1 {
                 *kept = *next;
             }
             same
         });
-        let (points, is_corner) = sorted.into_iter().map(|(_, corner, x)| (x, corner)).unzip();
-        Some(Self { points, is_corner, around: !quarter })
+        let points = sorted.into_iter().map(|(_, point)| point).collect();
+        Some(Self { points, around: !quarter })
     }
 
     /// The largest value of a function of degree zero with the symmetries of both sets, and where it is: every local
-    /// maximum is refined between its neighbours by Brent's method, on either side of a corner by itself, at which a
-    /// function may have a minimum with a maximum on both sides.
+    /// maximum is refined between its neighbours by Brent's method, on either side of axes and corners by itself.
     pub fn largest(&self, value: impl Fn(&Vector<P>) -> f64) -> (f64, Vector<P>) {
-        let Self { points, is_corner, around } = self;
-        let values: Vec<f64> = points.iter().map(&value).collect();
+        let Self { points, around } = self;
+        let values: Vec<f64> = points.iter().map(|(x, _)| value(x)).collect();
         let last = points.len() - 1;
         let mut best = (f64::NEG_INFINITY, Vector::zeros());
-        for i in 0..=last {
-            // Beyond the ends of a quarter lies its mirror image, for which the end itself may stand.
-            let before = if i > 0 {
-                i - 1
-            } else if *around {
-                last
-            } else {
-                0
-            };
-            let after = if i < last {
-                i + 1
-            } else if *around {
-                0
-            } else {
-                last
-            };
+        for (i, &(middle, place)) in points.iter().enumerate() {
             if values[i] > best.0 {
-                best = (values[i], points[i]);
+                best = (values[i], middle);
             }
-            let above = [before, after].map(|j| values[i] >= values[j]);
-            let sides = if is_corner[i] {
-                [(above[0], (-1.0, 0.0)), (above[1], (0.0, 1.0))]
+            // Beyond the ends of a quarter, which lie on axes, lies its mirror image.
+            let before = if i > 0 { Some(i - 1) } else { around.then_some(last) };
+            let after = if i < last { Some(i + 1) } else { around.then_some(0) };
+            let rises = [before, after].map(|j| j.is_some_and(|j| values[j] > values[i]));
+            let [before, after] = [before, after].map(|j| j.map(|j| points[j].0));
+            let sides = if place == Place::Between {
+                [(rises != [false; 2], [before, after]), (true, [None; 2])]
             } else {
-                [(above == [true; 2], (-1.0, 1.0)), (false, (0.0, 0.0))]
+                [(rises[0], [before, None]), (rises[1], [None, after])]
             };
-            for (_, side) in sides.into_iter().filter(|(is_above, _)| *is_above) {
-                let three = [points[before], points[i], points[after]];
-                let found = refined(three, side, values[i], &value);
+            for (rises, neighbours) in sides {
+                if rises || neighbours == [None; 2] {
+                    continue;
+                }
+                let found = refined(middle, values[i], neighbours, &value);
                 if found.0 > best.0 {
                     best = found;
                 }
@@ -155,22 +152,24 @@ impl<const P: usize> TurningDirections<P> {
     }
 }
 
-/// The local maximum between three neighbours, from minus one at the first to one at the last, within these bounds, of
-/// which the middle one has the largest value.
+/// The local maximum between a point with this value and the neighbours on one side or both, where it is not larger.
 ///
 /// The maximum of a smooth function is determined to half of the digits of its place, a kink to all of them.
 fn refined<const P: usize>(
-    [before, middle, after]: [Vector<P>; 3],
-    (mut low, mut high): (f64, f64),
+    middle: Vector<P>,
     value_there: f64,
+    neighbours: [Option<Vector<P>>; 2],
     value: impl Fn(&Vector<P>) -> f64,
 ) -> (f64, Vector<P>) {
     /// The part of the longer side by which golden section divides it.
     const GOLDEN: f64 = 0.381_966_011_250_105_1;
     const MOST: usize = 100;
-    let point = |t: f64| {
-        if t < 0.0 { middle + (before - middle) * -t } else { middle + (after - middle) * t }
-    };
+    let [before, after] = neighbours.map(|x| x.map_or(Vector::zeros(), |x| x - middle));
+    let point = |t: f64| middle + if t < 0.0 { before * -t } else { after * t };
+    let [mut low, mut high] = [(0, -1.0), (1, 1.0)].map(|(side, end)| match neighbours[side] {
+        Some(_) => end,
+        None => 0.0,
+    });
     // The best place, the second and the third one, within the bounds.
     let (mut best, mut second, mut third) =
         ((0.0, value_there), (0.0, value_there), (0.0, value_there));
