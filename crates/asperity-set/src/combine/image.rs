@@ -118,7 +118,11 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
             }
             // In the plane the bracket does not care how skew the map is.
             None if P <= 2 => project::onto_any(self, z),
-            None => project::onto_image(&self.set, &self.map, &self.inverse, z),
+            None if self.gauge(z) <= 1.0 => *z,
+            None => {
+                let near = self.near(z);
+                self.improved(z, &near).map_or(near, |(x, _)| x)
+            }
         }
     }
 
@@ -133,6 +137,13 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
 
     fn project_jet(&self, z: &Vector<P>, start: &Vector<P>) -> (Vector<P>, Matrix<P>) {
         if self.similarity.is_none() {
+            if P == 3
+                && self.gauge(z) > 1.0
+                && let Some((x, jacobian)) = self.improved(z, &self.near(z))
+                && let Some((n, _)) = project::jet::normal(self, z, &x)
+            {
+                return (x, project::jet::across(&n, |t| jacobian * t));
+            }
             return project::jet::by_differences(self, z, start);
         }
         let local = self.inverse * z;
@@ -146,6 +157,21 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
         Some(cone.mapped(&self.inverse.transpose()))
+    }
+}
+
+impl<const P: usize, S: ConvexSet<P>> Image<S, P> {
+    /// The point nearest to a `z` outside, of round sets and where boundaries are nearly flat with half of its digits.
+    fn near(&self, z: &Vector<P>) -> Vector<P> {
+        let round = || project::by_dual_newton(self, z);
+        let flat = || project::by_cuts(self, z);
+        let found = if self.set.corners().is_empty() { round().or_else(flat) } else { flat() };
+        found.unwrap_or_else(|| project::by_support_points(self, z))
+    }
+
+    /// The nearest point with all digits, and the Jacobian.
+    fn improved(&self, z: &Vector<P>, near: &Vector<P>) -> Option<(Vector<P>, Matrix<P>)> {
+        project::onto_image(&self.set, &self.map, z, self.inverse * near)
     }
 }
 
