@@ -50,7 +50,8 @@ pub fn check(data: &[u8]) {
         normal_force: &motion.samples.normal_force,
         phase: None,
         slack: 1e-3,
-        resolution: 0.0,
+        tolerance: 0.0,
+        dt: 0.0,
     });
     let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
     for contact in &scene.contacts {

@@ -28,7 +28,8 @@ pub fn check(data: &[u8]) {
         normal_force: &path.normal_force,
         phase: Some(&path.phase),
         slack: 1e-6,
-        resolution: 10.0 * options.tolerance / options.dt,
+        tolerance: 10.0 * options.tolerance,
+        dt: options.dt,
     });
     if matches!(run.outcome, Outcome::Finished) {
         assert!(path.u.iter().all(|v| v.is_finite()), "not finite: {options:?} {scene:?}");

@@ -107,10 +107,10 @@ impl Scene {
     /// Reservoirs grow and shrink with a factor of the speed. Its part that rises with the speed is that of the slip, the
     /// part that falls that of the slip `lag` samples before.
     pub fn check_forces(&self, forces: &Forces<'_>) {
-        let Forces { p, lag, slip, force, normal_force, phase, slack, resolution } = *forces;
+        let Forces { p, lag, slip, force, normal_force, phase, slack, tolerance, dt } = *forces;
         let m = self.contacts.len();
         let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
-        let errors: Vec<f64> = self.contacts.iter().map(|c| self.error_by_speed(c)).collect();
+        let mobility: Vec<f64> = self.contacts.iter().map(|c| self.mobility(c)).collect();
         for (k, &normal) in normal_force.iter().enumerate() {
             let contact = &self.contacts[k % m];
             // Laws of fewer dimensions are padded.
@@ -125,16 +125,30 @@ impl Scene {
                 own.iter().map(|v| v * v).sum::<f64>().sqrt()
             };
             let (before, now) = (speed(k - lag * m), speed(k));
+            // Speeds are known as well as the percussions that bring them, in this step and in the one before.
+            let brought = |sample: usize| {
+                let percussion = |j: usize| {
+                    let own = force[(sample * m + j) * p..][..p].iter().filter(|f| !f.is_nan());
+                    dt * own.map(|f| f * f).sum::<f64>().sqrt()
+                };
+                (0..m).map(|j| percussion(j) * (mobility[k % m] * mobility[j]).sqrt()).sum::<f64>()
+            };
+            let brought = tolerance * (brought(k / m) + brought(k / m - lag));
             // At rest a speed of the size of rounding may stand for none, and the other way round.
             let factor_with = |error: f64| {
-                let falling_at = (before + error).max(0.0);
+                let [falling_at, rising_at] = [before + error, now - error].map(|v| v.max(0.0));
                 let rate = contact.law.rate();
-                rate.map_or(1.0, |rate| rate.falling(falling_at) + rate.rising(now))
+                rate.map_or(1.0, |rate| rate.falling(falling_at) + rate.rising(rising_at))
             };
-            let (least, factor) = (factor_with(1e-9), factor_with(-1e-9));
+            let (least, factor) = (factor_with(1e-9 + brought), factor_with(-1e-9 - brought));
             let gauge = gauge(&contact.law, own);
-            let error =
-                slack * (size + normal * factor) + resolution * errors[k % m] * (before + now);
+            // Percussions are known relative to their loads.
+            let loads = if mobility[k % m] > 0.0 && dt > 0.0 {
+                (before + now) / (mobility[k % m] * dt) / laws::least_radius(&contact.law)
+            } else {
+                0.0
+            };
+            let error = slack * (size + normal * factor) + tolerance * loads;
             assert!(
                 gauge <= normal * factor + error,
                 "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",
@@ -154,15 +168,11 @@ impl Scene {
         }
     }
 
-    /// What an error of a percussion relative to its loads may do to the gauge, by the speed: `ρ` over the least radius.
-    fn error_by_speed(&self, contact: &Contact) -> f64 {
+    /// The mean velocity along the rows of a contact for a unit percussion along each.
+    fn mobility(&self, contact: &Contact) -> f64 {
         let inverse = self.matrices[0].clone().try_inverse().expect("a mass matrix is regular");
         let trace = (contact.direction.transpose() * inverse * &contact.direction).trace();
-        // What moves nothing has no loads.
-        if trace == 0.0 {
-            return 0.0;
-        }
-        contact.law.dimension() as f64 / trace / laws::least_radius(&contact.law)
+        trace / contact.law.dimension() as f64
     }
 }
 
@@ -180,9 +190,10 @@ pub struct Forces<'a> {
     pub phase: Option<&'a [i8]>,
     /// Relative to the largest normal force.
     pub slack: f64,
-    /// The tolerance of percussions relative to their loads over the length of the step, in 1/s: forces of short steps
-    /// are known the less the shorter these are.
-    pub resolution: f64,
+    /// The tolerance of percussions relative to their loads, and the length of the step: forces of short steps are known
+    /// the less the shorter these are. Zero where forces are integrated.
+    pub tolerance: f64,
+    pub dt: f64,
 }
 
 fn gauge(law: &Law, force: &[f64]) -> f64 {

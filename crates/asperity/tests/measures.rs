@@ -568,6 +568,24 @@ fn percussions_of_one_contact_do_not_run_away_from_a_vanishing_load() {
     }
 }
 
+/// A single coordinate along which friction pulls a contact that slides on a belt into the surface: percussions that cancel
+/// in it may be as large as they like, and their residual as small, but solve nothing.
+#[test]
+fn percussions_of_one_contact_that_cancel_are_no_solution() {
+    let ellipsoid = Ellipsoid::new(nalgebra::Vector3::new(89.0, 5.6, 17.8)).unwrap();
+    let rows = nalgebra::DVector::from_row_slice(&[-0.84, 0.764, 0.956, 0.6625]);
+    let belt = nalgebra::DVector::from_row_slice(&[0.0, -9.2, 0.0114, 0.562]);
+    for (mass, speed) in [(0.0117, 27.5), (1.0, 27.5), (0.0117, 3.0), (1e3, 300.0)] {
+        let law = Law::from(FrictionLaw::associated(Convex::from(ellipsoid)));
+        let free = (&rows * speed + &belt).as_slice().to_vec();
+        let delassus = &rows * rows.transpose() / mass;
+        let problem =
+            ContactProblem::new(delassus, free, [(law, NormalForce::Unilateral)]).unwrap();
+        let solution = problem.solve(&Solver::default(), Stop::default());
+        assert_ne!(solution.report.status.name(), "converged", "{mass} {speed}: {solution:?}");
+    }
+}
+
 /// What a contact does, told from percussions that are no solution, on both sides of every switch.
 #[test]
 fn phases_switch_where_the_natural_map_does() {

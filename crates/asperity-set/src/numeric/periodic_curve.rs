@@ -59,7 +59,7 @@ pub(crate) struct PeriodicCurve {
     /// which is `first`. Of curves with dents they mean nothing.
     turns: Arc<[f64]>,
     first: usize,
-    /// The smallest `ρ` and the direction of its knot.
+    /// The smallest `ρ`, minus infinity at a corner that turns back, and the direction of its knot.
     lowest: (f64, Vector<2>),
     /// Directions of the samples where the slope jumps.
     corners: Arc<[Vector<2>]>,
@@ -119,20 +119,33 @@ impl PeriodicCurve {
             let around = |i: &usize| [(i + n - 1) % n, *i, (i + 1) % n];
             faults.retain(|i| around(i).iter().any(|&j| !corner[j]));
             if faults.is_empty() {
+                let mut least = (f64::INFINITY, 0);
                 for i in 0..n {
+                    let mut curvature = rho[i];
                     if corner[i] {
-                        // Within a flat the jump vanishes.
+                        // Within a flat the jump vanishes; one that turns back is bent without bound.
                         corner[i] = rho[i].abs() > 64.0 * rounding[i];
+                        let turns_back = corner[i] && rho[i] < 0.0;
+                        curvature = if turns_back { f64::NEG_INFINITY } else { 0.0 };
                         rho[i] = 0.0;
                     }
+                    if curvature < least.0 {
+                        least = (curvature, i);
+                    }
                 }
-                return Ok(Self::from_samples(&angle, &value, &rho, &corner));
+                return Ok(Self::from_samples(&angle, &value, &rho, &corner, least));
             }
             faults.iter().flat_map(around).for_each(|j| corner[j] = true);
         }
     }
 
-    fn from_samples(angle: &[f64], value: &[f64], rho: &[f64], corner: &[bool]) -> Self {
+    fn from_samples(
+        angle: &[f64],
+        value: &[f64],
+        rho: &[f64],
+        corner: &[bool],
+        (least, lowest): (f64, usize),
+    ) -> Self {
         let (n, step) = (angle.len(), steps(angle));
         let direction = |i: usize| Vector::<2>::new(angle[i].cos(), angle[i].sin());
         let pieces: Arc<[Piece]> = (0..n)
@@ -155,8 +168,7 @@ impl PeriodicCurve {
                 if started == 0 { n as u32 - 1 } else { started as u32 - 1 }
             })
             .collect();
-        let lowest = (0..n).min_by(|&a, &b| rho[a].total_cmp(&rho[b])).unwrap_or(0);
-        let lowest = (rho[lowest], direction(lowest));
+        let lowest = (least, direction(lowest));
         let corners = (0..n).filter(|&i| corner[i]).map(direction).collect();
         let (first, turns) = turns(&pieces);
         Self { pieces, bins, turns, first, lowest, corners }
@@ -580,5 +592,41 @@ mod tests {
                 assert!((found - side * 0.5).norm() < 1e-13, "{count} {side:?} {found:?}");
             }
         }
+    }
+
+    /// A curve counts as convex only where it is: the gradient turns back nowhere, at corners neither.
+    #[test]
+    fn corners_that_turn_back_are_no_corners_of_convex_sets() {
+        let mut seed = 1_u64;
+        let mut unit = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut convex, mut dented) = (0, 0);
+        for k in 0..4000 {
+            let n = 4 + k % 7;
+            let swing = [0.05, 0.3, 1.0][k % 3];
+            let angle: Vec<f64> = (0..n).map(|_| TAU * unit()).collect();
+            let value: Vec<f64> = (0..n).map(|_| 1.0 + swing * unit()).collect();
+            let Ok(curve) = PeriodicCurve::new(&angle, &value, "value") else { continue };
+            let jets: Vec<(Vector<2>, CurveJet)> = (0..3000)
+                .map(|i| f64::from(i) * TAU / 3000.0)
+                .chain(angle.iter().flat_map(|a| [a - 1e-9, a + 1e-9]))
+                .map(|a| Vector::<2>::new(a.cos(), a.sin()))
+                .map(|x| (x, curve.jet(&x)))
+                .collect();
+            // Convex functions lie above all their tangents.
+            let below = |(x, jet): &(Vector<2>, CurveJet)| {
+                jets.iter().any(|(_, other)| other.gradient.dot(x) > jet.value + 1e-6)
+            };
+            let turns_back = jets.iter().step_by(7).any(below);
+            if curve.lowest().0 >= 0.0 {
+                assert!(!turns_back, "{angle:?} {value:?}");
+                convex += 1;
+            } else {
+                dented += 1;
+            }
+        }
+        assert!(convex > 100 && dented > 100, "{convex} {dented}");
     }
 }

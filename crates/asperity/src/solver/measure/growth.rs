@@ -27,6 +27,9 @@ const HIDDEN: f64 = 1e-6;
 /// `SUSPICIOUS` and of `GROWN`.
 const APPROACHING: f64 = 1e-2;
 const CLOSING: f64 = 0.1;
+/// Part of all loads of a single contact that it may move with along its normal, be it away: at residuals of 1e-10 its
+/// percussions are a million times as large as these ask for.
+const MOVING: f64 = 1e-4;
 /// Growth beyond which contacts that approach at all are looked at more closely, whatever the residual.
 const SUSPICIOUS: f64 = 1e4;
 /// Growth beyond which rounding leaves too little of velocities to say whether contacts approach. Two contacts of
@@ -130,12 +133,17 @@ impl Powers {
     /// What the contacts of the group do, if their percussions have grown.
     fn kind(&self) -> Option<GrowthKind> {
         let Self { contacts, approach, separation, load, net, largest, brought } = *self;
-        // One contact alone is not squeezed: in Painlevé's paradox friction calls for percussions that are large beside a
-        // vanishing normal load.
-        let boundless = contacts > 1 && brought > BOUNDLESS * load && load > NO_LOAD * largest;
         let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
         // What rounding leaves is no velocity.
         let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
+        let boundless = if contacts > 1 {
+            brought > BOUNDLESS * load && load > NO_LOAD * largest
+        } else {
+            // In Painlevé's paradox friction calls for percussions of one contact that are large beside a vanishing normal
+            // load, but not beside the load along its other rows. Those that cancel may, and leave it moving.
+            let loads = f64::max(load, largest);
+            brought > UNRESOLVED * loads || counts(f64::max(approach, separation), MOVING * loads)
+        };
         if !(brought > GROWN * load) {
             None
         } else if counts(approach, f64::min(little, closing)) {

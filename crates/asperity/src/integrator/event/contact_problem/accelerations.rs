@@ -53,6 +53,11 @@ impl SetAside {
         (contact.mode, contact.unloaded, contact.undecided) = (Phase::Open, true, false);
     }
 
+    /// Those that slipping contacts held are asked again: what held them may have opened.
+    fn ask_immobile(&mut self, dynamics: &mut Dynamics<'_>) {
+        self.immobile.drain(..).for_each(|i| dynamics.contacts[i].undecided = true);
+    }
+
     /// Sets contacts aside or lets them return, as they carry load or not; whether there are any.
     fn exchange(
         &mut self,
@@ -155,6 +160,7 @@ fn decide_with_shares(
         if !dynamics.undecided_share {
             if let Some(contact) = lifted {
                 aside.unload(dynamics, contact);
+                aside.ask_immobile(dynamics);
                 continue;
             }
         } else if lifted.is_some() || dynamics.sharing.dependent || !aside.unloaded.is_empty() {
@@ -188,6 +194,7 @@ fn decide_with_shares(
                 if exchanges > closed.len() + MORE_EXCHANGES {
                     return Ok(unsolved(closed[0].contact));
                 }
+                aside.ask_immobile(dynamics);
                 continue;
             }
         }
