@@ -98,7 +98,7 @@ def test_an_island_does_not_depend_on_others_to_the_bit():
 def test_threads_and_the_order_of_islands_change_no_bit(measure):
     wall = problems.wall(6, columns=5, push=1.0, law=DISK)
     problem = side_by_side([*scenes(), wall, problems.sliders(40), wall])
-    # From 512 contacts on several threads sweep islands, too.
+    # Of more than 512 contacts several threads sweep islands, too.
     assert len(problem.laws) > 512
     one = problem.solve(measure=measure)
     for threads in (2, 3):

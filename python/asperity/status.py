@@ -59,7 +59,7 @@ class Status(StrEnum):
     STALLED = "stalled"
     """The solver makes no further progress above the tolerance."""
     UNBOUNDED = "unbounded"
-    """Percussions grow without bound while a contact goes on approaching: there is probably no
+    """Percussions grow without bound while a contact goes on moving: there is probably no
     solution, but that is not proven."""
     NO_SOLUTION = "no_solution"
     """There is no solution; ``ContactSolution.infeasibility`` is the proof."""
@@ -86,7 +86,7 @@ _MESSAGES = {
     Status.TIME_LIMIT: "the solver reached its time limit before the tolerance",
     Status.INEXACT: "the solver is done, but rounding keeps the residual above the tolerance",
     Status.STALLED: "the solver makes no further progress above the tolerance",
-    Status.UNBOUNDED: "percussions grow without bound while a contact goes on approaching",
+    Status.UNBOUNDED: "percussions grow without bound while a contact goes on moving",
     Status.NO_SOLUTION: "no percussion satisfies the laws",
     Status.NOT_APPLICABLE: "the solver cannot take these laws or contacts",
 }

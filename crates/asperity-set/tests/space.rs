@@ -143,6 +143,37 @@ fn projections_near_an_edge_of_one_member_stay_inside() {
 }
 
 /// The turn about an axis in space by an angle.
+/// However skew the map is, what is left of the variational inequality is small.
+#[test]
+fn projections_onto_skew_images_end_at_the_nearest_point() {
+    let axes = W::new(1.3, 0.4, 0.8);
+    let sets = [
+        Star::from(Convex::from(Cuboid::new(-axes, W::new(0.7, 0.9, 0.2)).unwrap())),
+        Star::from(Superellipsoid::new(axes, 1.0).unwrap()),
+        Star::from(Superellipsoid::new(axes, 1.5).unwrap()),
+        Star::from(Superellipsoid::new(axes, 6.0).unwrap()),
+        Star::from(Superellipsoid::new(axes, 700.0).unwrap()),
+    ];
+    for shear in [0.5, 10.0, 1e2, 1e4, 1e6] {
+        let map = Matrix::<3>::new(1.0, 0.3, shear, 0.0, 1.0, -0.4 * shear, 0.2, 0.0, 1.0);
+        for (number, set) in sets.iter().enumerate() {
+            let image = set.mapped(&map).unwrap();
+            let image = image.as_convex().unwrap();
+            for k in 0..60 {
+                let angle = 0.7 + 2.4 * f64::from(k);
+                let z = W::new(shear * angle.cos(), 0.4 * shear * angle.sin(), (0.3 * angle).cos());
+                let z = z * (2.0 / image.gauge(&z).min(2.0)) * (1.0 + 0.05 * f64::from(k));
+                let x = image.project(&z);
+                let (normal, size) = (z - x, z.norm() + x.norm());
+                let left = image.support(&normal) - x.dot(&normal);
+                let name = format!("set {number}, shear {shear:e}, {k}: {left:e}");
+                assert!(image.gauge(&x) <= 1.0 + 1e-9, "{name}, k = {}", image.gauge(&x));
+                assert!(left <= 1e-10 * size * (normal.norm() + 1e-8 * size), "{name}");
+            }
+        }
+    }
+}
+
 fn turn(axis: &W, angle: f64) -> Matrix<3> {
     let cross = axis.cross_matrix();
     Matrix::<3>::identity() + cross * angle.sin() + cross * cross * (1.0 - angle.cos())

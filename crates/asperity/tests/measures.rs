@@ -582,7 +582,11 @@ fn percussions_of_one_contact_that_cancel_are_no_solution() {
         let problem =
             ContactProblem::new(delassus, free, [(law, NormalForce::Unilateral)]).unwrap();
         let solution = problem.solve(&Solver::default(), Stop::default());
-        assert_ne!(solution.report.status.name(), "converged", "{mass} {speed}: {solution:?}");
+        let status = solution.report.status.name();
+        assert!(
+            ["unbounded", "no_solution", "stalled"].contains(&status),
+            "{mass} {speed}: {status}"
+        );
     }
 }
 

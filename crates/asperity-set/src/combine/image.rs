@@ -169,9 +169,18 @@ impl<const P: usize, S: ConvexSet<P>> Image<S, P> {
         found.unwrap_or_else(|| project::by_support_points(self, z))
     }
 
-    /// The nearest point with all digits, and the Jacobian.
+    /// The nearest point with more digits, and the Jacobian; `None` where rounding in the preimage of a skew map leaves
+    /// fewer.
     fn improved(&self, z: &Vector<P>, near: &Vector<P>) -> Option<(Vector<P>, Matrix<P>)> {
-        project::onto_image(&self.set, &self.map, z, self.inverse * near)
+        let found = project::onto_image(&self.set, &self.map, z, self.inverse * near)?;
+        // What the variational inequality leaves, `h(z − x) − x·(z − x)`, and how far outside.
+        let left = |x: &Vector<P>| {
+            let normal = z - x;
+            let excess = (self.gauge(x) - 1.0).max(0.0) * x.norm();
+            (self.support(&normal) - x.dot(&normal)).abs() + excess * normal.norm()
+        };
+        let rounding = 4.0 * f64::EPSILON * z.norm() * (z - near).norm();
+        (left(&found.0) <= left(near).max(rounding)).then_some(found)
     }
 }
 

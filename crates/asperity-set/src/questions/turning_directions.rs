@@ -118,7 +118,7 @@ impl<const P: usize> TurningDirections<P> {
     }
 
     /// The largest value of a function of degree zero with the symmetries of both sets, and where it is: every local
-    /// maximum is refined between its neighbours by Brent's method, on either side of axes and corners by itself.
+    /// maximum is refined between its neighbours by Brent's method, and both sides of axes and corners are searched.
     pub fn largest(&self, value: impl Fn(&Vector<P>) -> f64) -> (f64, Vector<P>) {
         let Self { points, around } = self;
         let values: Vec<f64> = points.iter().map(|(x, _)| value(x)).collect();
@@ -131,17 +131,14 @@ impl<const P: usize> TurningDirections<P> {
             // Beyond the ends of a quarter, which lie on axes, lies its mirror image.
             let before = if i > 0 { Some(i - 1) } else { around.then_some(last) };
             let after = if i < last { Some(i + 1) } else { around.then_some(0) };
-            let rises = [before, after].map(|j| j.is_some_and(|j| values[j] > values[i]));
+            let rises = [before, after].iter().flatten().any(|&j| values[j] > values[i]);
             let [before, after] = [before, after].map(|j| j.map(|j| points[j].0));
-            let sides = if place == Place::Between {
-                [(rises != [false; 2], [before, after]), (true, [None; 2])]
-            } else {
-                [(rises[0], [before, None]), (rises[1], [None, after])]
+            let sides = match place {
+                Place::Between if rises => continue,
+                Place::Between => [[before, after], [None; 2]],
+                _ => [[before, None], [None, after]],
             };
-            for (rises, neighbours) in sides {
-                if rises || neighbours == [None; 2] {
-                    continue;
-                }
+            for neighbours in sides.into_iter().filter(|sides| *sides != [None; 2]) {
                 let found = refined(middle, values[i], neighbours, &value);
                 if found.0 > best.0 {
                     best = found;
@@ -152,7 +149,7 @@ impl<const P: usize> TurningDirections<P> {
     }
 }
 
-/// The local maximum between a point with this value and the neighbours on one side or both, where it is not larger.
+/// A local maximum between a point with this value and its neighbours, on one side or both.
 ///
 /// The maximum of a smooth function is determined to half of the digits of its place, a kink to all of them.
 fn refined<const P: usize>(

@@ -31,10 +31,13 @@ impl SupportCurve {
         let support = PeriodicCurve::new(angle, support, "support")?;
         let (rho, at) = support.lowest();
         if rho < 0.0 {
-            let message = format!(
-                "must be that of a convex set, its radius of curvature is {rho} at the normal angle {} rad",
-                at.y.atan2(at.x)
-            );
+            let angle = at.y.atan2(at.x);
+            let fault = if rho.is_finite() {
+                format!("its radius of curvature is {rho} at the normal angle {angle} rad")
+            } else {
+                format!("its slope falls back at the normal angle {angle} rad")
+            };
+            let message = format!("must be that of a convex set, {fault}");
             return Err(SetError::Shape { argument: "support", message });
         }
         Ok(Self { support, samples })

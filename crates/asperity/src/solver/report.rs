@@ -16,7 +16,7 @@ pub enum Status {
     Inexact,
     /// The solver makes no further progress above the tolerance.
     Stalled,
-    /// Percussions grow without bound while a contact goes on approaching: there is probably no solution, but
+    /// Percussions grow without bound while a contact goes on moving: there is probably no solution, but
     /// that is not proven.
     Unbounded,
     /// There is no solution: [`Workspace::infeasibility`](super::Workspace::infeasibility) holds the proof.
@@ -51,7 +51,7 @@ pub struct SolveReport {
     pub iterations: usize,
     /// Relative natural residual.
     pub residual: f64,
-    /// The contact with the largest residual, the one that goes on approaching, or the one without a solution.
+    /// The contact with the largest residual, the one that goes on moving, or the one without a solution.
     pub worst_contact: usize,
     /// Whether some contact had more than one solution.
     pub ambiguous: bool,

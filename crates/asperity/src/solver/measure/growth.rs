@@ -27,9 +27,11 @@ const HIDDEN: f64 = 1e-6;
 /// `SUSPICIOUS` and of `GROWN`.
 const APPROACHING: f64 = 1e-2;
 const CLOSING: f64 = 0.1;
-/// Part of all loads of a single contact that it may move with along its normal, be it away: at residuals of 1e-10 its
-/// percussions are a million times as large as these ask for.
+/// Part of all loads of a single contact that it may move with along its normal, even if it separates, where growth is
+/// beyond `SUSPICIOUS`: a residual of 1e-10 leaves as much where percussions are a million times as large as these loads.
 const MOVING: f64 = 1e-4;
+/// Rows of a contact whose velocities are those of a point: the normal one and two tangential ones.
+const PLANAR: usize = 3;
 /// Growth beyond which contacts that approach at all are looked at more closely, whatever the residual.
 const SUSPICIOUS: f64 = 1e4;
 /// Growth beyond which rounding leaves too little of velocities to say whether contacts approach. Two contacts of
@@ -67,7 +69,7 @@ pub(crate) enum GrowthKind {
     /// They approach a little, or may do so within rounding: their percussions are those of a solution, or grow
     /// slowly for ever.
     Suspicious,
-    /// Growth is boundless: rounding may hide that they approach.
+    /// Growth is boundless: rounding may hide that they approach. A single contact moves with percussions that cancel.
     Boundless,
     /// They go on approaching.
     Approaching,
@@ -103,8 +105,9 @@ pub(crate) struct Groups {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Powers {
-    /// Contacts that push.
+    /// Contacts of the group, and the largest load of a row of a single one, but for that of its drilling.
     contacts: usize,
+    own: f64,
     approach: f64,
     separation: f64,
     load: f64,
@@ -121,7 +124,9 @@ impl Powers {
         let row = problem.contacts()[contact].offset;
         let (push, xi) = (percussion[row], measured.xi(row));
         let (load, brought) = loads.velocities(problem, contact, percussion);
-        self.contacts += 1;
+        let rows = problem.contacts()[contact].rows().take(PLANAR);
+        let own = |row: usize| (problem.free_velocity()[row] + problem.restitution()[row]).abs();
+        self.own = rows.map(own).fold(load.abs(), f64::max) * push;
         self.approach += push * f64::max(0.0, -xi);
         self.separation += push * f64::max(0.0, xi);
         self.load += push * load.abs();
@@ -132,7 +137,7 @@ impl Powers {
 
     /// What the contacts of the group do, if their percussions have grown.
     fn kind(&self) -> Option<GrowthKind> {
-        let Self { contacts, approach, separation, load, net, largest, brought } = *self;
+        let Self { contacts, own, approach, separation, load, net, largest, brought } = *self;
         let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
         // What rounding leaves is no velocity.
         let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
@@ -140,9 +145,10 @@ impl Powers {
             brought > BOUNDLESS * load && load > NO_LOAD * largest
         } else {
             // In Painlevé's paradox friction calls for percussions of one contact that are large beside a vanishing normal
-            // load, but not beside the load along its other rows. Those that cancel may, and leave it moving.
-            let loads = f64::max(load, largest);
-            brought > UNRESOLVED * loads || counts(f64::max(approach, separation), MOVING * loads)
+            // load, but not beside the load along its other rows. Percussions that cancel each other may be as large as
+            // they like, and leave the contact moving.
+            let moves = counts(f64::max(approach, separation), MOVING * own);
+            brought > UNRESOLVED * own || brought > SUSPICIOUS * own && moves
         };
         if !(brought > GROWN * load) {
             None
@@ -226,7 +232,7 @@ pub(crate) fn of_island(measured: &Measured<'_>, contacts: &[usize]) -> Option<G
     let Measured { problem, percussion, .. } = *measured;
     let loads = Loads::of(problem, contacts.iter().map(|&i| &problem.contacts()[i]));
     let pushing = |i: &&usize| pushes(&problem.contacts()[**i], percussion);
-    let mut sums = Powers::default();
+    let mut sums = Powers { contacts: contacts.len(), ..Powers::default() };
     contacts.iter().filter(pushing).for_each(|&i| sums.add(measured, i, &loads));
     let kind = sums.kind()?;
     let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
@@ -309,6 +315,9 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);
     groups.begin(problem);
     let loads = Loads::of(problem, problem.contacts().iter());
+    for i in 0..problem.contacts().len() {
+        groups.sums[groups.members.first(i)].contacts += 1;
+    }
     for (i, _) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.members.first(i);
         groups.sums[group].add(measured, i, &loads);

@@ -138,7 +138,12 @@ fn one_contact_grows_without_bound_beside_its_load() {
     let kind = |p: f64, velocity: f64| growth(&problem, &[p], &[velocity]).map(|found| found.kind);
     assert_eq!(kind(0.9e10, 0.0), None);
     assert_eq!(kind(1.1e10, 0.0), Some(GrowthKind::Boundless));
-    assert_eq!(kind(1e3, 0.5), Some(GrowthKind::Boundless));
+    assert_eq!(kind(1e3, 0.5), Some(GrowthKind::Separating));
+    assert_eq!(kind(2e4, 0.5), Some(GrowthKind::Boundless));
+    // Another contact of its group may push, too.
+    let two = pushing(2, 100.0, &[-1.0, -1.0], &[0.0; 2]);
+    let found = growth(&two, &[2e4, 0.0], &[0.5, 0.5]).map(|found| found.kind);
+    assert_eq!(found, Some(GrowthKind::Separating));
     assert_eq!(kind(1e11, -0.02), Some(GrowthKind::Approaching));
     let running = |kind| Growth { kind, contact: 3, factor: 1.0 }.running();
     assert_eq!(running(GrowthKind::Suspicious), None);

@@ -110,7 +110,10 @@ impl Sweeper {
         swept.clear();
         let Self { blocks, efforts, islands, candidates, workers } = self;
         let mut visitor = Visitor { blocks, efforts, candidates };
-        if task.threads.serve(task.problem.contacts().len()) {
+        // Whoever shares the pool with other calls would wait for them.
+        if task.threads.serve(task.problem.contacts().len())
+            && let Some(_claim) = task.threads.claim()
+        {
             solve_side_by_side((workers, visitor), islands, task, iterate, plan, swept);
         } else {
             let all = (&*islands, 0..islands.count());

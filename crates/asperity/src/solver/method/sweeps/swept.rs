@@ -46,7 +46,9 @@ impl Swept {
             sweeps: self.sweeps.max(other.sweeps),
             // A contact without a solution says more than a limit that was reached elsewhere.
             ended: match (self.ended, other.ended) {
-                (Ended::Stuck(_) | Ended::MaxIterations, Ended::Done) => self.ended,
+                (Ended::TimeLimit, _) | (Ended::Stuck(_) | Ended::MaxIterations, Ended::Done) => {
+                    self.ended
+                }
                 (Ended::Stuck(_), Ended::MaxIterations) => self.ended,
                 _ => other.ended,
             },
