@@ -1368,3 +1368,23 @@ def test_swings_of_belts_with_very_thin_ellipses_end(seed, share):
 def test_undamped_swings_from_steady_sliding_are_no_cycle():
     with pytest.raises(NoCycleError, match="continuum"):
         asp.limit_cycle(BELT)
+
+
+def test_what_a_sliding_contact_held_is_asked_again_when_that_opens():
+    # The contact with the belt counts as closed at first and lets nothing move. It opens: slip.
+    limit = 0.1 * 0.056
+    block = asp.Contact(
+        asp.FrictionLaw.isotropic(0.1, dimension=1), direction=[[1.0]], normal_force=0.056
+    )
+    belt = asp.Contact(
+        asp.FrictionLaw.isotropic(3.5, dimension=3),
+        direction=[[0.89, 0.32, 0.375]],
+        velocity=[-12.1, -5.4, 12.3],
+        normal=[0.375],
+    )
+    system = asp.LinearSystem(
+        mass=[[1.5625]], stiffness=[[0.0085]], force=[0.0158], contacts=[block, belt]
+    )
+    motion = asp.integrate(system, t_end=2.0, q0=[0.0], u0=[0.0])
+    assert not motion.events
+    np.testing.assert_allclose(motion.force[:, 0, 0], -limit, rtol=1e-9)

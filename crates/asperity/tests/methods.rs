@@ -357,7 +357,7 @@ fn who_gives_up_once_is_told_what_is_left() {
     check_giving_up(40);
 }
 
-/// From some hundred contacts on several threads sweep islands, too.
+/// Of more than 512 contacts several threads sweep islands, too.
 #[test]
 fn who_gives_up_sweeps_of_several_threads_is_told_what_is_left() {
     check_giving_up(300);

@@ -260,7 +260,7 @@ fn no_solution_is_missed_in_two_thousand_problems() {
 }
 
 #[test]
-#[ignore = "a quarter of an hour: part of `make long`"]
+#[ignore = "half an hour and more: part of `make long`"]
 fn no_solution_is_missed_in_a_million_problems() {
     compare(1_000_000 / FAMILIES.len());
 }

@@ -117,7 +117,7 @@ fn by_members<const P: usize>(
     near: &Vector<P>,
 ) -> Option<(Vector<P>, Matrix<P>)> {
     // The steps of a point along a flat direction are differences of numbers `1/SMALL` times as large, whose own rounding is
-    // multiplied by `1/SMALL` again: below the root of the machine precision it grows from step to step.
+    // multiplied by `1/SMALL` again: below the root of the machine precision it grows from step to step. The Jacobian is off by as much as this.
     const SMALL: f64 = 1e-7;
     const SETTLED: f64 = 1e-11;
     if sets.len() > MEMBERS {
