@@ -182,3 +182,37 @@ def test_feet_that_are_set_aside_and_come_back_follow_the_equations_of_motion(se
         state = path.y[:, -1]
     actual = np.array([*run.q[last, :2], *run.u[last, [0, 1, 5]]])
     assert np.abs(actual - state[[0, 1, 3, 4, 5]]).max() <= 1e-7 * np.abs(run.u).max()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_forces_of_pads_that_stick_together_lie_in_their_reservoirs_until_slip_begins(seed):
+    """A spring pulls a body off a belt that several pads hold: each to its own limit, the last moment of stick included."""
+    rng = np.random.default_rng(seed)
+    pads, dimension = int(rng.integers(2, 5)), int(rng.integers(1, 3))
+    radii, loads = 10 ** rng.uniform(-0.5, 0.5, pads), 10 ** rng.uniform(-0.3, 0.3, pads)
+    stiffness, belt = 10 ** rng.uniform(0, 2), np.array([1.0, 0.7])
+    disks = [asp.Disk(r) if dimension == 2 else asp.Interval(-r, r) for r in radii]
+    pad = [
+        asp.Contact(
+            asp.FrictionLaw(disk, disk),
+            direction=np.eye(2)[:, :dimension],
+            velocity=-belt[:dimension],
+            normal_force=load,
+        )
+        for disk, load in zip(disks, loads, strict=True)
+    ]
+    system = asp.LinearSystem(np.eye(2), stiffness=stiffness * np.eye(2), contacts=pad)
+    run = asp.integrate(
+        system,
+        t_end=2.0 * radii @ loads / stiffness + 1.0,
+        u0=belt,
+        tolerance=[1e-6, 1e-9][seed % 2],
+    )
+    kinds = [event.kind for event in run.events]
+    assert EventKind.SLIP in kinds
+    limits = radii * loads
+    assert (np.linalg.norm(run.force, axis=-1) <= limits * (1.0 + 1e-7)).all()
+    first = next(event.time for event in run.events if event.kind is EventKind.SLIP)
+    sticks = run.t < first
+    held = run.force.sum(axis=1)[sticks] - stiffness * run.q[sticks, :dimension]
+    assert np.abs(held).max() <= 1e-6 * limits.sum()

@@ -7,6 +7,10 @@ use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForc
 use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
 
+/// What the forces that contacts share at the end of their stick may leave of the acceleration, over the load: the time of
+/// this end is known to about 1e-8 of itself.
+const AT_END_OF_STICK: f64 = 1e-6;
+
 /// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry
 /// its part or would have to pull, though together they can, are given parts that they can carry. The accelerations stay
 /// the same.
@@ -23,17 +27,49 @@ pub(crate) fn evaluate(
         return Ok(());
     }
     // A contact that is just at its limit, though together all can go on, would be taken for an event.
-    let limit = -rounded_excess(dynamics);
-    let overloaded = |i: usize| {
-        dynamics.contacts[i].mode != Phase::Open && contact_event_function(dynamics, i) > limit
-    };
-    if (0..dynamics.contacts.len()).any(overloaded) {
+    if is_overloaded(dynamics, -rounded_excess(dynamics)) {
         let state = State { t, q: q.to_vec(), u: u.to_vec() };
         if !redistribute(dynamics, &state, solving)? {
             dynamics.evaluate(t, q, u, sliding_forces)?;
         }
     }
     Ok(())
+}
+
+/// Gives the contacts at an event parts that they can carry, if they have others, where the event is the end of a stick that
+/// they share: together they are loaded with just what friction can hold, or by rounding of the time with a little more, and
+/// the contact problem finds the slip that begins. Its forces are in the reservoirs and balance as well as the time is known.
+/// Modes and accelerations stay the same, and nothing is evaluated.
+pub(crate) fn share_at_event(
+    dynamics: &mut Dynamics<'_>,
+    state: &State,
+    solving: &Solving<'_, '_>,
+) -> Result<(), EvaluationError> {
+    if !dynamics.is_indeterminate() || !is_overloaded(dynamics, rounded_excess(dynamics)) {
+        return Ok(());
+    }
+    let (mut kept, acceleration) = (dynamics.contacts.clone(), dynamics.acceleration.clone());
+    dynamics.leave_stick_undecided();
+    let decision = decide(dynamics, state, Question::WhetherStickGoesOn, solving)?;
+    let changes = dynamics.acceleration.iter().zip(&acceleration).map(|(a, b)| (a - b).abs());
+    let balances = changes.fold(0.0, f64::max) <= AT_END_OF_STICK * dynamics.load;
+    if matches!(decision, Decision::Made { .. }) && balances {
+        for (contact, now) in kept.iter_mut().zip(&dynamics.contacts) {
+            if contact.mode == Phase::Stick {
+                (contact.force, contact.normal_force) = (now.force, now.normal_force);
+            }
+        }
+    }
+    (dynamics.contacts, dynamics.acceleration) = (kept, acceleration);
+    Ok(())
+}
+
+/// Whether the event function of a closed contact is beyond the limit.
+fn is_overloaded(dynamics: &Dynamics<'_>, limit: f64) -> bool {
+    let overloaded = |i: usize| {
+        dynamics.contacts[i].mode != Phase::Open && contact_event_function(dynamics, i) > limit
+    };
+    (0..dynamics.contacts.len()).any(overloaded)
 }
 
 /// Asks the contact problem whether all sticking contacts can stick on and all slipping ones stay closed, and takes

@@ -1,13 +1,14 @@
 //! Location of events: the time at which the first event function becomes positive.
 
 use crate::contact::Phase;
+use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::root::{self, Value};
 use crate::integrator::event::event_function::rounded_excess;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::Integration;
-use crate::integrator::event::state::CLOSED_GAP;
+use crate::integrator::event::state::{CLOSED_GAP, EvaluationError};
 
 /// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
 /// time. Later steps are not so much longer than those before.
@@ -55,9 +56,19 @@ impl Integration<'_> {
         self.starting &= h == 0.0;
         self.reset_event_functions(false);
         if self.options.sample.is_none() && h > 0.0 {
-            self.record();
+            self.record_event_state()?;
         }
         Ok(Location::Found(number))
+    }
+
+    /// Keeps the state at the event, with forces that the contacts can carry.
+    fn record_event_state(&mut self) -> Result<(), EvaluationError> {
+        let contacts = self.dynamics.contacts.clone();
+        let solving = Solving { memory: &self.memory, observer: &self.observer, t: self.state.t };
+        redundancy::share_at_event(&mut self.dynamics, &self.state, &solving)?;
+        self.record();
+        self.dynamics.contacts = contacts;
+        Ok(())
     }
 
     /// Whether an event function is at its limit at the present state already but for rounding, so that its event is there.
