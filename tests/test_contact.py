@@ -426,6 +426,21 @@ def test_roots_beside_the_cusp_of_a_caustic_are_told_apart():
     assert checked >= 10
 
 
+@pytest.mark.parametrize("size", [1e-90, 1e-120, 1e-170, 1e-300])
+def test_velocities_whose_squares_vanish_are_refused_by_name(size):
+    rng = np.random.default_rng(0)
+    directions, free = rng.normal(size=(9, 12)), rng.normal(size=9)
+    problem = asp.ContactProblem(
+        directions @ directions.T, free_velocity=free, laws=asp.FrictionLaw.isotropic(0.3)
+    )
+    if size > 1e-100:
+        small = problem.replace(free_velocity=size * free).solve()
+        np.testing.assert_allclose(small.percussion, size * problem.solve().percussion, rtol=1e-9)
+        return
+    with pytest.raises(asp.ParameterError, match="free_velocity must be zero everywhere, or 1e-100"):
+        problem.replace(free_velocity=size * free)
+
+
 @pytest.mark.parametrize("size", [1e90, 1e120, 1e154, 1e200, 1e300])
 def test_velocities_beyond_reason_are_refused_by_name(size):
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))

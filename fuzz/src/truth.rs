@@ -9,6 +9,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::decode::{Range, Source};
 
+/// What a contact does below this size counts as nothing, as the measure of the library says of itself.
+const NOTHING: f64 = 1e-150;
+
 /// A contact problem in the open: dense `G`, loads, laws.
 pub struct Scene {
     pub delassus: DMatrix<f64>,
@@ -96,7 +99,7 @@ impl Scene {
                 Law::Two(law) => inclusion(law, at, &p, &velocity),
                 Law::Three(law) => inclusion(law, at, &p, &velocity),
             };
-            if defect > 0.0 {
+            if defect > 0.0 && scale >= NOTHING {
                 worst = f64::max(worst, defect / scale);
             }
             if defect.is_nan() {

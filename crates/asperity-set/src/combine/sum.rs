@@ -36,7 +36,7 @@ impl<const P: usize> StarSet<P> for MinkowskiSum<P> {
     }
 
     fn gauge_jet(&self, x: &Vector<P>) -> (f64, Vector<P>) {
-        polarity::gauge_jet(self, x)
+        polarity::gauge_jet_with(self, x, |x, near| normal_by_members(&self.sets, x, near))
     }
 
     fn corners(&self) -> Vec<Vector<P>> {
@@ -166,6 +166,81 @@ fn by_members<const P: usize>(
     let (largest, sum, jacobian) = best;
     let ends = largest <= SETTLED * z.norm() && (sum - near).norm() <= NEAR * near.norm();
     ends.then_some((sum, jacobian))
+}
+
+/// Newton's method for the normal with `h = 1` at the point `sx` where the ray along `x` leaves the sum, from a normal near it.
+///
+/// As in [`by_members`], with one point `aᵢ = prox(aᵢ + y)` of each member, but with `Σ aᵢ = sx` for an unknown `s` and the
+/// component of `y` along `x` given: `Σ MᵢJᵢ dy − x ds = sx − Σ aᵢ + Σ Mᵢfᵢ`, `x·dy = 0`.
+fn normal_by_members<const P: usize>(
+    sets: &[Convex<P>],
+    x: &Vector<P>,
+    near: &Vector<P>,
+) -> Option<Vector<P>> {
+    const SMALL: f64 = 1e-7;
+    // Residual, and difference of the two bounds of the gauge, that count as none.
+    const SETTLED: f64 = 1e-13;
+    const EXACT: f64 = 8.0 * f64::EPSILON;
+    // Where the curvature of a member vanishes, convergence is linear, and the ellipsoid method takes less time.
+    const FEW_SWEEPS: usize = 2;
+    const FEW_ITERATIONS: usize = 8;
+    // Projections that take support points themselves take more of them than the ellipsoid method does.
+    let is_dear =
+        |set: &Convex<P>| matches!(set, Convex::Custom(_) | Convex::Image(_) | Convex::Sum(_));
+    if sets.len() > MEMBERS || sets.iter().any(is_dear) {
+        return None;
+    }
+    let support = |y: &Vector<P>| sets.iter().map(|set| set.support(y)).sum::<f64>();
+    let along_x = x.dot(near);
+    // The comparison also turns away what is not a number.
+    if !(along_x > 0.0) {
+        return None;
+    }
+    let mut exit = support(near) / along_x;
+    let mut y = near * (exit * x.norm_squared() / along_x);
+    let mut points = [Vector::<P>::zeros(); MEMBERS];
+    for (point, set) in points.iter_mut().zip(sets) {
+        *point = set.support_point(near);
+    }
+    for _ in 0..FEW_SWEEPS {
+        for (i, set) in sets.iter().enumerate() {
+            let others = points.iter().sum::<Vector<P>>() - points[i];
+            points[i] = set.project(&(x * exit - others));
+        }
+    }
+    for _ in 0..FEW_ITERATIONS {
+        let missing = x * exit - points.iter().sum::<Vector<P>>();
+        let (mut matrix, mut right) = (Matrix::<P>::identity() * SMALL, missing);
+        let mut parts = [(Matrix::<P>::zeros(), Vector::<P>::zeros()); MEMBERS];
+        let mut largest = missing.norm();
+        for ((set, point), part) in sets.iter().zip(&points).zip(&mut parts) {
+            let (onto, jacobian) = set.project_jet(&(point + y), point);
+            let inverse = (Matrix::identity() * (1.0 + SMALL) - jacobian).try_inverse()?;
+            let residual = point - onto;
+            largest = largest.max(residual.norm());
+            *part = (inverse * jacobian, inverse * residual);
+            matrix += part.0;
+            right += part.1;
+        }
+        // The plane with normal y bounds the sum: the ray leaves it at s at the latest. What the points say is on the other side.
+        let latest = support(&y) / x.dot(&y);
+        if largest <= SETTLED * exit * x.norm() && (latest - exit).abs() <= EXACT * exit {
+            return Some(y / support(&y));
+        }
+        let inverse = matrix.try_inverse()?;
+        let (turn, push) = (inverse * right, inverse * x);
+        let ds = -x.dot(&turn) / x.dot(&push);
+        let dy = turn + push * ds;
+        exit += ds;
+        y += dy;
+        for (point, part) in points.iter_mut().zip(&parts) {
+            *point += part.0 * dy - part.1;
+        }
+        if !(exit > 0.0 && exit < f64::MAX) {
+            return None;
+        }
+    }
+    None
 }
 
 /// Corners of a planar sum: sums of corners, one of each set, whose normal cones have a common interior.

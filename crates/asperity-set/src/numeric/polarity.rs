@@ -39,6 +39,19 @@ pub(crate) fn gauge_jet<const P: usize, S>(set: &S, x: &Vector<P>) -> (f64, Vect
 where
     S: ConvexSet<P> + ?Sized,
 {
+    gauge_jet_with(set, x, |_, _| None)
+}
+
+/// [`gauge_jet`] of a set that may know, for a point and a normal near the one along which it is farthest, the latter: it is
+/// asked where the set is neither round nor flat.
+pub(crate) fn gauge_jet_with<const P: usize, S>(
+    set: &S,
+    x: &Vector<P>,
+    improve: impl Fn(&Vector<P>, &Vector<P>) -> Option<Vector<P>>,
+) -> (f64, Vector<P>)
+where
+    S: ConvexSet<P> + ?Sized,
+{
     let size = x.amax();
     // Nothing is farthest along a point at infinity, nor along what is not a number.
     if !(size > 0.0 && size.is_finite()) {
@@ -50,7 +63,10 @@ where
     };
     let quick = || {
         let unit = x / size;
-        by_hessians(set, &unit).or_else(|| by_portals(set, &unit))
+        by_hessians(set, &unit).or_else(|| match by_portals(set, &unit) {
+            Portal::Face(normal) => Some(normal),
+            Portal::Near(normal) => improve(&unit, &normal),
+        })
     };
     let gradient = match P {
         3 => quick().unwrap_or_else(|| farthest_by_widths(set, x)),
@@ -117,10 +133,18 @@ where
     None
 }
 
+/// Where a ray leaves a set.
+enum Portal<const P: usize> {
+    /// Through a flat face with this normal, `h = 1`.
+    Face(Vector<P>),
+    /// Through a round piece, edge or corner, whose normal is near this one.
+    Near(Vector<P>),
+}
+
 /// The flat face that the ray along `x` meets: a triangle of support points around the ray, whose normal finds the next
-/// one, until no point is farther along it (portals, as collision detection knows them). `None` where the triangle
-/// shrinks onto a round piece, edge or corner.
-fn by_portals<const P: usize, S>(set: &S, x: &Vector<P>) -> Option<Vector<P>>
+/// one, until no point is farther along it (portals, as collision detection knows them). On a round piece, edge or corner the
+/// triangle shrinks.
+fn by_portals<const P: usize, S>(set: &S, x: &Vector<P>) -> Portal<P>
 where
     S: ConvexSet<P> + ?Sized,
 {
@@ -130,7 +154,7 @@ where
     let mut a = set.support_point(x);
     let across = cross_3(&a, x);
     if !(across.norm() > FAT * a.norm() * x.norm()) {
-        return None;
+        return Portal::Near(*x);
     }
     let mut b = set.support_point(&across);
     if side(&a, &b) < 0.0 {
@@ -147,17 +171,22 @@ where
         }
         c = set.support_point(&cross_3(&a, &b));
     }
+    let mut last = *x;
     for _ in 0..ROUNDS {
         let normal = cross_3(&(b - a), &(c - a));
         let point = set.support_point(&normal);
         let (size, reach) = (normal.norm(), normal.dot(&point));
         // The comparison also turns away what is not a number.
         if !(size > FAT * point.norm_squared()) {
-            return None;
+            break;
         }
+        last = normal;
         if reach - normal.dot(&a) <= 4.0 * f64::EPSILON * size * point.norm() {
             let inside = side(&a, &b) >= 0.0 && side(&b, &c) >= 0.0 && side(&c, &a) >= 0.0;
-            return (inside && reach > 0.0).then(|| normal / reach);
+            if inside && reach > 0.0 {
+                return Portal::Face(normal / reach);
+            }
+            break;
         }
         let [of_a, of_b, of_c] = [a, b, c].map(|v| side(&v, &point));
         if of_b >= 0.0 && of_a <= 0.0 {
@@ -168,7 +197,7 @@ where
             b = point;
         }
     }
-    None
+    Portal::Near(last)
 }
 
 /// The point `x` with `f(x) = 1` that is farthest in direction `y ≠ 0`, from the jet (value, gradient) of

@@ -12,6 +12,9 @@ use crate::vectors::unrolled;
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
 /// cubes of them.
 const LARGEST: f64 = 1e100;
+/// What the largest velocity must reach if any is not zero: the squares of what is far below vanish, and every percussion would
+/// look like a solution.
+const SMALLEST: f64 = 1e-100;
 
 /// How the normal force of a contact is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -207,7 +210,7 @@ impl ContactProblem {
     /// # Errors
     ///
     /// [`ArgumentError`] if there are not as many coefficients as contacts and velocities as rows, or if a number is not
-    /// finite or its product too large to be squared.
+    /// finite or its product too large or too small to be squared.
     pub fn with_restitution(
         mut self,
         normal: &[f64],
@@ -230,6 +233,9 @@ impl ContactProblem {
         for &term in &self.restitution {
             let allowed = "at most 1e100 times the restitution";
             check("initial_velocity", term, term.abs() <= LARGEST, allowed)?;
+        }
+        if self.free_velocity.iter().all(|b| *b == 0.0) {
+            check_reach("initial_velocity", &self.restitution)?;
         }
         Ok(self)
     }
@@ -436,9 +442,17 @@ fn check_sizes(
         let allowed = "at most 1e100, also times and divided by the entries of G";
         check("free_velocity", b, b.abs() * reach <= LARGEST, allowed)?;
     }
+    check_reach("free_velocity", free_velocity)?;
     for value in contacts.iter().filter_map(|contact| contact.normal.prescribed()) {
         let allowed = "at most 1e100, also times the entries of G";
         check("normal_force", value, value * f64::max(1.0, largest) <= LARGEST, allowed)?;
     }
     Ok(())
+}
+
+/// Refuses velocities that are not zero but so small, all of them, that their squares would vanish.
+fn check_reach(argument: &'static str, velocities: &[f64]) -> Result<(), ArgumentError> {
+    let largest = velocities.iter().fold(0.0, |largest: f64, b| largest.max(b.abs()));
+    let allowed = "zero everywhere, or 1e-100 and more somewhere";
+    check(argument, largest, largest == 0.0 || largest >= SMALLEST, allowed).map(|_| ())
 }

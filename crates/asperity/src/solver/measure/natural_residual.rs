@@ -98,7 +98,8 @@ pub(super) fn normal_defect(percussion: f64, xi: f64, rho: f64) -> f64 {
 /// It vanishes exactly at solutions. A friction percussion is no farther beyond its reservoir than that, nor, in slip, farther
 /// within; and what the velocity is off the normal of *D* is no larger either, however thin *D* is beside *C*. The
 /// defect of a contact is taken relative to its own percussion and loads, so that a light contact
-/// cannot hide the defect of a heavy one.
+/// cannot hide the defect of a heavy one. Percussions and loads of a contact below `1e-150`, of which there are no squares,
+/// count as none.
 ///
 /// # Errors
 ///
