@@ -437,7 +437,9 @@ def test_velocities_whose_squares_vanish_are_refused_by_name(size):
         small = problem.replace(free_velocity=size * free).solve()
         np.testing.assert_allclose(small.percussion, size * problem.solve().percussion, rtol=1e-9)
         return
-    with pytest.raises(asp.ParameterError, match="free_velocity must be zero everywhere, or 1e-100"):
+    with pytest.raises(
+        asp.ParameterError, match="free_velocity: must be zero everywhere, or 1e-100"
+    ):
         problem.replace(free_velocity=size * free)
 
 

@@ -1388,3 +1388,41 @@ def test_what_a_sliding_contact_held_is_asked_again_when_that_opens():
     motion = asp.integrate(system, t_end=2.0, q0=[0.0], u0=[0.0])
     assert not motion.events
     np.testing.assert_allclose(motion.force[:, 0, 0], -limit, rtol=1e-9)
+
+
+def test_contacts_with_nearly_parallel_normals_do_not_pull():
+    """Two belts under a body in the plane, whose normals differ by 3·10⁻⁵, and a pad between them.
+
+    With both belts the accelerations vanish whatever the pad does, by a force that pulls.
+    """
+    pad = asp.Contact(
+        asp.FrictionLaw(asp.Superellipse(99.9, 1.33, 1.0), asp.Disk(1.33)),
+        direction=[[-0.875, -1.0], [0.83, -1.0]],
+        normal_force=0.01,
+    )
+    belts = [
+        asp.Contact(
+            asp.FrictionLaw.isotropic(mu),
+            direction=direction,
+            velocity=velocity,
+            normal=[1.0, 1.0 + aside],
+        )
+        for mu, direction, velocity, aside in (
+            (100.0, [[1.0, -0.992], [1.0, -0.125]], [-14.6, -99.9], 0.0),
+            (56.2, np.eye(2), [-57.2, -100.0], 3e-5),
+        )
+    ]
+    system = asp.LinearSystem(
+        mass=np.diag([99.9, 1.33]),
+        stiffness=[[200.0, -11.7], [-11.7, 175.0]],
+        damping=np.eye(2),
+        force=[-100.0, -100.0],
+        contacts=[pad, *belts],
+    )
+    motion = asp.integrate(system, t_end=1.0)
+    assert np.nanmin(motion.normal_force) >= 0.0
+    errors = []
+    for dt in (1e-3, 5e-4, 2.5e-4):
+        path = asp.simulate(system, dt=dt, t_end=1.0)
+        errors.append(np.abs(path.q[-1] - motion.q[-1]).max())
+    assert errors[0] > 1.8 * errors[1] > 3.2 * errors[2]

@@ -437,3 +437,55 @@ def test_jacobian_at_high_speeds_is_finite():
     jacobian = law.jacobian([[1e3, 0.0], [0.0, -1e3], [0.999, 0.0], [1e-3, 0.0]])
     assert np.isfinite(jacobian).all()
     assert np.isfinite(law.force([1e3, 0.0])).all()
+
+
+def test_steps_end_with_the_factors_of_their_speeds_or_count_as_not_converged():
+    """Long steps, in which the slip of contacts that disturb each other ceases to be a solution.
+
+    Newton's method ends there, where the speed depends on the factor without bound, with factors of
+    other speeds: forces were off by 45 % in steps that counted as converged.
+    """
+    fall = {"exponent": 4.16, "viscous": 0.07, "shape": "hyperbolic"}
+    wide = asp.CappedRectangle(99.99, 17.78, cap=0.01, angle=-2.39)
+    edgy = asp.CappedRectangle(2.02, 98.48, cap=10.0)
+    blunt = asp.CappedRectangle(4.15, 4.16, cap=4.16)
+    pads = [
+        asp.Contact(
+            asp.FrictionLaw(wide, asp.Disk(17.78), rate=Stribeck(0.65, ratio=0.65, **fall)),
+            direction=[[-1.0, 0.15], [-1.0, 0.15]],
+            velocity=[-2.02, -2.02],
+            normal_force=2.02,
+        ),
+        asp.Contact(
+            asp.FrictionLaw(asp.Disk(17.78), asp.Disk(1.0), rate=Stribeck(0.65, ratio=0.0, **fall)),
+            direction=[[-0.63, -0.45], [-0.54, 0.15]],
+            velocity=[-2.02, -2.02],
+            normal_force=2.02,
+        ),
+    ]
+    wall = asp.Contact(
+        asp.FrictionLaw(edgy, blunt),
+        direction=np.eye(2),
+        velocity=[-4.16, -4.16],
+        normal=[0.31, 1.0],
+        normal_restitution=0.65,
+    )
+    system = asp.LinearSystem(
+        mass=[[2.62, -0.61], [-0.61, 1.24]],
+        stiffness=np.full((2, 2), 0.8),
+        force=[-4.16, -4.16],
+        contacts=[*pads, wall],
+    )
+    for dt, most in ((0.02, 10), (0.002, 0)):
+        run = asp.simulate(system, dt=dt, t_end=0.3, on_failure="record")
+        assert run.failed_steps <= most
+        speed = np.linalg.norm(run.slip, axis=2)
+        checked = 0
+        for k in np.flatnonzero(run.residual[2:] <= 1e-10) + 2:
+            for i, pad in enumerate(pads):
+                rate = pad.law.rate
+                factor = rate.replace(viscous=0.0)(speed[k - 1, i]) + rate.viscous * speed[k, i]
+                carried = pad.law.reservoir.gauge(-run.force[k, i]) / pad.normal_force
+                assert carried == pytest.approx(factor, rel=1e-7)
+                checked += 1
+        assert checked >= 12

@@ -186,7 +186,7 @@ def test_feet_that_are_set_aside_and_come_back_follow_the_equations_of_motion(se
 
 @pytest.mark.parametrize("seed", range(20))
 def test_forces_of_pads_that_stick_together_lie_in_their_reservoirs_until_slip_begins(seed):
-    """A spring pulls a body off a belt that pads hold, each up to its own limit and at its end too."""
+    """A spring pulls a body off a belt that pads hold, each up to its own limit."""
     rng = np.random.default_rng(seed)
     pads, dimension = int(rng.integers(2, 5)), int(rng.integers(1, 3))
     radii, loads = 10 ** rng.uniform(-0.5, 0.5, pads), 10 ** rng.uniform(-0.3, 0.3, pads)

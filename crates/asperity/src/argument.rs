@@ -31,7 +31,7 @@ impl ArgumentError {
 
     /// What must be otherwise than the given number is.
     pub(crate) fn number(argument: &'static str, allowed: &str, value: f64) -> Self {
-        Self::new(argument, format!("must be {allowed}, got {value}"))
+        Self::new(argument, format!("must be {allowed}, got {value:?}"))
     }
 
     /// The same, which says of which of several it is.

@@ -34,7 +34,9 @@
 //!
 //! For one contact that goes on slipping along a line with a viscous force one correction is exact. `δφ/φ` is the
 //! defect that is compared with the tolerance: it is a relative error of the friction force, as the residual
-//! of a contact is, whereas `r` magnifies rounding of the speed by `κ`.
+//! of a contact is, whereas `r` magnifies rounding of the speed by `κ`. It is no defect where it comes to nothing though `r`
+//! does not, as where a slip ceases to be a solution and `∂s/∂φ` has no bound: there Newton's method ends at factors that
+//! are not those of the speed. Such an end is known by the changes `w`, which do not vanish.
 
 use asperity_set::Vector;
 
@@ -45,6 +47,9 @@ use crate::solver::{Rising, Stop, Workspace, settle};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
+
+/// Part of the relative changes of slip velocities that counts as a defect: they are known less well than factors.
+const TURNING: f64 = 1e-3;
 
 /// Most sweeps over contacts that disturb each other, after which Newton's method goes on: no iteration of the steps that
 /// `step.rs` names changes with a quarter or four times as many.
@@ -177,7 +182,8 @@ impl Factors {
         if slips {
             self.correct(problem, percussion);
         }
-        let mut worst = (0.0, 0);
+        let turn = if slips { self.expected_turn(problem, velocity) } else { 0.0 };
+        let mut worst = (TURNING * turn, 0);
         for (i, contact) in problem.contacts().iter().enumerate() {
             let relative = (self.change[i] / self.rows[contact.tangent()]).abs();
             if !(relative <= worst.0) {
@@ -185,6 +191,20 @@ impl Factors {
             }
         }
         worst
+    }
+
+    /// The largest change `w` of a slip velocity that Newton's method expects, relative to the largest of those velocities, with
+    /// the percussions or without.
+    fn expected_turn(&self, problem: &ContactProblem, velocity: &[f64]) -> f64 {
+        let (mut change, mut size) = (0.0_f64, 0.0_f64);
+        for contact in problem.contacts() {
+            if contact.tangential_rows().any(|row| self.direction[row] != 0.0) {
+                let of = |values: &[f64]| tangential(contact, |row| values[row]).norm();
+                change = change.max(of(&self.change_of_slip));
+                size = size.max(of(velocity)).max(of(problem.free_velocity()));
+            }
+        }
+        if change == 0.0 { 0.0 } else { change / size }
     }
 
     /// `δφ` by way of `w − G (P̃ f₊′ eᵀw + φ J w) = G P̃ r`.

@@ -5,7 +5,7 @@ use crate::integrator::event::contact_problem::load_bearing::{ClosedContact, loa
 use crate::integrator::event::contact_problem::problem::{
     Decision, Participants, Question, Solved, Solving,
 };
-use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, LIGHT, ROWS, SlidingForces};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, largest, norm};
@@ -196,6 +196,11 @@ fn decide_with_shares(
                 }
                 aside.ask_immobile(dynamics);
                 continue;
+            }
+            // Normals that are nearly parallel count as dependent there and not here.
+            let pulls = |&k: &usize| normal_forces[k] < -LIGHT * largest(&normal_forces);
+            if let Some(k) = smallest.filter(pulls) {
+                return Ok(unsolved(slipping[k] / ROWS));
             }
         }
         for (row, &force) in slipping.iter().zip(&normal_forces) {
