@@ -327,7 +327,8 @@ def with_other_keys(fields, edits):
             with np.errstate(all="ignore"):
                 try:
                     changed[a] = changed[a].astype(kinds[second % len(kinds)])
-                except (TypeError, ValueError):
+                # Of dates as short texts, and of texts as bytes, NumPy says so in other ways.
+                except (TypeError, ValueError, OverflowError, RuntimeError):
                     continue
         elif changed[a].size and changed[a].dtype.kind in "fi":
             entries = changed[a].copy().reshape(-1)
