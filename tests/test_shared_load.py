@@ -216,3 +216,35 @@ def test_forces_of_pads_that_stick_together_lie_in_their_reservoirs_until_slip_b
     sticks = run.t < first
     held = run.force.sum(axis=1)[sticks] - stiffness * run.q[sticks, :dimension]
     assert np.abs(held).max() <= 1e-6 * limits.sum()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_contact_that_sees_one_direction_twice_shares_its_load_until_slip_begins(seed):
+    """Both rows see the same motion, and slip begins with less force than stick ends with.
+
+    The parts of the force at the end of stick are those of shortly before; equal ones are beyond C.
+    """
+    rng = np.random.default_rng(seed)
+    angle = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+    reservoir = asp.PolarCurve(angle, 1.0 + 0.05 * rng.normal(size=16))
+    load, stiffness, speed = 10.0 ** rng.uniform(-1.0, 1.0, 3)
+    contact = asp.Contact(
+        asp.FrictionLaw(reservoir, asp.Disk(1.0)),
+        direction=[[1.0, 1.0]],
+        velocity=[-speed, -speed],
+        normal_force=load,
+    )
+    system = asp.LinearSystem(mass=[[1.0]], stiffness=[[stiffness]], contacts=[contact])
+    motion = asp.integrate(
+        system,
+        t_end=8.0 * load / stiffness / speed,
+        u0=[speed],
+        tolerance=[1e-6, 1e-9][seed % 2],
+    )
+    phi = np.linspace(0.0, 2.0 * np.pi, 4_000_000)
+    most = -load * ((np.cos(phi) + np.sin(phi)) * reservoir.radius(phi)).min()
+    start = motion.events[0].time
+    assert start == pytest.approx(most / stiffness / speed, rel=1e-6)
+    assert reservoir.gauge(-motion.force[:, 0]).max() <= load * (1.0 + 1e-5)
+    held = motion.force[:, 0].sum(axis=1) - stiffness * motion.q[:, 0]
+    assert np.abs(held[: np.searchsorted(motion.t, start) + 1]).max() <= 1e-5 * most

@@ -7,9 +7,9 @@ use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForc
 use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
 
-/// What the forces that contacts share at the end of their stick may leave of the acceleration, over the load: the time of
-/// this end is known to about 1e-8 of itself.
-const AT_END_OF_STICK: f64 = 1e-6;
+/// What the forces that contacts share at the end of their stick may leave of the acceleration, over the load, and the part of
+/// the step by which forces from before this end are older: its time is known to about 1e-8 of itself.
+pub(crate) const AT_END_OF_STICK: f64 = 1e-6;
 
 /// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry
 /// its part or would have to pull, though together they can, are given parts that they can carry. The accelerations stay
@@ -38,11 +38,13 @@ pub(crate) fn evaluate(
 
 /// Gives the contacts at an event parts that they can carry, if they have others, where the event is the end of a stick that
 /// they share: together they are loaded with just what friction can hold, or by rounding of the time with a little more, and
-/// the contact problem finds the slip that begins. Its forces are in the reservoirs and balance as well as the time is known.
-/// Modes and accelerations stay the same, and nothing is evaluated.
+/// the contact problem finds the slip that begins. Its forces are in the reservoirs and balance as well as the time is known,
+/// unless slip begins with another force: then the parts are those of shortly `before`. Modes and accelerations stay the same,
+/// and nothing is evaluated.
 pub(crate) fn share_at_event(
     dynamics: &mut Dynamics<'_>,
     state: &State,
+    before: &[ContactVariables],
     solving: &Solving<'_, '_>,
 ) -> Result<(), EvaluationError> {
     if !dynamics.is_indeterminate() || !is_overloaded(dynamics, rounded_excess(dynamics)) {
@@ -53,11 +55,11 @@ pub(crate) fn share_at_event(
     let decision = decide(dynamics, state, Question::WhetherStickGoesOn, solving)?;
     let changes = dynamics.acceleration.iter().zip(&acceleration).map(|(a, b)| (a - b).abs());
     let balances = changes.fold(0.0, f64::max) <= AT_END_OF_STICK * dynamics.load;
-    if matches!(decision, Decision::Made { .. }) && balances {
-        for (contact, now) in kept.iter_mut().zip(&dynamics.contacts) {
-            if contact.mode == Phase::Stick {
-                (contact.force, contact.normal_force) = (now.force, now.normal_force);
-            }
+    let found = matches!(decision, Decision::Made { .. }) && balances;
+    let shares = if found { &dynamics.contacts } else { before };
+    for (contact, share) in kept.iter_mut().zip(shares) {
+        if contact.mode == Phase::Stick && (found || share.redistributed) {
+            (contact.force, contact.normal_force) = (share.force, share.normal_force);
         }
     }
     (dynamics.contacts, dynamics.acceleration) = (kept, acceleration);

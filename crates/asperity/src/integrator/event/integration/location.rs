@@ -1,7 +1,8 @@
 //! Location of events: the time at which the first event function becomes positive.
 
 use crate::contact::Phase;
-use crate::integrator::event::contact_problem::{Solving, redundancy};
+use crate::integrator::event::contact_problem::Solving;
+use crate::integrator::event::contact_problem::redundancy::{self, AT_END_OF_STICK};
 use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::root::{self, Value};
 use crate::integrator::event::event_function::rounded_excess;
@@ -50,22 +51,30 @@ impl Integration<'_> {
             return Ok(Location::Early(h));
         }
         self.sample_before(self.state.t + h)?;
+        let recorded = self.options.sample.is_none() && h > 0.0;
+        let before = if recorded && self.dynamics.is_indeterminate() {
+            self.solve_to(h * (1.0 - AT_END_OF_STICK))?;
+            self.dynamics.contacts.clone()
+        } else {
+            Vec::new()
+        };
         self.solve_to(h)?;
         self.take_end(self.state.t + h, false)?;
         self.smooth = false;
         self.starting &= h == 0.0;
         self.reset_event_functions(false);
-        if self.options.sample.is_none() && h > 0.0 {
-            self.record_event_state()?;
+        if recorded {
+            self.record_event_state(&before)?;
         }
         Ok(Location::Found(number))
     }
 
-    /// Keeps the state at the event, with forces that the contacts can carry.
-    fn record_event_state(&mut self) -> Result<(), EvaluationError> {
+    /// Keeps the state at the event, with forces that the contacts can carry; `before` are those of shortly before where they
+    /// are not determined.
+    fn record_event_state(&mut self, before: &[ContactVariables]) -> Result<(), EvaluationError> {
         let contacts = self.dynamics.contacts.clone();
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: self.state.t };
-        redundancy::share_at_event(&mut self.dynamics, &self.state, &solving)?;
+        redundancy::share_at_event(&mut self.dynamics, &self.state, before, &solving)?;
         self.record();
         self.dynamics.contacts = contacts;
         Ok(())
