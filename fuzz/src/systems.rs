@@ -141,10 +141,11 @@ impl Scene {
                 rate.map_or(1.0, |rate| rate.falling(falling_at) + rate.rising(rising_at))
             };
             let (least, factor) = (factor_with(1e-9 + brought), factor_with(-1e-9 - brought));
-            let gauge = gauge(&contact.law, own);
-            // Percussions are known relative to their loads.
+            let (gauge, slope) = gauge(&contact.law, own);
+            // Percussions are known relative to their loads; beside cusps the gauge tells little of what they lack.
             let loads = if mobility[k % m] > 0.0 && dt > 0.0 {
-                (before + now) / (mobility[k % m] * dt) / laws::least_radius(&contact.law)
+                let steepest = f64::max(slope, 1.0 / laws::least_radius(&contact.law));
+                (before + now) / (mobility[k % m] * dt) * steepest
             } else {
                 0.0
             };
@@ -196,16 +197,21 @@ pub struct Forces<'a> {
     pub dt: f64,
 }
 
-fn gauge(law: &Law, force: &[f64]) -> f64 {
+/// `k_C(−λ)` and the size of its gradient.
+fn gauge(law: &Law, force: &[f64]) -> (f64, f64) {
+    use asperity::law::FrictionLaw;
     use asperity::set::{StarSet, Vector};
+    fn of<const P: usize>(law: &FrictionLaw<P>, force: &[f64]) -> (f64, f64) {
+        let force = Vector::<P>::from_fn(|k, _| -force[k]);
+        let (gauge, gradient) = law.reservoir().gauge_jet(&force);
+        (gauge, gradient.norm())
+    }
     if force.iter().all(|f| *f == 0.0) {
-        return 0.0;
+        return (0.0, 0.0);
     }
     match law {
-        Law::One(law) => law.reservoir().gauge(&Vector::<1>::new(-force[0])),
-        Law::Two(law) => law.reservoir().gauge(&Vector::<2>::new(-force[0], -force[1])),
-        Law::Three(law) => {
-            law.reservoir().gauge(&Vector::<3>::new(-force[0], -force[1], -force[2]))
-        }
+        Law::One(law) => of(law, force),
+        Law::Two(law) => of(law, force),
+        Law::Three(law) => of(law, force),
     }
 }

@@ -179,7 +179,7 @@ fn compare_law(place: usize, name: &str, law: FrictionLaw<2>, count: usize) {
     let Law::Two(planar) = &law else { unreachable!() };
     for family in FAMILIES {
         let mut random = Random::new(place as u64 + 1);
-        let (mut missed, mut several, mut none) = (0, 0, 0);
+        let (mut missed, mut several, mut none, mut unproven) = (0, 0, 0, 0);
         for _ in 0..count {
             let problem = one_contact(law.clone(), family, &mut random);
             let equation = Equation::new(&problem, planar);
@@ -200,28 +200,37 @@ fn compare_law(place: usize, name: &str, law: FrictionLaw<2>, count: usize) {
                 missed += usize::from(!listed.iter().any(|s| near(&s)));
             }
             for (k, one) in listed.iter().enumerate() {
+                // On either side of a cusp there may be two, nearer to each other than their digits tell.
+                let between = |s: &ContactSolution| {
+                    let along = ratio(s).normalize() + ratio(one).normalize();
+                    equation.at(&BoundaryPoint::at_position(planar.direction(), &along)).0
+                };
                 let same = |s: &ContactSolution| {
                     let apart = (ratio(s) - ratio(one)).norm();
-                    s.phase == one.phase && apart < 1e-9 && !(s.degenerate || one.degenerate)
+                    let simple = !(s.degenerate || one.degenerate);
+                    s.phase == one.phase && apart < 1e-9 && simple && between(s).abs() < 1e-8
                 };
                 assert!(!listed[..k].iter().any(same), "{name} {family:?}: {listed:?}");
             }
             several += usize::from(listed.len() > 1);
             none += usize::from(listed.is_empty());
-            check_selection(&problem, &listed, &mut random, name);
+            let found = check_selection(&problem, &listed, &mut random, name);
+            unproven += usize::from(listed.is_empty() && found != Status::NoSolution);
         }
+        // Proofs keep a margin, so that solutions that hardly are none are told as not found.
+        assert!(unproven * 100_000 <= count, "{name} {family:?}: {unproven} without a proof");
         assert_eq!(missed, 0, "{name} {family:?}: solutions missed of {count} problems");
         println!("{name}, {family:?}: {several} with several solutions, {none} without");
     }
 }
 
-/// The fast path from a random state against the list of all solutions.
+/// The fast path from a random state against the list of all solutions; its status.
 fn check_selection(
     problem: &ContactProblem,
     listed: &[ContactSolution],
     random: &mut Random,
     name: &str,
-) {
+) -> Status {
     let phase = [Phase::Unknown, Phase::Stick, Phase::Slip][(3.0 * random.unit()) as usize];
     let direction = [random.normal(), random.normal(), 0.0];
     let mut memory = Memory::new(problem.rows(), 1);
@@ -230,8 +239,8 @@ fn check_selection(
     let solver = Solver::Exact { max_sweeps: 1 };
     let report = solver.solve(problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
     if listed.is_empty() {
-        assert_eq!(report.status.name(), "no_solution", "{name}");
-        return;
+        assert!(matches!(report.status, Status::NoSolution | Status::Stalled), "{name} {report:?}");
+        return report.status;
     }
     assert_eq!(report.status.name(), "converged", "{name} {problem:?}");
     assert_eq!(report.ambiguous, listed.len() > 1, "{name} {listed:?} {problem:?}");
@@ -247,6 +256,7 @@ fn check_selection(
         _ => Phase::Slip,
     };
     assert_eq!(chosen.phase, expected, "{name} {listed:?}");
+    report.status
 }
 
 #[test]
