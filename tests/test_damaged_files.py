@@ -23,7 +23,7 @@ from public_calls import PATCH, PATH_FIT
 from test_problem_files import PROBLEMS, of_bodies
 
 LAW = asp.FrictionLaw.isotropic(0.3)
-DAMAGES = {"sample": 30, "long": 2000}
+DAMAGES = {"sample": 30, "long": 400}
 every_amount = pytest.mark.parametrize(
     "amount", ["sample", pytest.param("long", marks=pytest.mark.long)]
 )

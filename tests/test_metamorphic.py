@@ -613,7 +613,7 @@ RELATIONS: dict[Callable[[np.random.Generator], None], int] = {
     moved_set: 1,
     combined_sets: 1,
     stability_in_other_frames: 1,
-    cycle_in_other_frames: 5,
+    cycle_in_other_frames: 10,
 }
 """Relations with the factor by which there are fewer cases, for those that take long."""
 
