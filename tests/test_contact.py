@@ -443,6 +443,15 @@ def test_velocities_whose_squares_vanish_are_refused_by_name(size):
         problem.replace(free_velocity=size * free)
 
 
+def test_velocities_whose_percussions_vanish_are_refused_by_name():
+    free, law = [-1e-95, 1e-96, 0.0], asp.FrictionLaw.isotropic(0.3)
+    with pytest.raises(asp.ParameterError, match=r"free_velocity: must be zero .* entries of G"):
+        asp.ContactProblem(1e80 * np.eye(3), free_velocity=free, laws=law)
+    bounce = {"initial_velocity": [-1e-99, 0.0, 0.0], "normal_restitution": 0.01}
+    with pytest.raises(asp.ParameterError, match=r"initial_velocity: .* times the restitution"):
+        asp.ContactProblem(np.eye(3), free_velocity=np.zeros(3), laws=law, **bounce)
+
+
 @pytest.mark.parametrize("size", [1e90, 1e120, 1e154, 1e200, 1e300])
 def test_velocities_beyond_reason_are_refused_by_name(size):
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))

@@ -476,16 +476,21 @@ def test_steps_end_with_the_factors_of_their_speeds_or_count_as_not_converged():
         force=[-4.16, -4.16],
         contacts=[*pads, wall],
     )
-    for dt, most in ((0.02, 10), (0.002, 0)):
-        run = asp.simulate(system, dt=dt, t_end=0.3, on_failure="record")
+    for dt, tolerance, most in (
+        (0.02, 1e-10, 6),
+        (0.02, 1e-5, 6),
+        (0.02, 1e-3, 6),
+        (0.002, 1e-10, 0),
+    ):
+        run = asp.simulate(system, dt=dt, t_end=0.3, tolerance=tolerance, on_failure="record")
         assert run.failed_steps <= most
         speed = np.linalg.norm(run.slip, axis=2)
         checked = 0
-        for k in np.flatnonzero(run.residual[2:] <= 1e-10) + 2:
+        for k in np.flatnonzero(run.residual[2:] <= tolerance) + 2:
             for i, pad in enumerate(pads):
                 rate = pad.law.rate
                 factor = rate.replace(viscous=0.0)(speed[k - 1, i]) + rate.viscous * speed[k, i]
                 carried = pad.law.reservoir.gauge(-run.force[k, i]) / pad.normal_force
-                assert carried == pytest.approx(factor, rel=1e-7)
+                assert carried == pytest.approx(factor, rel=max(1e-7, 100.0 * tolerance))
                 checked += 1
         assert checked >= 12

@@ -142,14 +142,15 @@ impl Scene {
             };
             let (least, factor) = (factor_with(1e-9 + brought), factor_with(-1e-9 - brought));
             let (gauge, slope) = gauge(&contact.law, own);
-            // Percussions are known relative to their loads; beside cusps the gauge tells little of what they lack.
+            // Percussions are known relative to their loads; beside cusps the gauge tells less of what they lack.
             let loads = if mobility[k % m] > 0.0 && dt > 0.0 {
-                let steepest = f64::max(slope, 1.0 / laws::least_radius(&contact.law));
-                (before + now) / (mobility[k % m] * dt) * steepest
+                (before + now) / (mobility[k % m] * dt)
             } else {
                 0.0
             };
-            let error = slack * (size + normal * factor) + tolerance * loads;
+            let beside = (tolerance * loads * slope).min(0.1 * normal * factor);
+            let own = tolerance * loads / laws::least_radius(&contact.law);
+            let error = slack * (size + normal * factor) + f64::max(own, beside);
             assert!(
                 gauge <= normal * factor + error,
                 "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::decode::{Range, Source};
 
-/// What a contact does below this size counts as nothing, as the measure of the library says of itself.
+/// What a contact does below this size counts as nothing if it is nothing beside the loads of the whole, too.
 const NOTHING: f64 = 1e-150;
 
 /// A contact problem in the open: dense `G`, loads, laws.
@@ -80,6 +80,7 @@ impl Scene {
         let velocity = &self.delassus * &p + &self.free_velocity;
         let terms = self.delassus.abs() * p.abs() + self.free_velocity.abs();
         let mut worst = 0.0;
+        let whole = self.largest_load();
         for i in 0..self.contacts.len() {
             let (first, normal_rows) = self.rows(i);
             let len = length(&self.contacts[i]);
@@ -99,7 +100,7 @@ impl Scene {
                 Law::Two(law) => inclusion(law, at, &p, &velocity),
                 Law::Three(law) => inclusion(law, at, &p, &velocity),
             };
-            if defect > 0.0 && scale >= NOTHING {
+            if defect > 0.0 && !(scale < NOTHING && scale <= 1e-16 * whole) {
                 worst = f64::max(worst, defect / scale);
             }
             if defect.is_nan() {
@@ -107,6 +108,15 @@ impl Scene {
             }
         }
         worst
+    }
+
+    /// The largest percussion that is given, or that a free velocity asks for by itself; infinite without any, where zero is the
+    /// solution and what is next to it counts as zero.
+    fn largest_load(&self) -> f64 {
+        let asked = |row: usize| (self.free_velocity[row] / self.delassus[(row, row)]).abs();
+        let given = self.contacts.iter().filter_map(|(_, normal)| normal.prescribed());
+        let largest = (0..self.free_velocity.len()).map(asked).chain(given).fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { f64::INFINITY }
     }
 
     /// Whether a contact alone has a solution for certain: its normal force is given, it is not pressed, or no

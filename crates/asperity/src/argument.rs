@@ -67,7 +67,7 @@ pub(crate) fn part(argument: &'static str, value: f64) -> Checked<f64> {
     if (0.0..=1.0).contains(&value) {
         return Ok(value);
     }
-    refuse(argument, format!("must lie in [0, 1], got {value}"))
+    refuse(argument, format!("must lie in [0, 1], got {value:?}"))
 }
 
 /// Refuses what is not finite.

@@ -185,8 +185,12 @@ fn normal_by_members<const P: usize>(
     const FEW_SWEEPS: usize = 2;
     const FEW_ITERATIONS: usize = 8;
     // Projections that take support points themselves take more of them than the ellipsoid method does.
-    let is_dear =
-        |set: &Convex<P>| matches!(set, Convex::Custom(_) | Convex::Image(_) | Convex::Sum(_));
+    let is_dear = |set: &Convex<P>| {
+        matches!(
+            set,
+            Convex::Custom(_) | Convex::Image(_) | Convex::Intersection(_) | Convex::Sum(_)
+        )
+    };
     if sets.len() > MEMBERS || sets.iter().any(is_dear) {
         return None;
     }
@@ -304,4 +308,43 @@ fn common(
         return None;
     };
     (cross(start, end) > SAME).then_some((*start, *end))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Ball, Cuboid};
+
+    type W = Vector<3>;
+
+    /// Of a box and a ball the ray leaves where the box is the radius of the ball away, most often through a rounded edge.
+    #[test]
+    fn rays_leave_a_rounded_box_where_newtons_method_finds_it() {
+        let (half, radius) = (W::new(1.0, 0.7, 0.4), 0.5);
+        let members: Vec<Convex<3>> =
+            vec![Cuboid::symmetric(half).unwrap().into(), Ball::new(radius).unwrap().into()];
+        let sum = MinkowskiSum::new(members).unwrap();
+        let (mut rounded, mut found) = (0, 0);
+        for x in crate::directions::<3>(2000) {
+            let beyond = |s: f64| x.zip_map(&half, |x, a| ((s * x).abs() - a).max(0.0)).norm();
+            let (mut low, mut high) = (0.0, 10.0);
+            while high - low > f64::EPSILON * high {
+                let middle = 0.5 * (low + high);
+                if middle == low || middle == high {
+                    break;
+                }
+                if beyond(middle) < radius { low = middle } else { high = middle }
+            }
+            let off = (sum.gauge(&x) * high - 1.0).abs();
+            assert!(off <= 1e-14, "{off:e} along {x}");
+            let out = |k: usize| (high * x[k]).abs() > half[k] * 1.01;
+            if (0..3).filter(|&k| out(k)).count() > 1 {
+                rounded += 1;
+                let normal = normal_by_members(&sum.sets, &x, &x);
+                found +=
+                    usize::from(normal.is_some_and(|n| (n.dot(&x) * high - 1.0).abs() <= 1e-14));
+            }
+        }
+        assert!(rounded > 800 && found * 10 > rounded * 9, "{found} of {rounded}");
+    }
 }

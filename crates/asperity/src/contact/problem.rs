@@ -12,8 +12,8 @@ use crate::vectors::unrolled;
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
 /// cubes of them.
 const LARGEST: f64 = 1e100;
-/// What the largest velocity must reach if any is not zero: the squares of what is far below vanish, and every percussion would
-/// look like a solution.
+/// What the largest velocity must reach if any is not zero, and the percussion that belongs to it: squares of what is far below
+/// vanish, and no percussions would look like a solution.
 const SMALLEST: f64 = 1e-100;
 
 /// How the normal force of a contact is found.
@@ -177,6 +177,9 @@ impl ContactProblem {
         let identity = new_identity();
         let mut problem = Self { delassus, free_velocity, restitution, contacts, rho, identity };
         problem.update_rho();
+        let allowed =
+            "zero everywhere, or 1e-100 and more somewhere, also divided by the entries of G";
+        problem.check_reach("free_velocity", &problem.free_velocity, allowed)?;
         Ok(problem)
     }
 
@@ -235,7 +238,8 @@ impl ContactProblem {
             check("initial_velocity", term, term.abs() <= LARGEST, allowed)?;
         }
         if self.free_velocity.iter().all(|b| *b == 0.0) {
-            check_reach("initial_velocity", &self.restitution)?;
+            let allowed = "zero everywhere, or 1e-100 and more somewhere, times the restitution and divided by the entries of G";
+            self.check_reach("initial_velocity", &self.restitution, allowed)?;
         }
         Ok(self)
     }
@@ -400,6 +404,19 @@ impl ContactProblem {
         Ok(velocity)
     }
 
+    /// Refuses velocities that are not zero but so small, all of them, that the squares of percussions or velocities vanish.
+    fn check_reach(
+        &self,
+        argument: &'static str,
+        velocities: &[f64],
+        allowed: &str,
+    ) -> Result<(), ArgumentError> {
+        let largest = velocities.iter().fold(0.0, |largest: f64, b| largest.max(b.abs()));
+        let reach = self.rho.iter().fold(1.0, |least: f64, rho| least.min(*rho));
+        let fits = largest == 0.0 || largest * reach >= SMALLEST;
+        check(argument, largest, fits, allowed).map(|_| ())
+    }
+
     /// Refuses what has not one number per row.
     pub(crate) fn check_rows(
         &self,
@@ -442,17 +459,9 @@ fn check_sizes(
         let allowed = "at most 1e100, also times and divided by the entries of G";
         check("free_velocity", b, b.abs() * reach <= LARGEST, allowed)?;
     }
-    check_reach("free_velocity", free_velocity)?;
     for value in contacts.iter().filter_map(|contact| contact.normal.prescribed()) {
         let allowed = "at most 1e100, also times the entries of G";
         check("normal_force", value, value * f64::max(1.0, largest) <= LARGEST, allowed)?;
     }
     Ok(())
-}
-
-/// Refuses velocities that are not zero but so small, all of them, that their squares would vanish.
-fn check_reach(argument: &'static str, velocities: &[f64]) -> Result<(), ArgumentError> {
-    let largest = velocities.iter().fold(0.0, |largest: f64, b| largest.max(b.abs()));
-    let allowed = "zero everywhere, or 1e-100 and more somewhere";
-    check(argument, largest, largest == 0.0 || largest >= SMALLEST, allowed).map(|_| ())
 }

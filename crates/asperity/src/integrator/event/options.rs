@@ -162,7 +162,7 @@ impl Options {
         positive("max_step", self.max_step.unwrap_or(1.0))?;
         let Self { t_start, t_end, tolerance, .. } = *self;
         if !(1e-14..=1e-2).contains(&tolerance) {
-            return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {tolerance}"));
+            return refuse("tolerance", format!("must lie in [1e-14, 1e-2], got {tolerance:?}"));
         }
         if t_end > LATEST {
             return refuse("t_end", format!("must be at most {LATEST:e} s, got {t_end}"));

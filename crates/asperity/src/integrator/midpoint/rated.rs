@@ -34,9 +34,9 @@
 //!
 //! For one contact that goes on slipping along a line with a viscous force one correction is exact. `δφ/φ` is the
 //! defect that is compared with the tolerance: it is a relative error of the friction force, as the residual
-//! of a contact is, whereas `r` magnifies rounding of the speed by `κ`. It is no defect where it comes to nothing though `r`
-//! does not, as where a slip ceases to be a solution and `∂s/∂φ` has no bound: there Newton's method ends at factors that
-//! are not those of the speed. Such an end is known by the changes `w`, which do not vanish.
+//! of a contact is, whereas `r` magnifies rounding of the speed by `κ`. It tells nothing where it vanishes though `r` does
+//! not, as where a slip ceases to be a solution and `∂s/∂φ` has no bound: there Newton's method ends at factors that are not
+//! those of the speed, and the changes `w` do not vanish. So while `w` is more than rounding, `r/φ` counts.
 
 use asperity_set::Vector;
 
@@ -48,8 +48,8 @@ use crate::solver::{Rising, Stop, Workspace, settle};
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
 
-/// Part of the relative changes of slip velocities that counts as a defect: they are known less well than factors.
-const TURNING: f64 = 1e-3;
+/// Change of a slip velocity, over what it is the sum of, up to which it may be rounding.
+const ROUNDED: f64 = 1e-6;
 
 /// Most sweeps over contacts that disturb each other, after which Newton's method goes on: no iteration of the steps that
 /// `step.rs` names changes with a quarter or four times as many.
@@ -182,10 +182,12 @@ impl Factors {
         if slips {
             self.correct(problem, percussion);
         }
-        let turn = if slips { self.expected_turn(problem, velocity) } else { 0.0 };
-        let mut worst = (TURNING * turn, 0);
+        let mut worst = (0.0, 0);
         for (i, contact) in problem.contacts().iter().enumerate() {
-            let relative = (self.change[i] / self.rows[contact.tangent()]).abs();
+            let mut relative = (self.change[i] / self.rows[contact.tangent()]).abs();
+            if slips && self.turns(problem, i, percussion, velocity) {
+                relative = relative.max((self.defect[i] / self.rows[contact.tangent()]).abs());
+            }
             if !(relative <= worst.0) {
                 worst = (relative, i);
             }
@@ -193,18 +195,27 @@ impl Factors {
         worst
     }
 
-    /// The largest change `w` of a slip velocity that Newton's method expects, relative to the largest of those velocities, with
-    /// the percussions or without.
-    fn expected_turn(&self, problem: &ContactProblem, velocity: &[f64]) -> f64 {
-        let (mut change, mut size) = (0.0_f64, 0.0_f64);
-        for contact in problem.contacts() {
-            if contact.tangential_rows().any(|row| self.direction[row] != 0.0) {
-                let of = |values: &[f64]| tangential(contact, |row| values[row]).norm();
-                change = change.max(of(&self.change_of_slip));
-                size = size.max(of(velocity)).max(of(problem.free_velocity()));
-            }
+    /// Whether Newton's method expects another slip velocity of a contact, by more than rounding of what it is the sum of.
+    fn turns(
+        &self,
+        problem: &ContactProblem,
+        i: usize,
+        percussion: &[f64],
+        velocity: &[f64],
+    ) -> bool {
+        let contact = &problem.contacts()[i];
+        if contact.tangential_rows().all(|row| self.direction[row] == 0.0) {
+            return false;
         }
-        if change == 0.0 { 0.0 } else { change / size }
+        let mut brought = [0.0; 4];
+        if !problem.delassus().is_matrix_free() {
+            problem.delassus().blocks().add_magnitudes(i, percussion, &mut brought);
+        }
+        let change = tangential(contact, |row| self.change_of_slip[row]).norm();
+        let now = tangential(contact, |row| velocity[row] + problem.restitution()[row]);
+        let free = tangential(contact, |row| problem.free_velocity()[row]);
+        let brought = tangential(contact, |row| brought[row - contact.offset]);
+        change > ROUNDED * now.norm().max(free.norm()).max(brought.norm())
     }
 
     /// `δφ` by way of `w − G (P̃ f₊′ eᵀw + φ J w) = G P̃ r`.

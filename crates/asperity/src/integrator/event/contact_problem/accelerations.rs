@@ -197,8 +197,9 @@ fn decide_with_shares(
                 aside.ask_immobile(dynamics);
                 continue;
             }
-            // Normals that are nearly parallel count as dependent there and not here.
-            let pulls = |&k: &usize| normal_forces[k] < -LIGHT * largest(&normal_forces);
+            // To `load_bearing` normals that are nearly parallel are dependent, to the dynamics they are not.
+            let most = closed.iter().map(|contact| contact.force.abs()).fold(0.0, f64::max);
+            let pulls = |&k: &usize| normal_forces[k] < -LIGHT * most;
             if let Some(k) = smallest.filter(pulls) {
                 return Ok(unsolved(slipping[k] / ROWS));
             }

@@ -7,9 +7,9 @@ use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForc
 use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
 
-/// What the forces that contacts share at the end of their stick may leave of the acceleration, over the load, and the part of
-/// the step by which forces from before this end are older: its time is known to about 1e-8 of itself.
-pub(crate) const AT_END_OF_STICK: f64 = 1e-6;
+/// What the forces that contacts share at the end of their stick may leave of the acceleration, over the load: the time of
+/// this end is known to about 1e-8 of itself.
+const AT_END_OF_STICK: f64 = 1e-6;
 
 /// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry
 /// its part or would have to pull, though together they can, are given parts that they can carry. The accelerations stay

@@ -1,8 +1,7 @@
 //! Location of events: the time at which the first event function becomes positive.
 
 use crate::contact::Phase;
-use crate::integrator::event::contact_problem::Solving;
-use crate::integrator::event::contact_problem::redundancy::{self, AT_END_OF_STICK};
+use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::root::{self, Value};
 use crate::integrator::event::event_function::rounded_excess;
@@ -14,6 +13,9 @@ use crate::integrator::event::state::{CLOSED_GAP, EvaluationError};
 /// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
 /// time. Later steps are not so much longer than those before.
 const EARLY_EVENT: f64 = 1e-2;
+/// Part of the time to an event by which forces from before it are older: far more than the time is known to, and little of the
+/// change of forces in a step.
+const SHORTLY: f64 = 1e-6;
 /// Most times that the first step is shortened for such an event. One whose time falls with the step happens at once.
 const MOST_SHORTENED: u8 = 5;
 
@@ -53,8 +55,12 @@ impl Integration<'_> {
         self.sample_before(self.state.t + h)?;
         let recorded = self.options.sample.is_none() && h > 0.0;
         let before = if recorded && self.dynamics.is_indeterminate() {
-            self.solve_to(h * (1.0 - AT_END_OF_STICK))?;
-            self.dynamics.contacts.clone()
+            match self.solve_to(h * (1.0 - SHORTLY)) {
+                Ok(()) => self.dynamics.contacts.clone(),
+                // What is recorded must not decide on the motion.
+                Err(StateError::Diverged) => Vec::new(),
+                Err(error) => return Err(error),
+            }
         } else {
             Vec::new()
         };
