@@ -78,8 +78,13 @@ fn hessian(set: &Convex<3>, y: &W, e: &W) -> TestCaseResult {
     if !smooth || turns > 0.05 * hessian.norm() {
         return Ok(());
     }
-    let slope = (set.support_point(&(y + step)) - set.support_point(&(y - step))) * 0.5;
-    let size = set.support_point(y).norm();
+    let [before, here, after] = [y - step, *y, y + step].map(|y| set.support_point(&y));
+    // The support point of a polytope jumps, to one side of a kink that the step crosses.
+    let bend = (after - here * 2.0 + before).norm();
+    if bend > 0.1 * (after - before).norm() {
+        return Ok(());
+    }
+    let (slope, size) = ((after - before) * 0.5, here.norm());
     prop_assert!((slope - hessian * step).norm() <= 0.05 * (hessian * step).norm() + 1e-8 * size);
     prop_assert!((hessian * y).norm() <= 1e-6 * hessian.norm() + 1e-8 * size);
     Ok(())
