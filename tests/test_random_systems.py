@@ -171,8 +171,8 @@ KNOWN = {
     # by cases does not prove it. 503: a wedge jams, with a proof at shorter steps only. 1454, 3892,
     # 5541, 7937: stops that nearly or wholly repeat each other, of which `integrate` does not find
     # the forces; `simulate` does. 3328, 3729, 5362: hinges, whose rows see one direction of the
-    # motion: forces that cancel, of 10¹⁰ N and more, are found and said to grow without bound, where
-    # steps before have some of 1 N. 9963 ends alike. 2334, 9962: residuals of 1e-7 and 1.03e-10.
+    # motion: forces that cancel, of 10¹⁰ N and more, are found and said to grow without bound,
+    # where steps before have 1 N. 9963 ends alike. 2334, 9962: residuals of 1e-7 and 1.03e-10.
     "unsolved": {105, 503, 1454, 2334, 3328, 3729, 3892, 5362, 5541, 7937, 9962, 9963},
     # 2390: a hinge and a stop jam; `simulate` proves that there is no solution, `integrate` says
     # that events follow each other without time passing. 5263: two hinges, 6051, 8502 and 8700:
