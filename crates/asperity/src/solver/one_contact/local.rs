@@ -7,6 +7,7 @@ use super::effort::Effort;
 use super::single::{self, Graded, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
+use crate::solver::measure::growth::UNRESOLVED;
 
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
 const NEAR: f64 = 1e-3;
@@ -165,13 +166,16 @@ impl<'a, const P: usize> Local<'a, P> {
         if self.prescribed.is_some() { 0.0 } else { 1e-4 * self.block.g_nn }
     }
 
-    /// The denominator below which it is rounding, for forces of size `radius`: percussions without bound are no
-    /// solution.
+    /// The denominator below which it is rounding, or percussions are so large that nothing is left of the digits of
+    /// velocities, for forces of size `radius`: percussions without bound are no solution. Where the block has rank one,
+    /// every slip velocity times the denominator vanishes together with it.
     pub(crate) fn vanishing_denominator(&self, radius: f64) -> f64 {
-        match self.prescribed {
-            Some(_) => 0.0,
-            None => 16.0 * f64::EPSILON * (self.block.g_nn.abs() + self.block.g_nt.norm() * radius),
+        if self.prescribed.is_some() {
+            return 0.0;
         }
+        let size = self.block.g_nn.abs() + self.block.g_nt.norm() * radius;
+        let unresolved = self.b_n.abs() / (UNRESOLVED * self.b_n.abs().max(self.b_t.amax()));
+        size * f64::max(16.0 * f64::EPSILON, unresolved)
     }
 
     /// The slip solution with `−P_T = P_N x`.
@@ -272,7 +276,7 @@ impl<'a, const P: usize> Local<'a, P> {
     #[inline(never)]
     fn stick_of_any_rank(&self) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let found = single.stick().filter(|found| found.defect <= single::SOLUTION)?;
+        let found = single.stick().filter(Graded::sticks)?;
         Some(self.with_phase(&single, &found, Phase::Stick))
     }
 

@@ -8,7 +8,7 @@ use asperity_set::Vector;
 
 use super::effort::Effort;
 use super::local::{LocalSolution, Selection};
-use super::single::{FOUND, SOLUTION, Single};
+use super::single::{FOUND, Graded, Single};
 use crate::contact::{ContactState, Phase};
 use crate::law::ContactVector;
 
@@ -28,7 +28,7 @@ pub(crate) fn solve(
     if single.opens() {
         return selected(&ContactVector::zeros(), false);
     }
-    let stick = single.stick().filter(|found| found.defect <= SOLUTION);
+    let stick = single.stick().filter(Graded::sticks);
     let sticks = || stick.and_then(|p| selected(&p.percussion, p.degenerate));
     if state.phase != Phase::Slip && stick.is_some() {
         return sticks();
