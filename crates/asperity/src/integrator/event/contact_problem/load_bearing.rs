@@ -206,7 +206,9 @@ impl NormalForces {
                 let left = self.mobility[(i, i)] - row.dot(&weights);
                 (left <= DEPENDENT * self.mobility[(i, i)]).then(|| weights.dot(&forces))
             };
-            let carries = || rate <= AT_REST * size && share().is_some_and(|share| share > none);
+            // Where all of them lift off together, shares of what is left of the load are rounding.
+            let light = f64::max(none, PARTS * self.sizes[i] / self.mobility[(i, i)]);
+            let carries = || rate <= AT_REST * size && share().is_some_and(|share| share > light);
             if rate < -AT_REST * size || carries() {
                 wrong.push(i);
             }

@@ -44,9 +44,10 @@ impl Dynamics<'_> {
                 largest = largest.max(self.contacts[j].normal_force);
             }
         }
-        let parts =
-            self.rate(ROWS * i, &self.acceleration).abs() > PARTS * self.normal_rate_scale(i);
-        let dependent = left <= DEPENDENT * self.normal_mobility(i, i);
-        (dependent && !parts).then_some(share - LIGHT * largest)
+        let own = self.normal_mobility(i, i);
+        let rounding = PARTS * self.normal_rate_scale(i);
+        let parts = self.rate(ROWS * i, &self.acceleration).abs() > rounding;
+        let dependent = left <= DEPENDENT * own;
+        (dependent && !parts).then(|| share - f64::max(LIGHT * largest, rounding / own))
     }
 }
