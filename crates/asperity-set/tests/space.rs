@@ -38,7 +38,8 @@ fn projection(set: &Convex<3>, d: &W, e: &W, k: f64, slack: f64) -> TestCaseResu
     let x = set.project(&z);
     prop_assert!(set.gauge(&x) <= 1.0 + slack, "{}", set.gauge(&x) - 1.0);
     if set.gauge(&z) <= 1.0 {
-        prop_assert!((x - z).norm() <= 1e-15 * z.norm());
+        // On the boundary the digits of its support points decide.
+        prop_assert!((x - z).norm() <= 4e-15 * z.norm());
         return Ok(());
     }
     let normal = z - x;

@@ -213,7 +213,44 @@ fn nodes(
         heap.push(pending(middle, arc.end));
     }
     let starts = in_turn(heap.into_iter().map(|pending| pending.arc.start));
-    starts.into_iter().map(|(_, point)| Node::new(reservoir, point)).collect()
+    let mut points: Vec<BoundaryPoint> = starts.into_iter().map(|(_, point)| point).collect();
+    widen_flats(&mut points, direction);
+    points.into_iter().map(|point| Node::new(reservoir, point)).collect()
+}
+
+/// Moves the outermost nodes on each flat of *D* to its ends.
+///
+/// There the normal begins to turn with a jump of the curvature, which halves of a cell would not see: the distance to the
+/// chord that a kink beside an end of the cell causes does not fall until the kink is in the middle.
+fn widen_flats(points: &mut [BoundaryPoint], direction: &Convex<2>) {
+    const PARALLEL: f64 = 1e-14;
+    let count = points.len();
+    let parallel = |a: &BoundaryPoint, b: &BoundaryPoint| angle(&a.normal, &b.normal) <= PARALLEL;
+    let end = |flat: BoundaryPoint, beyond: BoundaryPoint| {
+        let (mut on, mut off) = (flat, beyond.position);
+        while (on.position - off).norm() > 2.0 * f64::EPSILON * off.norm() {
+            let middle = BoundaryPoint::at_position(direction, &(on.position + off));
+            if middle.position == on.position || middle.position == off {
+                break;
+            }
+            if parallel(&middle, &flat) { on = middle } else { off = middle.position }
+        }
+        on
+    };
+    let given = points.to_vec();
+    for i in 0..count {
+        let [before, here, after, last] =
+            [i + count - 1, i, i + 1, i + 2].map(|k| given[k % count]);
+        if !parallel(&here, &after) || here.position == after.position {
+            continue;
+        }
+        if !parallel(&before, &here) {
+            points[i] = end(here, before);
+        }
+        if !parallel(&after, &last) {
+            points[(i + 1) % count] = end(after, last);
+        }
+    }
 }
 
 /// Points with their walk angles, sorted by these.
