@@ -95,3 +95,15 @@ def test_loads_that_rounding_leaves_are_held_by_the_shortest_percussion(off):
         assert found.phase[0] == Phase.STICK
         np.testing.assert_allclose(found.percussion[0], 0.5e-3, rtol=0.5)
         assert np.linalg.norm(found.percussion) <= 1e-3
+
+
+@pytest.mark.parametrize("radius", [1.0, 1e-3, 1e-6])
+def test_the_unit_of_length_does_not_decide_on_the_rank_with_drilling(radius):
+    """Drilling velocities are in rad/s: of small contacts they are far larger than those in m/s."""
+    law = asp.FrictionLaw.associated(asp.Ellipsoid([0.8, 0.8, 0.3 * radius]))
+    delassus = np.diag([1.0, 1.0, 1.0, 2.5 / radius**2])
+    wanted = np.array([10.0, 3.0, 1.0, 0.1 * radius])
+    problem = asp.ContactProblem(delassus, free_velocity=-delassus @ wanted, laws=law)
+    found = problem.solve()
+    assert found.phase[0] == Phase.STICK
+    np.testing.assert_allclose(found.percussion, wanted, rtol=1e-9)

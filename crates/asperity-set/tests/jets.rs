@@ -126,6 +126,21 @@ fn of_a_sum_of_flat_and_round_sets() {
     derivative(sum.as_convex().unwrap(), &d, &e, 3.0942727582413605, 0.0).unwrap();
 }
 
+/// Beside the corners of a superellipsoid of a high exponent curvatures differ by four decades.
+#[test]
+fn of_a_sum_of_sets_with_sharp_edges() {
+    let axes = Vector::<3>::new(2.3382357181268474, 0.8724710332918261, 0.5773502691896257);
+    let sharp = Star::from(Superellipsoid::new(axes, 108.04071420915275).unwrap());
+    let lower = Vector::<3>::new(-4.437643573228184, -0.5520384665803179, -1.6442998515969964);
+    let upper = Vector::<3>::new(1.6442998515969964, 4.922509934528827, 0.9589201967415013);
+    let cuboid = Convex::from(Cuboid::new(lower, upper).unwrap());
+    let ball = Convex::from(Ball::new(0.5968082650060341).unwrap());
+    let sum = Star::minkowski_sum(&[sharp, cuboid.into(), ball.into()]).unwrap();
+    let d = Vector::<3>::new(-0.825038423607959, -0.41113228459694456, 0.38766202307240644);
+    let e = Vector::<3>::new(0.3711979873232261, 0.0, -0.9285537433057852);
+    derivative(sum.as_convex().unwrap(), &d, &e, 1.434848638756329, 1e-10).unwrap();
+}
+
 /// Along the edges of a rounded octahedron rounding grows in the flat direction after a few iterations.
 #[test]
 fn of_a_rounded_octahedron() {

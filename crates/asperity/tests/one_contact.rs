@@ -1045,8 +1045,11 @@ fn of_any_continuum_the_shortest_percussions_are_taken() {
         if gauge(&known) > 0.99 {
             continue;
         }
-        let mean = (first..rows).map(|i| delassus[(i, i)]).sum::<f64>() / p as f64;
-        let unit = |i: usize| 1.0 / if i < first { delassus[(0, 0)] } else { mean }.sqrt();
+        // The rows of drilling have a unit of their own.
+        let drilling = first + p.min(2);
+        let mean = (first..drilling).map(|i| delassus[(i, i)]).sum::<f64>() / p.min(2) as f64;
+        let in_plane = |i: usize| (first..drilling).contains(&i);
+        let unit = |i: usize| 1.0 / if in_plane(i) { mean } else { delassus[(i, i)] }.sqrt();
         let unit = DMatrix::from_fn(rows, rows, |i, j| if i == j { unit(i) } else { 0.0 });
         let inverse = (&unit * &delassus * &unit).pseudo_inverse(1e-10).unwrap();
         let shortest = -&unit * inverse * &unit * &free;

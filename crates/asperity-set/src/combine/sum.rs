@@ -104,21 +104,72 @@ const ITERATIONS: usize = 20;
 /// Largest change of the point that is an improvement, relative to the point.
 const NEAR: f64 = 1e-5;
 
+/// The members of a sum near points `aᵢ` of theirs that belong to one normal `y`: `daᵢ = MᵢJᵢ dy − Mᵢfᵢ` with the Jacobian
+/// `Jᵢ` and the residual `fᵢ = aᵢ − prox(aᵢ + y)` of each, and `Mᵢ = (I − Jᵢ)⁻¹`.
+struct Linearised<const P: usize> {
+    count: usize,
+    jacobians: [Matrix<P>; MEMBERS],
+    /// `MᵢJᵢ` and `Mᵢfᵢ`, and their sums.
+    parts: [(Matrix<P>, Vector<P>); MEMBERS],
+    yields: Matrix<P>,
+    moved: Vector<P>,
+    /// The largest of the residuals.
+    residual: f64,
+}
+
+impl<const P: usize> Linearised<P> {
+    /// On flat faces `Mᵢ` is bounded by a `small` number on the diagonal, which costs no digits because the residuals vanish.
+    fn new(
+        sets: &[Convex<P>],
+        points: &[Vector<P>; MEMBERS],
+        y: &Vector<P>,
+        small: f64,
+    ) -> Option<Self> {
+        let none = (Matrix::zeros(), Vector::zeros());
+        let mut all = Self {
+            count: sets.len(),
+            jacobians: [Matrix::zeros(); MEMBERS],
+            parts: [none; MEMBERS],
+            yields: Matrix::zeros(),
+            moved: Vector::zeros(),
+            residual: 0.0,
+        };
+        for (i, (set, point)) in sets.iter().zip(points).enumerate() {
+            let (onto, jacobian) = set.project_jet(&(point + y), point);
+            let inverse = (Matrix::identity() * (1.0 + small) - jacobian).try_inverse()?;
+            let residual = point - onto;
+            let (yields, moved) = (inverse * jacobian, inverse * residual);
+            (all.jacobians[i], all.parts[i]) = (jacobian, (yields, moved));
+            all.yields += yields;
+            all.moved += moved;
+            all.residual = all.residual.max(residual.norm());
+        }
+        Some(all)
+    }
+
+    /// Moves the points with the normal.
+    fn step(&self, points: &mut [Vector<P>; MEMBERS], dy: &Vector<P>) {
+        for (point, (yields, moved)) in points.iter_mut().zip(&self.parts).take(self.count) {
+            *point += yields * dy - moved;
+        }
+    }
+}
+
 /// Newton's method for one point `aᵢ` of each member, `aᵢ = prox(aᵢ + y)` with `y = z − Σ aⱼ` normal to all of them.
 ///
 /// Where some members are flat and others round, neither the sum's support function nor hulls of its support points
-/// tell more than half of the digits; the projections onto the members do. With the Jacobians `Jᵢ` of these the
-/// residuals `fᵢ` give `daᵢ = Mᵢ (Jᵢ dy − fᵢ)`, `Mᵢ = (I − Jᵢ)⁻¹`, and `dy = −Σ daᵢ`; on flat faces `Mᵢ` is bounded by
-/// a small number on the diagonal, which costs no digits because the residuals vanish. Where `z` moves `dy = dz − Σ daᵢ`
-/// and `daᵢ = MᵢJᵢ dy`, so that the Jacobian of the projection is `I − (I + Σ MᵢJᵢ)⁻¹`.
+/// tell more than half of the digits; the projections onto the members do. With [`Linearised`] members `dy = −Σ daᵢ`, so that
+/// `(I + Σ MᵢJᵢ) dy = Σ Mᵢfᵢ`.
 fn by_members<const P: usize>(
     sets: &[Convex<P>],
     z: &Vector<P>,
     near: &Vector<P>,
 ) -> Option<(Vector<P>, Matrix<P>)> {
     // The steps of a point along a flat direction are differences of numbers `1/SMALL` times as large, whose own rounding is
-    // multiplied by `1/SMALL` again: below the root of the machine precision it grows from step to step. The Jacobian is off by as much as this.
-    const SMALL: f64 = 1e-7;
+    // multiplied by `1/SMALL` again: below the root of the machine precision it grows from step to step where members are
+    // flat. Where they are nearly so, steps are too short with the first number, and the smaller one finds the digits that
+    // are left.
+    const SMALL: [f64; 2] = [1e-7, 1e-11];
     const SETTLED: f64 = 1e-11;
     if sets.len() > MEMBERS {
         return None;
@@ -134,38 +185,50 @@ fn by_members<const P: usize>(
             points[i] = set.project(&(z - others));
         }
     }
-    let mut best = (f64::INFINITY, *near, Matrix::zeros());
-    for _ in 0..ITERATIONS {
-        let sum: Vector<P> = points.iter().sum();
-        let y = z - sum;
-        let (mut matrix, mut right) = (Matrix::<P>::identity(), Vector::<P>::zeros());
-        let mut parts = [(Matrix::<P>::zeros(), Vector::<P>::zeros()); MEMBERS];
-        let mut largest = 0.0_f64;
-        for ((set, point), part) in sets.iter().zip(&points).zip(&mut parts) {
-            let (onto, jacobian) = set.project_jet(&(point + y), point);
-            let inverse = (Matrix::identity() * (1.0 + SMALL) - jacobian).try_inverse()?;
-            let residual = point - onto;
-            largest = largest.max(residual.norm());
-            *part = (inverse * jacobian, inverse * residual);
-            matrix += part.0;
-            right += part.1;
+    let rounding = 4.0 * f64::EPSILON * z.norm();
+    let mut best = (f64::INFINITY, points, [Matrix::<P>::zeros(); MEMBERS]);
+    for small in SMALL {
+        points = best.1;
+        for _ in 0..ITERATIONS {
+            let y = z - points.iter().sum::<Vector<P>>();
+            let Some(members) = Linearised::new(sets, &points, &y, small) else { break };
+            if members.residual < best.0 {
+                best = (members.residual, points, members.jacobians);
+            }
+            let matrix = Matrix::identity() + members.yields;
+            let (true, Some(inverse)) = (members.residual > rounding, matrix.try_inverse()) else {
+                break;
+            };
+            members.step(&mut points, &(inverse * members.moved));
         }
-        let inverse = matrix.try_inverse()?;
-        if largest < best.0 {
-            best = (largest, sum, Matrix::identity() - inverse);
-        }
-        if largest <= 4.0 * f64::EPSILON * z.norm() {
+        if best.0 <= rounding {
             break;
-        }
-        let turn = inverse * right;
-        for (point, part) in points.iter_mut().zip(&parts) {
-            *point += part.0 * turn - part.1;
         }
     }
     // Where a flat direction of one member is round in another one, rounding may grow again on the way.
-    let (largest, sum, jacobian) = best;
+    let (largest, points, jacobians) = best;
+    let sum: Vector<P> = points.iter().sum();
     let ends = largest <= SETTLED * z.norm() && (sum - near).norm() <= NEAR * near.norm();
+    let jacobian = jacobian_of_sum(&jacobians[..sets.len()])?;
     ends.then_some((sum, jacobian))
+}
+
+/// The Jacobian of the projection onto a sum from those of the projections onto the members.
+///
+/// Where `z` moves `dy = dz − Σ daᵢ` and `daᵢ = Jᵢ (daᵢ + dy)`. With `K = I − J` for the sum and each of its members,
+/// `dy = K dz` and `daᵢ = (Kᵢ⁻¹ − I) dy`, hence `K⁻¹ − I = Σ (Kᵢ⁻¹ − I)`, for two members `K = K₂ (K₁ + K₂ − K₁K₂)⁻¹ K₁`.
+/// Along a flat that all members share every `Kᵢ` vanishes, and so does the product, whatever small number is added to what
+/// is inverted.
+fn jacobian_of_sum<const P: usize>(jacobians: &[Matrix<P>]) -> Option<Matrix<P>> {
+    const NONE: f64 = 1e-14;
+    let identity = Matrix::<P>::identity();
+    let mut stays = jacobians.iter().map(|jacobian| identity - jacobian);
+    let first = stays.next()?;
+    let sum = stays.try_fold(first, |sum, member| {
+        let between = sum + member - sum * member + identity * NONE;
+        Some(member * between.try_inverse()? * sum)
+    })?;
+    Some(identity - sum)
 }
 
 /// Newton's method for the normal with `h = 1` at the point `sx` where the ray along `x` leaves the sum, from a normal near it.
@@ -214,32 +277,20 @@ fn normal_by_members<const P: usize>(
     }
     for _ in 0..FEW_ITERATIONS {
         let missing = x * exit - points.iter().sum::<Vector<P>>();
-        let (mut matrix, mut right) = (Matrix::<P>::identity() * SMALL, missing);
-        let mut parts = [(Matrix::<P>::zeros(), Vector::<P>::zeros()); MEMBERS];
-        let mut largest = missing.norm();
-        for ((set, point), part) in sets.iter().zip(&points).zip(&mut parts) {
-            let (onto, jacobian) = set.project_jet(&(point + y), point);
-            let inverse = (Matrix::identity() * (1.0 + SMALL) - jacobian).try_inverse()?;
-            let residual = point - onto;
-            largest = largest.max(residual.norm());
-            *part = (inverse * jacobian, inverse * residual);
-            matrix += part.0;
-            right += part.1;
-        }
+        let members = Linearised::new(sets, &points, &y, SMALL)?;
+        let largest = members.residual.max(missing.norm());
         // The plane with normal y bounds the sum: the ray leaves it at s at the latest. What the points say is on the other side.
         let latest = support(&y) / x.dot(&y);
         if largest <= SETTLED * exit * x.norm() && (latest - exit).abs() <= EXACT * exit {
             return Some(y / support(&y));
         }
-        let inverse = matrix.try_inverse()?;
-        let (turn, push) = (inverse * right, inverse * x);
+        let inverse = (members.yields + Matrix::identity() * SMALL).try_inverse()?;
+        let (turn, push) = (inverse * (missing + members.moved), inverse * x);
         let ds = -x.dot(&turn) / x.dot(&push);
         let dy = turn + push * ds;
         exit += ds;
         y += dy;
-        for (point, part) in points.iter_mut().zip(&parts) {
-            *point += part.0 * dy - part.1;
-        }
+        members.step(&mut points, &dy);
         if !(exit > 0.0 && exit < f64::MAX) {
             return None;
         }

@@ -105,8 +105,8 @@ pub(crate) struct Groups {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Powers {
-    /// Unilateral contacts of the group, and the largest load of a row of a single one, but for that of its drilling.
-    unilateral: usize,
+    /// Contacts of the group, and the largest load of a row of a single one, but for that of its drilling.
+    contacts: usize,
     own: f64,
     approach: f64,
     separation: f64,
@@ -137,11 +137,11 @@ impl Powers {
 
     /// What the contacts of the group do, if their percussions have grown.
     fn kind(&self) -> Option<GrowthKind> {
-        let Self { unilateral, own, approach, separation, load, net, largest, brought } = *self;
+        let Self { contacts, own, approach, separation, load, net, largest, brought } = *self;
         let (little, closing) = (APPROACHING * load, CLOSING * net.abs());
         // What rounding leaves is no velocity.
         let counts = |power: f64, allowed: f64| power > allowed && power > ROUNDING * brought;
-        let boundless = if unilateral > 1 {
+        let boundless = if contacts > 1 {
             brought > BOUNDLESS * load && load > NO_LOAD * largest
         } else {
             // In Painlevé's paradox friction calls for percussions of one contact that are large beside a vanishing normal
@@ -232,8 +232,7 @@ pub(crate) fn of_island(measured: &Measured<'_>, contacts: &[usize]) -> Option<G
     let Measured { problem, percussion, .. } = *measured;
     let loads = Loads::of(problem, contacts.iter().map(|&i| &problem.contacts()[i]));
     let pushing = |i: &&usize| pushes(&problem.contacts()[**i], percussion);
-    let unilateral = contacts.iter().filter(|&&i| is_unilateral(&problem.contacts()[i])).count();
-    let mut sums = Powers { unilateral, ..Powers::default() };
+    let mut sums = Powers { contacts: contacts.len(), ..Powers::default() };
     contacts.iter().filter(pushing).for_each(|&i| sums.add(measured, i, &loads));
     let kind = sums.kind()?;
     let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
@@ -303,14 +302,10 @@ impl Size {
     }
 }
 
-fn is_unilateral(rows: &ContactRows) -> bool {
-    rows.normal == NormalForce::Unilateral
-}
-
 /// Whether growth is measured by a contact: the normal percussion is unknown, and there is one.
 #[inline]
 fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {
-    is_unilateral(rows) && percussion[rows.offset] > 0.0
+    rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
 }
 
 /// The group of contacts with the worst growth.
@@ -320,8 +315,8 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);
     groups.begin(problem);
     let loads = Loads::of(problem, problem.contacts().iter());
-    for (i, rows) in problem.contacts().iter().enumerate() {
-        groups.sums[groups.members.first(i)].unilateral += usize::from(is_unilateral(rows));
+    for i in 0..problem.contacts().len() {
+        groups.sums[groups.members.first(i)].contacts += 1;
     }
     for (i, _) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.members.first(i);

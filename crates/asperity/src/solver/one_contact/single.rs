@@ -51,8 +51,10 @@ const CONTINUUM: f64 = 1e-10;
 const SMALL: f64 = 1e-6;
 /// Velocity in stick against the loads, both in the units of `scales`.
 const STOPPED: f64 = 1e-6;
-/// Singular values below this part of the largest are rounding: stick is a continuum.
+/// Singular values below this part of the largest are rounding, and stick is a continuum, unless the others do not hold the
+/// load; below the second one they have no digit.
 const VANISHING: f64 = 1e-13;
+const LAST_DIGIT: f64 = 16.0 * f64::EPSILON;
 
 /// The contact with the velocities that the others leave it.
 #[derive(Clone, Copy)]
@@ -205,9 +207,12 @@ impl<'a, const P: usize> Single<'a, P> {
     /// Percussions that are huge against the loads would make every defect small: an approach that is not
     /// small against the loads is a defect by itself, and where rounding leaves nothing of velocities there is no solution.
     pub(crate) fn defect(&self, p: &V) -> f64 {
-        let brought = self.g.row(0).transpose().abs().dot(&p.abs());
-        if self.first() == 1 && brought > UNRESOLVED * self.b.amax() {
-            return f64::INFINITY;
+        if self.first() == 1 {
+            let brought = self.g.row(0).transpose().abs().dot(&p.abs());
+            // Drilling velocities have another unit.
+            if brought > UNRESOLVED * self.b.rows(0, 1 + P.min(2)).amax() {
+                return f64::INFINITY;
+            }
         }
         let (len, xi) = (self.len(), self.velocity(p));
         let normal = self.normal(p);
@@ -544,15 +549,31 @@ impl<'a, const P: usize> Single<'a, P> {
             keep(self.towards(&inside, &back(&whole)), false);
             keep(self.towards(&inside, &back(&shortest)), true);
         }
+        let has_digits = factors.values[n - 1] > LAST_DIGIT * factors.values[0];
+        if known < n && has_digits && !best.is_some_and(|best| best.sticks()) {
+            // A load that the large singular values alone do not hold: the others are no rounding after all.
+            let exact = back(&factors.solve(&scaled, &load, n));
+            let left = self.velocity(&exact).component_mul(&scales).norm();
+            let found = self.graded(exact, false);
+            if self.holds(&exact) && left <= STOPPED * load.norm() && found.sticks() {
+                return Some(found);
+            }
+        }
         best
     }
 
-    /// Units of the percussions in which the diagonal of the block is one on average; all tangential rows
-    /// share one, so that it does not matter how they are chosen.
+    /// Units of the percussions in which the diagonal of the block is one on average; the tangential rows of a point
+    /// share one, so that it does not matter how they are chosen, and drilling has its own.
     fn scales(&self) -> V {
-        let normal = self.rho.normal.sqrt();
-        let tangent = self.rho.tangent.sqrt();
-        V::from_fn(|i, _| if i < self.first() { normal } else { tangent })
+        let first = self.first();
+        let unit = |mean: f64| if mean > 0.0 { 1.0 / mean.sqrt() } else { self.rho.tangent.sqrt() };
+        let planar = P.min(2);
+        let tangent: f64 = (first..first + planar).map(|i| self.g[(i, i)]).sum();
+        V::from_fn(|i, _| match i {
+            i if i < first => self.rho.normal.sqrt(),
+            i if i < first + planar => unit(tangent / planar as f64),
+            i => unit(self.g[(i, i)]),
+        })
     }
 
     /// How far percussions are outside, `k_C(−P_T) − P_N`, positively homogeneous and for convex *C* convex; the

@@ -29,7 +29,13 @@ pub(crate) fn solve(
         return selected(&ContactVector::zeros(), false);
     }
     let stick = single.stick().filter(Graded::sticks);
-    let sticks = || stick.and_then(|p| selected(&p.percussion, p.degenerate));
+    let sticks = || {
+        let Graded { percussion, degenerate, .. } = stick?;
+        let (normal, tangent) = (single.normal(&percussion), single.tangent(&percussion));
+        let (phase, slip) = (Phase::Stick, Vector::zeros());
+        let solution = LocalSolution { phase, normal, tangent, slip, degenerate };
+        Some(Selection { solution, ambiguous: degenerate })
+    };
     if state.phase != Phase::Slip && stick.is_some() {
         return sticks();
     }
