@@ -61,19 +61,23 @@ peers: $(VENV)/.optimised
 linear:
 	cd benches/linear && cargo run --release --locked --target-dir ../../target -- $(abspath $(PROBLEMS))
 
-# The long profile, meant to take an hour and a half on two cores that do nothing else: random cases per set and property,
+# The long profile, hours on two cores that do nothing else: random cases per set and property,
 # 3·10⁵ one-contact problems per law, the bytes of the fuzz targets' generator, and every Python test that is marked `long`.
 # ONLY, SETS and INPUTS shorten a part: `make long SETS=1000 INPUTS=1000 ONLY=test_metamorphic`.
 SETS ?= 20000
 INPUTS ?= 10000
 ONLY ?=
+# To build with optimisation across crates takes nine minutes. Every test is told when it ends, so that a
+# run that is cut off has said something.
+long: export CARGO_PROFILE_RELEASE_LTO = off
+long: export CARGO_PROFILE_RELEASE_CODEGEN_UNITS = 16
 long: $(VENV)/.installed
 	failed=0; \
 	PROPTEST_CASES=$(SETS) cargo test --release --locked --no-fail-fast -p asperity-set || failed=1; \
 	cargo test --release --locked --no-fail-fast -p asperity -- --ignored || failed=1; \
 	cargo test $(PLAIN) --locked --no-fail-fast -p asperity --lib || failed=1; \
 	ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test -p asperity-fuzz --profile fuzz --locked --no-fail-fast || failed=1; \
-	$(BIN)/pytest --numprocesses auto --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
+	$(BIN)/pytest --numprocesses auto --verbose --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
 	exit $$failed
 
 # libFuzzer on stable Rust, SECONDS per target; needs a C++ compiler. What it finds is in out/fuzz: give it to
