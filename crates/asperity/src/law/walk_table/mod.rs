@@ -221,9 +221,11 @@ fn nodes(
 /// Moves the outermost nodes on each flat of *D* to its ends.
 ///
 /// There the normal begins to turn with a jump of the curvature, which halves of a cell would not see: the distance to the
-/// chord that a kink beside an end of the cell causes does not fall until the kink is in the middle.
+/// chord that a kink beside an end of the cell causes does not fall until the kink is in the middle. Flats on which there are
+/// not two nodes, because they are shorter than a cell, are not found.
 fn widen_flats(points: &mut [BoundaryPoint], direction: &Convex<2>) {
     const PARALLEL: f64 = 1e-14;
+    // As many as a position has bits.
     const HALVINGS: usize = 54;
     let count = points.len();
     let parallel = |a: &BoundaryPoint, b: &BoundaryPoint| angle(&a.normal, &b.normal) <= PARALLEL;

@@ -514,11 +514,14 @@ impl<'a, const P: usize> Single<'a, P> {
             (1..n).find(|&k| factors.values[k] <= VANISHING * factors.values[0]).unwrap_or(n);
         // What smaller singular values make of the load is rounding over rounding.
         let whole = factors.solve(&scaled, &load, known);
+        // Percussions that are huge against the loads stop the contact in name only.
+        let stops = |p: &V| {
+            let left = self.velocity(p).component_mul(&scales).norm();
+            self.holds(p) && left <= STOPPED * load.norm()
+        };
         let mut best: Option<Graded> = None;
         let mut keep = |p: V, lowest: bool| {
-            // Percussions that are huge against the loads stop the contact in name only.
-            let left = self.velocity(&p).component_mul(&scales).norm();
-            if !(self.holds(&p) && left <= STOPPED * load.norm()) {
+            if !stops(&p) {
                 return;
             }
             let found = self.graded(p, known < n);
@@ -552,10 +555,8 @@ impl<'a, const P: usize> Single<'a, P> {
         let has_digits = factors.values[n - 1] > LAST_DIGIT * factors.values[0];
         if known < n && has_digits && !best.is_some_and(|best| best.sticks()) {
             // A load that the large singular values alone do not hold: the others are no rounding after all.
-            let exact = back(&factors.solve(&scaled, &load, n));
-            let left = self.velocity(&exact).component_mul(&scales).norm();
-            let found = self.graded(exact, false);
-            if self.holds(&exact) && left <= STOPPED * load.norm() && found.sticks() {
+            let found = self.graded(back(&factors.solve(&scaled, &load, n)), false);
+            if stops(&found.percussion) && found.sticks() {
                 return Some(found);
             }
         }
