@@ -77,7 +77,7 @@ long: $(VENV)/.installed
 	cargo test --release --locked --no-fail-fast -p asperity -- --ignored || failed=1; \
 	cargo test $(PLAIN) --locked --no-fail-fast -p asperity --lib || failed=1; \
 	ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test -p asperity-fuzz --profile fuzz --locked --no-fail-fast || failed=1; \
-	$(BIN)/pytest --numprocesses auto --verbose --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
+	$(BIN)/pytest --numprocesses auto -vv --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
 	exit $$failed
 
 # libFuzzer on stable Rust, SECONDS per target; needs a C++ compiler. What it finds is in out/fuzz: give it to

@@ -8,7 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import mechanisms
-from asperity.errors import NoCycleError
+from asperity.errors import ConvergenceError, NoCycleError
 from asperity.runs.event import EventKind
 from profiles import every
 from scipy.integrate import quad, solve_ivp
@@ -1426,3 +1426,41 @@ def test_contacts_with_nearly_parallel_normals_do_not_pull():
         path = asp.simulate(system, dt=dt, t_end=1.0)
         errors.append(np.abs(path.q[-1] - motion.q[-1]).max())
     assert errors[0] > 1.8 * errors[1] > 3.2 * errors[2]
+
+
+@pytest.mark.parametrize("scale", [0.95, 0.999, 1.0, 1.001])
+def test_no_body_goes_through_a_wall_where_percussions_cancel(scale):
+    """A hinge jams a body that runs against a wall, and any percussions of 10¹⁰ N s nearly balance.
+
+    Their residual is small relative to them; of the velocities that they leave, 28 m/s against the
+    wall among them, it said nothing.
+    """
+    radius, a, push = 99.98594712341624, 0.999969482421875, 0.992156982421875
+    wall = asp.Contact(
+        asp.FrictionLaw.isotropic(radius),
+        direction=np.eye(2),
+        velocity=(0.01, 0.03162277660168379),
+        normal=(-0.75, 1.0),
+        gap=radius,
+    )
+    hinge = asp.Contact(
+        asp.FrictionLaw.isotropic(0.01036487251691638),
+        direction=[[-1.0, a], [-1.0, a]],
+        velocity=(-radius, -0.9307028314499642),
+        normal=(push, push),
+    )
+    pad = asp.Contact(
+        asp.FrictionLaw.isotropic(0.9998594712341624),
+        direction=np.full((2, 2), a),
+        velocity=(-79.1253109408678, -radius),
+        normal_force=0.056226230005794055,
+    )
+    system = asp.LinearSystem(
+        [[2.1053096391260624, 1.4576912857592106], [1.4576912857592106, 2.9995727883651853]],
+        stiffness=np.full((2, 2), 199.95968911725984),
+        damping=0.9999847412109375 * np.eye(2),
+        force=(-0.9998594712341624 * scale, -radius),
+        contacts=[wall, hinge, pad],
+    )
+    with pytest.raises(ConvergenceError, match="were not found"):
+        asp.integrate(system, t_end=4.0, q0=np.zeros(2), u0=np.zeros(2))

@@ -204,8 +204,10 @@ fn gauge(law: &Law, force: &[f64]) -> (f64, f64) {
     use asperity::set::{StarSet, Vector};
     fn of<const P: usize>(law: &FrictionLaw<P>, force: &[f64]) -> (f64, f64) {
         let force = Vector::<P>::from_fn(|k, _| -force[k]);
-        let (gauge, gradient) = law.reservoir().gauge_jet(&force);
-        (gauge, gradient.norm())
+        // The trait's methods take arguments whose squares are numbers; a factor of the rate may be smaller than that.
+        let size = force.amax();
+        let (gauge, gradient) = law.reservoir().gauge_jet(&(force / size));
+        (gauge * size, gradient.norm())
     }
     if force.iter().all(|f| *f == 0.0) {
         return (0.0, 0.0);

@@ -1,6 +1,8 @@
 //! A contact problem of some contacts of a system, and how it is solved.
 
-use crate::contact::{BlockMatrix, ContactProblem, ContactRows, ContactState, Memory};
+use crate::contact::{
+    BlockMatrix, ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase,
+};
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::EvaluationError;
@@ -23,6 +25,9 @@ const POLISH: Solver = Solver::Newton { max_iterations: 8 };
 const MAY_BE_AT_REST: f64 = 1e-6;
 /// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
 const ROUNDED: f64 = 1e-9;
+/// Velocity that contacts may keep against their laws, over the largest load. Residuals are relative to percussions: where
+/// these cancel each other, rounding leaves bodies that go through what they touch.
+const AGAINST_THE_LAWS: f64 = 1e-6;
 /// Mobility of a row, over that without other contacts, that counts as none.
 const NO_MOBILITY: f64 = 1e-12;
 
@@ -179,7 +184,12 @@ impl Participants {
             if report.status == Status::Converged || at_rounding {
                 let (ambiguous, velocity) = (report.ambiguous, workspace.velocity);
                 let solved = Solved { ambiguous, found, velocity };
-                return Ok(Self::polished(problem, solved, report.residual));
+                let Some(k) = goes_against_its_law(problem, &solved) else {
+                    return Ok(Self::polished(problem, solved, report.residual));
+                };
+                let cause = Stagnation::Unsolved;
+                outcome = Outcome::Stagnated { cause, contact: Some(self.contacts[k]) };
+                continue;
             }
             if observer.has_asked_to_stop() {
                 return Err(Outcome::Interrupted);
@@ -220,4 +230,19 @@ impl Participants {
         }
         solved
     }
+}
+
+/// A contact that approaches, presses and moves away, or sticks and moves, faster than rounding of the loads explains.
+fn goes_against_its_law(problem: &ContactProblem, solved: &Solved) -> Option<usize> {
+    let xi = |row: usize| solved.velocity[row] + problem.restitution()[row];
+    let allowed = AGAINST_THE_LAWS * largest(problem.free_velocity());
+    problem.contacts().iter().zip(&solved.found.states).position(|(rows, state)| {
+        let normal = match rows.normal {
+            NormalForce::Prescribed(_) => 0.0,
+            NormalForce::Unilateral if state.phase == Phase::Open => f64::min(0.0, xi(rows.offset)),
+            NormalForce::Unilateral => xi(rows.offset),
+        };
+        let slip = rows.tangential_rows().map(xi).fold(0.0, f64::hypot);
+        normal.abs() > allowed || (state.phase == Phase::Stick && slip > allowed)
+    })
 }
