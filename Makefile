@@ -61,10 +61,10 @@ peers: $(VENV)/.optimised
 linear:
 	cd benches/linear && cargo run --release --locked --target-dir ../../target -- $(abspath $(PROBLEMS))
 
-# The long profile, hours on two cores that do nothing else: random cases per set and property,
-# 3·10⁵ one-contact problems per law, the bytes of the fuzz targets' generator, and every Python test that is marked `long`.
+# The long profile, an hour and a half on two cores that do nothing else: random cases per set and property,
+# 10⁵ one-contact problems per law, the bytes of the fuzz targets' generator, and every Python test that is marked `long`.
 # ONLY, SETS and INPUTS shorten a part: `make long SETS=1000 INPUTS=1000 ONLY=test_metamorphic`.
-SETS ?= 20000
+SETS ?= 10000
 INPUTS ?= 10000
 ONLY ?=
 # To build with optimisation across crates takes nine minutes. Every test is told when it ends, so that a
