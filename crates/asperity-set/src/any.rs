@@ -352,6 +352,10 @@ impl<const P: usize> ConvexSet<P> for Convex<P> {
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         each_convex!(self, set => set.normal_cone(x, tolerance))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        each_convex!(self, set => set.flat_normals())
+    }
 }
 
 impl<const P: usize> StarSet<P> for Star<P> {

@@ -70,4 +70,10 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         Cone::smooth(self, x, tolerance)
     }
+
+    /// Outward normals, of any length, of the flat parts of the boundary: those among which all flat parts are,
+    /// as far as they are known.
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        Vec::new()
+    }
 }

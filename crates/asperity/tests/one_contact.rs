@@ -12,8 +12,8 @@ use asperity::contact::{
 };
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
 use asperity::set::{
-    BoundaryPoint, Convex, ConvexSet, CoulombContensou, Ellipsoid, Interval, Polygon, Pressure,
-    Star, StarSet, Superellipsoid, Vector,
+    BoundaryPoint, Convex, ConvexSet, CoulombContensou, Cuboid, Ellipse, Ellipsoid, Interval,
+    MinkowskiSum, Polygon, Pressure, Star, StarSet, Superellipsoid, Vector,
 };
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::{
@@ -1589,6 +1589,50 @@ fn contacts_in_space_go_on_with_what_they_did() {
         assert!((found - force).norm() < 1e-9, "{found} {force}");
     }
     assert!(both > 100, "{both}");
+}
+
+/// A flat of a sum of a smooth set and a box may be as short as one likes. Where friction beside it turns the other way than
+/// positions do, as on a slender reservoir, a contact that slips straight across it may also slip in a direction to either side.
+#[test]
+fn roots_on_short_flats_are_found() {
+    let mut random = Random::new(7);
+    let ellipse = |random: &mut Random, slender: f64| {
+        let axes = V::new(random.within(0.5, 2.0), random.within(0.5, 2.0) / slender);
+        Convex::from(Ellipse::new(axes).unwrap()).rotated(random.within(0.0, 3.0)).unwrap()
+    };
+    let (mut tried, mut several) = (0, 0);
+    while tried < 100 {
+        let half = 10.0_f64.powf(-random.within(0.5, 8.0));
+        let smooth = ellipse(&mut random, 2.0);
+        let short = Cuboid::symmetric(V::new(half, 1e-3 * half)).unwrap();
+        let members = vec![smooth, short.into()];
+        let direction = Convex::Sum(Box::new(MinkowskiSum::new(members).unwrap()));
+        let law = FrictionLaw::new(ellipse(&mut random, 10.0).into(), direction.clone()).unwrap();
+        let middle = direction.support_point(&V::y());
+        let force_at = |along: f64| {
+            let on_flat = middle + V::x() * (half * along);
+            on_flat / law.reservoir().gauge(&on_flat)
+        };
+        // Along the flat positions go against its normal's quarter turn.
+        if (force_at(1.0) - force_at(-1.0)).x > 0.0 {
+            continue;
+        }
+        tried += 1;
+        let force = force_at(random.within(-0.9, 0.9));
+        let free = force + V::y() * random.within(0.3, 3.0);
+        let problem = ContactProblem::new(
+            DMatrix::<f64>::identity(2, 2),
+            vec![free.x, free.y],
+            [(Law::from(law), NormalForce::Prescribed(1.0))],
+        )
+        .unwrap();
+        let listed = solutions(&problem, 0, &[0.0; 2]).unwrap();
+        let is_it =
+            |s: &ContactSolution| (V::new(s.percussion[0], s.percussion[1]) + force).norm() < 1e-9;
+        assert!(listed.iter().any(is_it), "{half} {free}: {listed:?}");
+        several += usize::from(listed.len() > 2);
+    }
+    assert!(several > 50, "{several}");
 }
 
 /// Where a flat of *D* ends, the tangential force along it passes the value at which the contact slips straight across: once

@@ -158,6 +158,10 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Image<S, P> {
         let cone = self.set.normal_cone(&(self.inverse * x), tolerance)?;
         Some(cone.mapped(&self.inverse.transpose()))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        self.set.flat_normals().iter().map(|normal| self.inverse.tr_mul(normal)).collect()
+    }
 }
 
 impl<const P: usize, S: ConvexSet<P>> Image<S, P> {

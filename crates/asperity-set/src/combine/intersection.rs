@@ -118,6 +118,10 @@ impl<const P: usize, S: ConvexSet<P>> ConvexSet<P> for Intersection<S, P> {
             self.sets.iter().map(|set| set.normal_cone(x, tolerance)).collect();
         Some(Cone::new(cones?.iter().flat_map(|cone| cone.generators().to_vec())))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        self.sets.iter().flat_map(|set| set.flat_normals()).collect()
+    }
 }
 
 /// Whether `y` is a normal of a planar set at one of its corners.

@@ -84,6 +84,10 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         Cone::beside_corner(self, x, tolerance)
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        self.sets.iter().flat_map(|set| set.flat_normals()).collect()
+    }
 }
 
 /// Projection onto a sum of sets in space; what support points find is improved by the projections onto the members.

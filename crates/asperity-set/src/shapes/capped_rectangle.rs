@@ -108,4 +108,8 @@ impl ConvexSet<2> for CappedRectangle {
         // A point inside comes back as it is.
         (if x == z - centre { *z } else { x + centre }, jacobian)
     }
+
+    fn flat_normals(&self) -> Vec<Vector<2>> {
+        vec![Vector::<2>::y(), -Vector::<2>::y()]
+    }
 }

@@ -125,4 +125,8 @@ impl<const P: usize> ConvexSet<P> for Cuboid<P> {
         (self.gauge(x) <= 1.0 + tolerance)
             .then(|| Cone::new(touched.map(|i| along(i, self.face(x, i).signum()))))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        (0..P).flat_map(|i| [along(i, 1.0), along(i, -1.0)]).collect()
+    }
 }

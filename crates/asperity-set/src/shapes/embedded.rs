@@ -68,4 +68,8 @@ impl<const P: usize, const Q: usize, S: ConvexSet<Q>> ConvexSet<P> for Embedded<
     fn normal_cone(&self, x: &Vector<P>, tolerance: f64) -> Option<Cone<P>> {
         Some(self.0.normal_cone(&cast(x), tolerance)?.cast())
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        self.0.flat_normals().iter().map(cast).collect()
+    }
 }

@@ -92,6 +92,10 @@ impl ConvexSet<2> for Planar {
     fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
         each!(self, set => set.normal_cone(x, tolerance))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<2>> {
+        each!(self, set => set.flat_normals())
+    }
 }
 
 /// A planar set from each of its kinds.

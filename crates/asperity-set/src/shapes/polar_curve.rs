@@ -95,4 +95,8 @@ impl ConvexSet<2> for PolarCurve {
     fn normal_cone(&self, x: &Vector<2>, tolerance: f64) -> Option<Cone<2>> {
         Cone::beside_corner(self, x, tolerance)
     }
+
+    fn flat_normals(&self) -> Vec<Vector<2>> {
+        self.inverse_radius.linear_parts()
+    }
 }

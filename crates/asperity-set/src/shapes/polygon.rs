@@ -293,4 +293,8 @@ impl ConvexSet<2> for Polygon {
         let touched = self.normals.iter().filter(|n| n.dot(x) >= 1.0 - tolerance);
         Some(Cone::new(touched.copied()))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<2>> {
+        self.normals.to_vec()
+    }
 }

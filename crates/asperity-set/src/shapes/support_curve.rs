@@ -98,6 +98,10 @@ impl ConvexSet<2> for SupportCurve {
         Cone::beside_corner(self, x, tolerance)
     }
 
+    fn flat_normals(&self) -> Vec<Vector<2>> {
+        self.support.corners().to_vec()
+    }
+
     fn project(&self, z: &Vector<2>) -> Vector<2> {
         project::by_normals(self, z, None)
     }

@@ -255,4 +255,10 @@ impl<const P: usize> ConvexSet<P> for Superellipsoid<P> {
         }
         Some(Cone::new(normals))
     }
+
+    fn flat_normals(&self) -> Vec<Vector<P>> {
+        let facets = if self.is_polytope() { 1 << P } else { 0 };
+        let sign = |bits: usize, i: usize| if bits >> i & 1 == 0 { 1.0 } else { -1.0 };
+        (0..facets).map(|bits| Vector::from_fn(|i, _| sign(bits, i) / self.semi_axes[i])).collect()
+    }
 }

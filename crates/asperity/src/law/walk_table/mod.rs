@@ -198,6 +198,7 @@ fn nodes(
             ]
         })
         .collect();
+    chain.extend(ends_of_flats(direction, &corners));
     chain.extend(corners);
     let mut chain = in_turn(chain);
     chain.dedup_by(|a, b| a.0 - b.0 < 1e-12);
@@ -218,11 +219,36 @@ fn nodes(
     points.into_iter().map(|point| Node::new(reservoir, point)).collect()
 }
 
+/// Both ends of each flat of *D* that is known, but for those at corners: a flat may be shorter than a cell, of which
+/// three inner points do not see it.
+fn ends_of_flats(direction: &Convex<2>, corners: &[BoundaryPoint]) -> Vec<BoundaryPoint> {
+    // The turn of a normal that leads to an end of its flat, and the least length of one, as a part of the radius.
+    const ASIDE: f64 = 1e-12;
+    const SHORTEST: f64 = 1e-9;
+    let corners = in_turn(corners.iter().copied());
+    let is_corner = |end: &BoundaryPoint| {
+        let angle = walk_angle(end);
+        let next = corners.partition_point(|corner| corner.0 < angle - SHORTEST);
+        corners.get(next).is_some_and(|corner| corner.0 <= angle + SHORTEST)
+    };
+    let mut found = Vec::new();
+    for normal in direction.flat_normals() {
+        let normal = normal.normalize();
+        let aside = Vector::<2>::new(-normal.y, normal.x) * ASIDE;
+        let ends = [normal - aside, normal + aside]
+            .map(|n| BoundaryPoint { position: direction.support_point(&n), normal });
+        let [first, last] = ends.map(|end| end.position);
+        if (last - first).norm() > SHORTEST * first.norm() {
+            found.extend(ends.into_iter().filter(|end| !is_corner(end)));
+        }
+    }
+    found
+}
+
 /// Moves the outermost nodes on each flat of *D* to its ends.
 ///
 /// There the normal begins to turn with a jump of the curvature, which halves of a cell would not see: the distance to the
-/// chord that a kink beside an end of the cell causes does not fall until the kink is in the middle. Flats on which there are
-/// not two nodes, because they are shorter than a cell, are not found.
+/// chord that a kink beside an end of the cell causes does not fall until the kink is in the middle.
 fn widen_flats(points: &mut [BoundaryPoint], direction: &Convex<2>) {
     const PARALLEL: f64 = 1e-14;
     // As many as a position has bits.
