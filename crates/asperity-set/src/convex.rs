@@ -71,8 +71,10 @@ pub trait ConvexSet<const P: usize>: StarSet<P> {
         Cone::smooth(self, x, tolerance)
     }
 
-    /// Outward normals, of any length, of the flat parts of the boundary: those among which all flat parts are,
-    /// as far as they are known.
+    /// Outward normals of any length, among them those of all flat parts of the boundary that are known.
+    ///
+    /// The default knows none. A normal may belong to a flat that another member of an intersection cuts off; in space
+    /// the facets are missing that edges of different members of a sum span.
     fn flat_normals(&self) -> Vec<Vector<P>> {
         Vec::new()
     }

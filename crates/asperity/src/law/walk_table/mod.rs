@@ -26,8 +26,8 @@ pub(crate) const COARSE: usize = 64;
 /// quarter of the nodes are left for what is smooth.
 const FINE: usize = 16;
 const FINEST: usize = 1024;
-/// Most nodes at corners: of a polygon with more than some 16 000 corners the others turn by less than 0.03° and
-/// lie within cells.
+/// Most nodes at corners and ends of flats: of a polygon with more than some 16 000 corners the others turn by less than
+/// 0.03° and lie within cells.
 const MOST_AT_CORNERS: usize = COARSE * FINEST * 3 / 4;
 
 /// Bounds over a cell: `F` differs from a point of its chord by at most `|c₀| normal + |A| product`.
@@ -69,12 +69,14 @@ impl WalkTable {
     /// The table of a law.
     pub fn new(reservoir: &Star<2>, direction: &Convex<2>) -> Self {
         let mut corners = corners(reservoir, direction);
+        corners.extend(ends_of_flats(direction, &corners));
         // A corner between the inner nodes may stray twice as far as they do.
         let margin = if corners.len() > MOST_AT_CORNERS { 2.5 } else { 1.25 };
         corners.truncate(MOST_AT_CORNERS);
         let fine_per_coarse =
             (corners.len() * 4 / 3).div_ceil(COARSE).next_power_of_two().clamp(FINE, FINEST);
         let mut nodes = nodes(reservoir, direction, corners, COARSE * fine_per_coarse);
+        debug_assert_eq!(nodes.len(), COARSE * fine_per_coarse);
         nodes.push(nodes[0]);
         let fine: Vec<Cell> = nodes
             .windows(2)
@@ -198,7 +200,6 @@ fn nodes(
             ]
         })
         .collect();
-    chain.extend(ends_of_flats(direction, &corners));
     chain.extend(corners);
     let mut chain = in_turn(chain);
     chain.dedup_by(|a, b| a.0 - b.0 < 1e-12);
@@ -219,30 +220,35 @@ fn nodes(
     points.into_iter().map(|point| Node::new(reservoir, point)).collect()
 }
 
-/// Both ends of each flat of *D* that is known, but for those at corners: a flat may be shorter than a cell, of which
-/// three inner points do not see it.
+/// Both ends of each flat of *D* that is known, but for those at corners, the longest ones first: a flat may be shorter than
+/// a cell, of which three inner points do not see it.
 fn ends_of_flats(direction: &Convex<2>, corners: &[BoundaryPoint]) -> Vec<BoundaryPoint> {
-    // The turn of a normal that leads to an end of its flat, and the least length of one, as a part of the radius.
-    const ASIDE: f64 = 1e-12;
+    // Turns of a normal that lead to the ends of its flat: sides of polygons take small ones for none.
+    const ASIDE: [f64; 4] = [1e-12, 1e-11, 1e-10, 1e-9];
+    // Least lengths of a flat, as parts of the radius and of what a turn alone makes of it.
     const SHORTEST: f64 = 1e-9;
+    const ROUND: f64 = 100.0;
     let corners = in_turn(corners.iter().copied());
     let is_corner = |end: &BoundaryPoint| {
         let angle = walk_angle(end);
         let next = corners.partition_point(|corner| corner.0 < angle - SHORTEST);
         corners.get(next).is_some_and(|corner| corner.0 <= angle + SHORTEST)
     };
-    let mut found = Vec::new();
+    let mut found: Vec<(f64, [BoundaryPoint; 2])> = Vec::new();
     for normal in direction.flat_normals() {
         let normal = normal.normalize();
-        let aside = Vector::<2>::new(-normal.y, normal.x) * ASIDE;
-        let ends = [normal - aside, normal + aside]
-            .map(|n| BoundaryPoint { position: direction.support_point(&n), normal });
-        let [first, last] = ends.map(|end| end.position);
-        if (last - first).norm() > SHORTEST * first.norm() {
-            found.extend(ends.into_iter().filter(|end| !is_corner(end)));
-        }
+        let sideways = Vector::<2>::new(-normal.y, normal.x);
+        let flat = ASIDE.iter().find_map(|&aside| {
+            let turned = [normal - sideways * aside, normal + sideways * aside];
+            let [first, last] = turned.map(|n| direction.support_point(&n));
+            let length = (last - first).norm() / first.norm();
+            let ends = [first, last].map(|position| BoundaryPoint { position, normal });
+            (length > SHORTEST.max(ROUND * aside)).then_some((length, ends))
+        });
+        found.extend(flat);
     }
-    found
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().flat_map(|flat| flat.1).filter(|end| !is_corner(end)).collect()
 }
 
 /// Moves the outermost nodes on each flat of *D* to its ends.

@@ -1,6 +1,6 @@
 //! Bounds of the table: they hold, and by not much more than their margin.
 
-use asperity_set::{Ball, Cuboid, Ellipse, Superellipse};
+use asperity_set::{Ball, Cuboid, Ellipse, MinkowskiSum, Polygon, Superellipse};
 
 use super::*;
 use crate::random::random;
@@ -170,5 +170,31 @@ fn loads_with_several_solutions_are_marked() {
         }
         let (most, least) = [(285, 540), (490, 2200)][k];
         assert!(several >= least && doubted <= most, "{k}: {several} {doubted}");
+    }
+}
+
+/// A sum of an ellipse and a polygon has no corners, and a flat for each side: all their ends are nodes, and the table has
+/// as many nodes as its size says.
+#[test]
+fn ends_of_many_flats_are_nodes() {
+    for sides in [4, 350, 600] {
+        let corner = |k: usize| {
+            let (sine, cosine) = (TAU * k as f64 / sides as f64).sin_cos();
+            V::new(0.5 * cosine, 0.5 * sine)
+        };
+        let corners: Vec<V> = (0..sides).map(corner).collect();
+        let polygon = Star::from(Polygon::new(&corners).unwrap()).as_convex().unwrap().clone();
+        let sum = MinkowskiSum::new(vec![ellipse(1.0, 0.5, 0.3), polygon]).unwrap();
+        let direction = Convex::Sum(Box::new(sum));
+        let table = WalkTable::new(&direction.clone().into(), &direction);
+        assert_eq!(table.nodes.len(), COARSE * table.fine_per_coarse + 1);
+        let pairs = table.nodes.windows(2);
+        let side = 2.0 * 0.5 * (TAU / 2.0 / sides as f64).sin();
+        let flat = pairs.filter(|pair| {
+            let [first, last] = [pair[0].point, pair[1].point];
+            let length = (last.position - first.position).norm();
+            angle(&first.normal, &last.normal) < 1e-12 && length > 0.999 * side / 64.0
+        });
+        assert!(flat.count() >= sides, "{sides}");
     }
 }
