@@ -137,7 +137,7 @@ def test_a_thousand_mixed_problems_are_solved(first):
 
 
 UNSOLVED = {55, 94, 123, 154, 155}
-"""Problems of a thousand contacts that a minute does not solve; none is said to have no solution."""
+"""Of a thousand contacts, not solved in a minute; none is said to have no solution."""
 
 
 @pytest.mark.long
