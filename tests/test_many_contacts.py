@@ -136,21 +136,16 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
-UNSOLVED = {55, 94, 123, 154, 155}
-"""Of a thousand contacts, not solved in a minute; none is said to have no solution."""
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("first", range(0, 200, 10))
 def test_problems_of_a_thousand_contacts_are_solved(first):
-    unsolved = set()
+    unsolved = []
     for seed in range(first, first + 10):
         problem = pile(np.random.default_rng(seed), LAWS, 1000, per_pair=1 + seed % 4)
         solution = solve_and_check(problem, time_limit=60.0)
         if not solution.converged:
-            unsolved.add(seed)
-            assert solution.status not in (asp.Status.NO_SOLUTION, asp.Status.UNBOUNDED)
-    assert unsolved <= UNSOLVED
+            unsolved.append(f"{seed}: {solution.status}")
+    assert unsolved == []
 
 
 def full_rank(rng, laws, contacts):

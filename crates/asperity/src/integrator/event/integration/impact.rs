@@ -36,7 +36,10 @@ impl Integration<'_> {
         let mut ambiguous = false;
         if involved.iter().any(|&i| self.approach(i) < -still) {
             for law in [ImpactLaw::Newton, ImpactLaw::Plastic, ImpactLaw::Closing] {
-                self.state.clone_from(&start);
+                // What is closed at last is what a plastic impact leaves: of the impact itself the laws have decided.
+                if law != ImpactLaw::Closing {
+                    self.state.clone_from(&start);
+                }
                 let solving =
                     Solving { memory: &self.memory, observer: &self.observer, t: start.t };
                 let (dynamics, state) = (&mut self.dynamics, &mut self.state);
