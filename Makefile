@@ -6,7 +6,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 
 export CARGO_TERM_COLOR ?= auto
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: demo figures site test test-rust test-python bench many peers linear long fuzz format clean
+.PHONY: demo figures site test test-rust test-python bench many peers linear long long-rust long-python fuzz format clean
 
 demo: $(VENV)/.optimised
 	$(BIN)/asperity demo --out out/demo
@@ -67,18 +67,24 @@ linear:
 SETS ?= 10000
 INPUTS ?= 10000
 ONLY ?=
-# To build with optimisation across crates takes nine minutes. Every test is told when it ends, so that a
-# run that is cut off has said something.
-long: export CARGO_PROFILE_RELEASE_LTO = off
-long: export CARGO_PROFILE_RELEASE_CODEGEN_UNITS = 16
-long: $(VENV)/.installed
+# Two parts at a time, as in `make test`, and what fails stops neither.
+long:
+	$(MAKE) --jobs=2 --keep-going --output-sync=none long-python long-rust
+
+# To build with optimisation across crates takes nine minutes.
+long-rust: export CARGO_PROFILE_RELEASE_LTO = off
+long-rust: export CARGO_PROFILE_RELEASE_CODEGEN_UNITS = 16
+long-rust:
 	failed=0; \
 	PROPTEST_CASES=$(SETS) cargo test --release --locked --no-fail-fast -p asperity-set || failed=1; \
 	cargo test --release --locked --no-fail-fast -p asperity -- --ignored || failed=1; \
 	cargo test $(PLAIN) --locked --no-fail-fast -p asperity --lib || failed=1; \
 	ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test -p asperity-fuzz --profile fuzz --locked --no-fail-fast || failed=1; \
-	$(BIN)/pytest --numprocesses auto -vv --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)" || failed=1; \
 	exit $$failed
+
+# Every test is told when it ends, so that a run that is cut off has said something.
+long-python: $(VENV)/.installed
+	$(BIN)/pytest --numprocesses auto -vv --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)"
 
 # libFuzzer on stable Rust, SECONDS per target; needs a C++ compiler. What it finds is in out/fuzz: give it to
 # the binary again, or into fuzz/corpus, from where `make test` replays it.

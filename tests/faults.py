@@ -262,6 +262,8 @@ WRITERS = {
 }  # fmt: skip
 # Writers of files that belong together, all of one result or none.
 TOGETHER = {"command_identify", "command_identify_paths", "command_track", "folder"}
+# Writers that read, fit and draw for seconds before they write.
+LATE = {"command_identify", "command_identify_paths", "command_track", "report"}
 # Times of solves are never the same twice.
 DIFFERENT = {"command_solve"}
 
@@ -329,10 +331,19 @@ def child(action: Callable[[], object], ready: int | None = None) -> int:
 
 
 def killed(case: Case, count: int) -> None:
-    """Kill processes that replace a result by another one again and again."""
+    """Kill processes that replace a result by another one."""
     out = Path(tempfile.mkdtemp())
     case.writers[0](out)
-    rng = np.random.default_rng()
+    kill = kill_those_that_begin_to_write if case.name in LATE else kill_those_that_write_for_ever
+    leftovers = kill(case, out, count)
+    # What a process left behind does not hinder the next one.
+    case.writers[1](out)
+    assert contents(out, case.name) == case.results[1]
+    print(f"{count} killed, {leftovers} left a temporary file")
+
+
+def kill_those_that_write_for_ever(case: Case, out: Path, count: int) -> int:
+    """Kill processes that write both results again and again; return how many leave something."""
 
     def again_and_again():
         while True:
@@ -344,23 +355,84 @@ def killed(case: Case, count: int) -> None:
         heard, ready = os.pipe()
         number = child(again_and_again, ready)
         os.read(heard, 1)
-        time.sleep(float(rng.uniform(0.0, 1.5 * case.seconds)))
-        os.kill(number, signal.SIGKILL)
-        os.waitpid(number, 0)
+        kill_after(number, 1.5 * case.seconds)
         os.close(heard)
         os.close(ready)
-        found = contents(out, case.name)
-        if case.name not in TOGETHER:
-            assert found.keys() == set().union(*case.results), "a file has gone"
-        case.check(found)
-        for one in out.iterdir():
-            if TEMPORARY.fullmatch(one.name):
-                leftovers += 1
-                shutil.rmtree(one) if one.is_dir() else one.unlink()
-    # What a process left behind does not hinder the next one.
-    case.writers[1](out)
-    assert contents(out, case.name) == case.results[1]
-    print(f"{count} killed, {leftovers} left a temporary file")
+        leftovers += after_a_kill(case, out)
+    return leftovers
+
+
+def kill_those_that_begin_to_write(case: Case, out: Path, count: int) -> int:
+    """Kill processes that go on from where a file is about to be written; return what they leave.
+
+    What comes before that is done once per result: the process that has done it forks.
+    """
+    heard, told = os.pipe()
+    for write, kills in zip(case.writers, (count // 2, count - count // 2), strict=True):
+
+        def fork_and_kill(kills=kills):
+            begin = time.perf_counter()
+            number = os.fork()
+            if not number:
+                return
+            assert os.waitpid(number, 0)[1] == 0
+            seconds = time.perf_counter() - begin
+            for _ in range(kills):
+                number = os.fork()
+                if not number:
+                    return
+                kill_after(number, 1.5 * seconds)
+                os.write(told, bytes([after_a_kill(case, out)]))
+            os._exit(0)
+
+        def begin_to_write(write=write, fork_and_kill=fork_and_kill):
+            before_writing(out, fork_and_kill)
+            write(out)
+
+        number = child(begin_to_write)
+        assert os.waitpid(number, 0)[1] == 0
+    os.close(told)
+    with os.fdopen(heard, "rb") as counts:
+        leftovers = counts.read()
+    assert len(leftovers) == count, "nothing was written below the folder"
+    return sum(leftovers)
+
+
+def before_writing(out: Path, action: Callable[[], None]) -> None:
+    """Let this process do something before it makes its first file or folder below a folder."""
+    waiting = True
+
+    def hook(event: str, arguments: tuple) -> None:
+        nonlocal waiting
+        if not waiting or event not in ("open", "os.mkdir"):
+            return
+        path, mode, *_ = arguments
+        writes = event == "os.mkdir" or (isinstance(mode, str) and not set(mode).isdisjoint("wxa+"))
+        if writes and str(path).startswith(f"{out}/"):
+            waiting = False
+            action()
+
+    sys.addaudithook(hook)
+
+
+def kill_after(number: int, most: float) -> None:
+    """Kill a process after a random time of at most so many seconds."""
+    # A fork has the generator of the process it comes from.
+    time.sleep(float(np.random.default_rng().uniform(0.0, most)))
+    os.kill(number, signal.SIGKILL)
+    os.waitpid(number, 0)
+
+
+def after_a_kill(case: Case, out: Path) -> int:
+    """Check what is there, remove what is temporary and return how much that was."""
+    found = contents(out, case.name)
+    if case.name not in TOGETHER:
+        assert found.keys() == set().union(*case.results), "a file has gone"
+    case.check(found)
+    temporary = [one for one in out.iterdir() if TEMPORARY.fullmatch(one.name)]
+    for one in temporary:
+        shutil.rmtree(one) if one.is_dir() else one.unlink()
+    return len(temporary)
 
 
 def refused(name: str, write: Write, out: Path, prepare: Callable[[], object]) -> str | None:
@@ -416,7 +488,7 @@ def full(case: Case, count: int) -> None:
         print(f"{refusals} refused")
 
 
-def forbidden(case: Case, _: int) -> None:
+def forbidden(case: Case) -> None:
     """Let a writer write where it must not, and where no folder can be."""
     # It has written before: whoever may write nowhere may perhaps not read modules, either.
     write, _ = case.writers
@@ -447,6 +519,8 @@ def forbidden(case: Case, _: int) -> None:
 
 
 if __name__ == "__main__":
-    given = Case(sys.argv[1])
-    for fault in (killed, full, forbidden):
-        fault(given, int(sys.argv[2]))
+    given, times = Case(sys.argv[1]), int(sys.argv[2])
+    killed(given, times)
+    # Each of these does what comes before the writing once more.
+    full(given, min(times, 10) if given.name in LATE else times)
+    forbidden(given)

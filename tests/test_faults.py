@@ -15,8 +15,6 @@ pytest.importorskip("resource", reason="needs processes and limits of POSIX")
 from faults import WRITERS
 
 KILLS, MANY = 5, 100
-# Commands read, fit and draw for seconds before they write.
-SLOW = {"command_identify": 2, "command_track": 2, "report": 2}
 
 
 def come_to_grief(name, count):
@@ -32,7 +30,7 @@ def come_to_grief(name, count):
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_files_are_complete_or_absent(name):
-    come_to_grief(name, SLOW.get(name, KILLS))
+    come_to_grief(name, KILLS)
 
 
 @pytest.mark.long
