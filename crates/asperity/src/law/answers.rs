@@ -65,6 +65,17 @@ impl Friction<'_> {
     }
 }
 
+/// What is wrong with the friction of a contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Violation {
+    /// The part of the percussion beyond its reservoir, `‖P_T‖ (1 − 1/k_C(−P_T/P_N))` above zero.
+    pub(crate) excess: f64,
+    /// See [`Law::inclusion_defect`].
+    pub(crate) squared_defect: f64,
+    /// See [`Law::is_projected`]; false without a normal percussion.
+    pub(crate) slips: bool,
+}
+
 /// The prox parameter of an iteration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ProxParameter {
@@ -224,6 +235,12 @@ impl Law {
         answer!(self, law => inclusion_defect(law, friction, rho))
     }
 
+    /// All that a certificate asks of the law of a contact.
+    #[inline]
+    pub(crate) fn violation(&self, friction: Friction<'_>, rho: f64) -> Violation {
+        answer!(self, law => violation(law, friction, rho))
+    }
+
     /// Whether the projection of the natural map has to do something, as it has in slip: `α(x)(x + ρξ_T/P_N)` is
     /// outside of *D*, `x = −P_T/P_N`.
     pub(crate) fn is_projected(&self, friction: Friction<'_>, rho: f64) -> bool {
@@ -300,6 +317,20 @@ pub(crate) fn inclusion_defect<const P: usize>(
     inclusion::squared_defect(law, &friction.reduced(), &sigma) * normal * normal
 }
 
+#[inline(always)]
+fn violation<const P: usize>(law: &FrictionLaw<P>, friction: Friction<'_>, rho: f64) -> Violation {
+    let tangent = vector::<P>(friction.tangent);
+    let pushing = friction.normal.max(0.0);
+    let still = tangent.iter().all(|p| *p == 0.0);
+    // `P_N k_C(x/P_N) = k_C(x)`, also for an open contact.
+    let gauge = if still { 0.0 } else { law.reservoir().gauge(&-tangent) };
+    let excess = if gauge <= pushing { 0.0 } else { tangent.norm() * (1.0 - pushing / gauge) };
+    let squared_defect = inclusion_defect(law, friction, rho);
+    let slips = friction.normal > 0.0 && is_projected(law, friction, rho);
+    Violation { excess, squared_defect, slips }
+}
+
+#[inline(always)]
 fn is_projected<const P: usize>(law: &FrictionLaw<P>, friction: Friction<'_>, rho: f64) -> bool {
     let moved = friction.slip::<P>() * (rho / friction.normal);
     let step = law.prox_step(&friction.reduced(), |alpha| moved * alpha);

@@ -2,11 +2,9 @@
 
 use super::natural_map;
 use super::natural_residual::{Measured, Worst};
-use super::phase::phase_of;
+use super::phase::phase;
 use crate::argument::ArgumentError;
 use crate::contact::{ContactProblem, NormalForce, Phase};
-use crate::law::{Friction, Law};
-use crate::vectors::norm;
 
 /// The violations of the contact laws by percussions `P`, found from the problem alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -58,11 +56,11 @@ impl Certificate {
                 raise(&mut out.tension, -p);
             }
             let friction = measured.friction(rows);
-            raise(&mut out.cone_violation, excess(&rows.law, &friction));
-            let direction = rows.law.inclusion_defect(friction, problem.rho(i));
-            raise(&mut out.direction_violation, direction.sqrt());
-            worst.add(measured, i, direction);
-            match phase_of(measured, i).0 {
+            let violation = rows.law.violation(friction, problem.rho(i));
+            raise(&mut out.cone_violation, violation.excess);
+            raise(&mut out.direction_violation, violation.squared_defect.sqrt());
+            worst.add(measured, i, violation.squared_defect);
+            match phase(measured, i, friction.normal, || violation.slips) {
                 Phase::Slip => out.phases[2] += 1,
                 Phase::Stick => out.phases[1] += 1,
                 _ => out.phases[0] += 1,
@@ -79,14 +77,4 @@ fn raise(largest: &mut f64, value: f64) {
     if !(value <= *largest) && !largest.is_nan() {
         *largest = value;
     }
-}
-
-/// The part of the friction beyond its reservoir.
-fn excess(law: &Law, friction: &Friction<'_>) -> f64 {
-    let (mut outward, pushing) = ([0.0; 3], friction.normal.max(0.0));
-    outward.iter_mut().zip(friction.tangent).for_each(|(x, p)| *x = -p);
-    // `P_N k_C(x/P_N) = k_C(x)`, also for an open contact.
-    let still = outward.iter().all(|x| *x == 0.0);
-    let gauge = if still { 0.0 } else { law.gauge(&outward) };
-    if gauge <= pushing { 0.0 } else { norm(&outward) * (1.0 - pushing / gauge) }
 }

@@ -148,7 +148,14 @@ impl Worst {
     #[inline]
     pub(super) fn add(&mut self, measured: &Measured<'_>, i: usize, friction: f64) {
         let Measured { problem, percussion, velocity } = *measured;
-        let defect = friction + measured.normal_defect(&problem.contacts()[i], problem.rho(i));
+        let contact = &problem.contacts()[i];
+        let defect = friction + measured.normal_defect(contact, problem.rho(i));
+        let own = percussion[contact.rows()].iter().map(|p| p * p).sum::<f64>();
+        // Its scale is no less than that. The velocities that others bring take longer than all the rest: where the
+        // percussion alone tells that another contact is worse, they are not asked for.
+        if own < f64::INFINITY && defect <= SURELY * self.defect * own {
+            return;
+        }
         let defect = relative(defect, || scale(problem, i, percussion, velocity));
         if is_worse(defect, self.defect) {
             *self = Self { defect, contact: i };
@@ -160,6 +167,9 @@ impl Worst {
         Residual { value, worst_contact: self.contact }
     }
 }
+
+/// So much less than the largest defect is less, however squares and ratios are rounded.
+const SURELY: f64 = 0.99;
 
 /// Whether a defect is larger than another one; not-a-number is larger than all others.
 #[inline(always)]

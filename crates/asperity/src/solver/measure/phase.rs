@@ -17,15 +17,26 @@ pub(crate) fn phase_of(measured: &Measured<'_>, contact: usize) -> (Phase, [f64;
     let rho = measured.problem.rho(contact);
     let rows = &measured.problem.contacts()[contact];
     let friction = measured.friction(rows);
+    let phase = phase(measured, contact, friction.normal, || rows.law.is_projected(friction, rho));
+    (phase, measured.slip(rows))
+}
+
+/// The phase of a contact with its normal percussion, of which the law says whether it slips.
+pub(super) fn phase(
+    measured: &Measured<'_>,
+    contact: usize,
+    normal: f64,
+    slips: impl FnOnce() -> bool,
+) -> Phase {
+    let rho = measured.problem.rho(contact);
+    let rows = &measured.problem.contacts()[contact];
     // The switch of the natural map: an iteration leaves tiny percussions at contacts that open.
-    let opens =
-        rows.normal == NormalForce::Unilateral && friction.normal <= rho * measured.xi(rows.offset);
-    let phase = if friction.normal <= 0.0 || opens {
+    let opens = rows.normal == NormalForce::Unilateral && normal <= rho * measured.xi(rows.offset);
+    if normal <= 0.0 || opens {
         Phase::Open
-    } else if rows.law.is_projected(friction, rho) {
+    } else if slips() {
         Phase::Slip
     } else {
         Phase::Stick
-    };
-    (phase, measured.slip(rows))
+    }
 }
