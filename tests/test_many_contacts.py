@@ -435,8 +435,10 @@ def test_extreme_eigenvalues_are_estimated():
     [
         asp.problems.sliders(1500, coupled=True, seed=2),
         asp.problems.wall(10, columns=9, law=asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.4))),
+        # Threads share the contacts of a colour.
+        asp.problems.columns(46, height=10),
     ],
-    ids=["sliders", "wall"],
+    ids=["sliders", "wall", "columns"],
 )
 def test_same_input_same_bits_on_any_number_of_threads(problem):
     # Threads are used for more than 512 contacts.

@@ -62,8 +62,20 @@ pub(crate) struct Members {
 impl Members {
     /// Takes the members of other components, in the buffers that are there.
     pub(crate) fn update(&mut self, components: &mut Components) {
+        let count = components.number(&mut self.numbers);
+        self.sort(count);
+    }
+
+    /// Takes the members of `count` groups, of which every member names its own.
+    pub(crate) fn group(&mut self, count: usize, numbers: impl Iterator<Item = usize>) {
+        self.numbers.clear();
+        self.numbers.extend(numbers);
+        self.sort(count);
+    }
+
+    /// Sorts members by their components.
+    fn sort(&mut self, count: usize) {
         let Self { starts, members, numbers } = self;
-        let count = components.number(numbers);
         starts.clear();
         starts.resize(count + 1, 0);
         for &number in &*numbers {

@@ -28,6 +28,9 @@ const REGULARIZED: f64 = 1e-10;
 const SOON: usize = 3;
 const FARTHEST: f64 = 100.0;
 
+/// Contacts from which on they are swept in the order of colours, which several threads may do.
+const COLOURED: usize = 1000;
+
 /// Buffers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Accelerated {
@@ -38,13 +41,15 @@ pub(crate) struct Accelerated {
     /// Differences of images and of defects that follow each other, in a ring.
     images: [Vec<f64>; DEPTH],
     defects: [Vec<f64>; DEPTH],
+    /// Products of these differences of defects with each other.
+    products: SMatrix<f64, DEPTH, DEPTH>,
 }
 
 impl Accelerated {
     /// At most so many sweeps from the best percussions.
     pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, most: usize) {
         let rows = progress.task.problem.rows();
-        let Self { from, image, defect, images, defects } = self;
+        let Self { from, image, defect, images, defects, products } = self;
         for list in [&mut *image, &mut *defect]
             .into_iter()
             .chain(images.iter_mut())
@@ -53,12 +58,18 @@ impl Accelerated {
             list.clear();
             list.resize(rows, 0.0);
         }
+        // The order must not depend on the number of threads.
+        let coloured = progress.task.problem.contacts().len() >= COLOURED;
         progress.start_from_best(from);
         progress.iterate.percussion.copy_from_slice(from);
         let (mut remembered, mut next, mut last) = (0, 0, f64::INFINITY);
         let (mut sweeps, mut reset_at, mut farther) = (0, None, 0.0);
         while sweeps < most && !progress.task.stop.early() {
-            progress.sweep();
+            if coloured {
+                progress.sweep_by_colours();
+            } else {
+                progress.sweep();
+            }
             sweeps += 1;
             let swept = &*progress.iterate.percussion;
             let size = swept.iter().zip(&*from).map(|(g, x)| (g - x) * (g - x)).sum::<f64>().sqrt();
@@ -82,6 +93,10 @@ impl Accelerated {
                 (image[row], defect[row]) = (swept[row], now);
             }
             if last.is_finite() {
+                for (other, turn) in defects.iter().enumerate().take(DEPTH.min(remembered + 1)) {
+                    let product = dot(turn, &defects[next]);
+                    (products[(next, other)], products[(other, next)]) = (product, product);
+                }
                 next = (next + 1) % DEPTH;
                 remembered = (remembered + 1).min(DEPTH);
             }
@@ -92,7 +107,7 @@ impl Accelerated {
                     break;
                 }
             }
-            let share = weights(&defects[..remembered], defect);
+            let share = weights(&defects[..remembered], products, defect);
             from.copy_from_slice(image);
             for (images, share) in images.iter().zip(share.iter()) {
                 for (from, image) in from.iter_mut().zip(images) {
@@ -107,19 +122,20 @@ impl Accelerated {
 }
 
 /// Shares of the differences with which the defect is the smallest.
-fn weights(defects: &[Vec<f64>], defect: &[f64]) -> SVector<f64, DEPTH> {
+fn weights(
+    defects: &[Vec<f64>],
+    products: &SMatrix<f64, DEPTH, DEPTH>,
+    defect: &[f64],
+) -> SVector<f64, DEPTH> {
     let mut normal = SMatrix::<f64, DEPTH, DEPTH>::identity();
     let mut right = SVector::<f64, DEPTH>::zeros();
-    let mut trace = 0.0;
+    let known = defects.len();
+    normal.view_mut((0, 0), (known, known)).copy_from(&products.view((0, 0), (known, known)));
+    let trace: f64 = (0..known).map(|i| normal[(i, i)]).sum();
     for (i, own) in defects.iter().enumerate() {
         right[i] = dot(own, defect);
-        for (j, other) in defects.iter().enumerate().take(i + 1) {
-            let product = dot(own, other);
-            (normal[(i, j)], normal[(j, i)]) = (product, product);
-        }
-        trace += normal[(i, i)];
+        normal[(i, i)] += REGULARIZED * trace;
     }
-    (0..defects.len()).for_each(|i| normal[(i, i)] += REGULARIZED * trace);
     // Without an answer the plain image is the next start.
     normal.cholesky().map(|factored| factored.solve(&right)).unwrap_or_default()
 }

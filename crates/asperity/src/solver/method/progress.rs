@@ -226,6 +226,13 @@ impl<'a> Progress<'a> {
         self.sweeps += 1;
     }
 
+    /// The same in the order of colours.
+    pub(crate) fn sweep_by_colours(&mut self) {
+        let first = self.sweeps == 0;
+        self.stuck = self.sweeper.sweep_by_colours(&self.task, &mut self.iterate, first);
+        self.sweeps += 1;
+    }
+
     /// Where contacts have several solutions, goes to those that continue their states, if that is a solution of the
     /// whole: at most so many sweeps from the best percussions.
     pub(crate) fn continue_states(&mut self, sweeps: usize) {

@@ -1,5 +1,6 @@
-//! Block Gauss–Seidel: a sweep, sweeps island by island, and how long they are worth going on with.
+//! Block Gauss–Seidel: a sweep, in the order of colours, island by island, and how long they are worth going on with.
 
+mod colours;
 mod cost;
 mod island_sweeps;
 mod rate;

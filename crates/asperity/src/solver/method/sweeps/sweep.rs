@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use super::colours::{Before, Changed, Colours};
 use super::island_sweeps::Plan;
 use super::swept::Swept;
 use super::visitor::{BATCH, Visitor, record};
@@ -31,6 +32,8 @@ pub(crate) struct Sweeper {
     islands: Members,
     pub(crate) candidates: Candidates,
     workers: Vec<Worker>,
+    /// Contacts by their colours, where sweeps went in that order.
+    colours: Option<Colours>,
 }
 
 impl Sweeper {
@@ -48,6 +51,7 @@ impl Sweeper {
             (0..contacts).for_each(|i| connected.join(0, i));
         }
         self.islands.update(&mut connected);
+        self.colours = None;
         self.refresh(problem);
     }
 
@@ -91,6 +95,32 @@ impl Sweeper {
         stuck
     }
 
+    /// The same in the order of colours, for as many threads as there are.
+    pub(crate) fn sweep_by_colours(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        first: bool,
+    ) -> Option<usize> {
+        let Task { problem, history, threads, .. } = *task;
+        let Self { blocks, efforts, candidates, colours, .. } = self;
+        let colours = colours.get_or_insert_with(|| Colours::of(problem));
+        if threads.serve(problem.contacts().len()) {
+            let Iterate { percussion, states, .. } = iterate;
+            let before = Before { problem, history, blocks, first };
+            let changed = Changed { percussion, states, efforts };
+            return threads.run(|| colours.sweep_side_by_side(before, changed));
+        }
+        let mut visitor = Visitor { blocks, efforts, candidates };
+        let mut stuck = None;
+        for &i in (0..colours.count()).flat_map(|colour| colours.contacts(colour)) {
+            if !visitor.visit(task, iterate, Policy::FirstFound, first, i) {
+                stuck = Some(i);
+            }
+        }
+        stuck
+    }
+
     /// The islands of the problem.
     #[inline]
     pub(crate) fn islands(&self) -> &Members {
@@ -108,7 +138,7 @@ impl Sweeper {
         swept: &mut Vec<Swept>,
     ) {
         swept.clear();
-        let Self { blocks, efforts, islands, candidates, workers } = self;
+        let Self { blocks, efforts, islands, candidates, workers, .. } = self;
         let mut visitor = Visitor { blocks, efforts, candidates };
         // Whoever shares the pool with other calls would wait for them.
         if task.threads.serve(task.problem.contacts().len())

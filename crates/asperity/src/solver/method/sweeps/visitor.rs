@@ -32,22 +32,17 @@ impl Visitor<'_> {
         let state = &mut iterate.states[i];
         let held = problem.contact_velocity(i, iterate.percussion, false);
         let percussion = &mut iterate.percussion[problem.contacts()[i].rows()];
-        if policy == Policy::FirstFound && block.pressed && held[0] >= 0.0 {
-            percussion.fill(0.0);
-            state.phase = Phase::Open;
-            return true;
-        }
-        let slip = (!first).then_some(state.slip);
         let contact = OneContact { problem, contact: i, block, held };
         let (candidates, effort) = (&mut *self.candidates, &mut self.efforts[i]);
-        let start = Start { history, slip };
-        let found = contact.solve(policy, start, percussion, candidates, effort);
-        match (policy, found) {
-            (Policy::Prove, found) => record(found, history, state, &mut iterate.ambiguous[i]),
-            (Policy::FirstFound, Some(found)) => {
-                (state.phase, state.slip) = (found.phase, found.slip);
-            }
-            (Policy::FirstFound, None) => {}
+        if policy == Policy::Prove {
+            let start = Start { history, slip: (!first).then_some(state.slip) };
+            let found = contact.solve(policy, start, percussion, candidates, effort);
+            record(found, history, state, &mut iterate.ambiguous[i]);
+            return found.is_some();
+        }
+        let found = first_found(contact, (history, state, first), percussion, candidates, effort);
+        if let Some(found) = found {
+            (state.phase, state.slip) = (found.phase, found.slip);
         }
         found.is_some()
     }
@@ -63,6 +58,24 @@ impl Visitor<'_> {
         let one = OneContact::new(task.problem, contact, &self.blocks[contact], percussion);
         one.is_ambiguous(&task.history[contact], self.candidates)
     }
+}
+
+/// The first solution of a contact that is found, from its state before the step and, but for the `first` sweep, from that
+/// of the last sweep.
+#[inline(always)]
+pub(super) fn first_found(
+    contact: OneContact<'_>,
+    (history, last, first): (&ContactState, &ContactState, bool),
+    percussion: &mut [f64],
+    candidates: &mut Candidates,
+    effort: &mut Effort,
+) -> Option<Found> {
+    if contact.block.pressed && contact.held[0] >= 0.0 {
+        percussion.fill(0.0);
+        return Some(Found { phase: Phase::Open, slip: last.slip, ambiguous: false });
+    }
+    let start = Start { history, slip: (!first).then_some(last.slip) };
+    contact.solve(Policy::FirstFound, start, percussion, candidates, effort)
 }
 
 /// The state of a contact after its solution; the state before where there is none.
