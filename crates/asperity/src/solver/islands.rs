@@ -4,19 +4,19 @@
 //! solve most islands where they are ([`Sweeper::solve_islands`]); what they leave is solved by the other methods as a
 //! problem with the rows of that island only. What an island does depends on no other, to the bit, so that islands may be
 //! solved side by side by any number of threads. Only where each of them is solved, but not the whole by the global
-//! measure, do all go on together. By the global measure islands of small percussions are left as they are once the measure
-//! of the whole is small.
+//! measure, do all go on together. By the global measure islands of small percussions are left as sweeps leave them once
+//! the measure of the whole is small.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::infeasibility::{Case, CaseState, Infeasibility};
 use super::measure::growth;
-use super::measure::natural_map::{Squares, map_of};
+use super::measure::natural_map::{Squares, map, map_of, own_squares};
 use super::measure::natural_residual::{Measured, Residual, is_worse};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
-use super::method::{Iterate, Plan, Sweeper, Swept, Task};
+use super::method::{Iterate, Past, Plan, Sweeper, Swept, Task};
 use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
 use crate::contact::{ContactProblem, Members, Memory, Part, put, take};
 use crate::threads::Threads;
@@ -114,6 +114,7 @@ pub(super) struct Found<'a> {
 pub(super) struct Unsolved<'a, B> {
     pub(super) problem: &'a ContactProblem,
     pub(super) before: &'a Memory,
+    pub(super) past: Past,
     pub(super) memory: &'a mut Memory,
     pub(super) buffers: &'a mut B,
 }
@@ -127,6 +128,7 @@ struct OwnProblem<B> {
     /// Solves since it was left.
     unused: u8,
     before: Memory,
+    past: Past,
     memory: Memory,
     buffers: B,
     report: Option<SolveReport>,
@@ -139,11 +141,12 @@ impl<B: Buffers> OwnProblem<B> {
         let mut buffers = B::default();
         buffers.prepare(part.problem());
         let before = memory.clone();
-        Self { part, stale: false, unused: 0, before, memory, buffers, report: None }
+        let past = Past::Unswept;
+        Self { part, stale: false, unused: 0, before, past, memory, buffers, report: None }
     }
 
     /// Takes over what the island is given in this solve.
-    fn begin(&mut self, task: &Task<'_>, percussion: &[f64]) {
+    fn begin(&mut self, task: &Task<'_>, percussion: &[f64], swept: &Swept) {
         let Self { part, before, buffers, .. } = self;
         if std::mem::take(&mut self.stale) {
             part.copy_operator(task.problem);
@@ -152,13 +155,15 @@ impl<B: Buffers> OwnProblem<B> {
         part.copy_velocities(task.problem);
         take(part.rows(), percussion, &mut before.percussion);
         take(part.contacts(), task.history, &mut before.states);
+        let stuck = matches!(swept.ended, Ended::Stuck(_));
+        self.past = if stuck { Past::Stuck } else { Past::Swept };
         (self.unused, self.report) = (0, None);
     }
 
     /// What is needed to solve it.
     fn unsolved(&mut self) -> Unsolved<'_, B> {
-        let Self { part, before, memory, buffers, .. } = self;
-        Unsolved { problem: part.problem(), before, memory, buffers }
+        let Self { part, before, past, memory, buffers, .. } = self;
+        Unsolved { problem: part.problem(), before, past: *past, memory, buffers }
     }
 
     /// Squares of what is left, with the prox parameter of the whole.
@@ -215,7 +220,8 @@ struct Tally {
     loads: f64,
     /// What the islands from each place on leave before they are solved.
     rest: Vec<Squares>,
-    /// What those that were solved leave, and their sum at the first places, up to the first that was not.
+    /// What those that were solved leave, and the sum of that at the first places, up to the first that was not, and of what
+    /// sweeps have solved.
     found: Vec<Option<Squares>>,
     sum: Squares,
     solved: usize,
@@ -224,45 +230,44 @@ struct Tally {
 }
 
 impl Tally {
-    /// Islands in the order in which they are solved: those whose percussions solve them already, which takes nothing,
-    /// then the largest ones first, by `max(‖P‖, ρ‖b‖)`.
+    /// Puts the islands that sweeps have `left` in the order in which they are solved: first those with a small residual,
+    /// of which something else has to be found out, then the largest ones, by `max(‖P‖, ρ‖b‖)`.
     fn begin(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        islands: &Members,
-    ) -> Vec<usize> {
-        let Task { problem, stop, .. } = *task;
-        let goal = 0.5 * stop.tolerance;
-        problem.velocity(iterate.percussion, iterate.velocity);
-        let measured =
-            Measured { problem, percussion: iterate.percussion, velocity: iterate.velocity };
-        let rho = problem.global_rho();
-        let of = |island: usize| {
-            let contacts = islands.of(island);
-            let (map, size) = map_of(&measured, contacts);
-            let squares = Squares::of(&measured, contacts.iter().copied(), rho);
-            (map <= goal, size, squares, island)
-        };
-        let mut all: Vec<_> = (0..islands.count()).map(of).collect();
-        all.sort_by(|(solved, size, ..), (other_solved, other, ..)| {
-            other_solved.cmp(solved).then(other.total_cmp(size))
-        });
-        let mut rest = vec![Squares::default(); all.len() + 1];
-        for (place, (_, _, squares, _)) in all.iter().enumerate().rev() {
-            rest[place] = rest[place + 1].and(*squares);
+        measured: &Measured<'_>,
+        stop: &Stop<'_>,
+        (islands, reports): (&Members, &[SolveReport]),
+        left: &mut [usize],
+    ) -> Self {
+        let problem = measured.problem;
+        let (goal, rho) = (0.5 * stop.tolerance, problem.global_rho());
+        let small = |island: usize| reports[island].residual <= stop.tolerance;
+        let mut all: Vec<_> = (0..islands.count()).map(|island| (false, 0.0, island)).collect();
+        for &island in &*left {
+            all[island] = (true, map_of(measured, islands.of(island)).1, island);
         }
-        *self = Self {
+        let squares =
+            |island: usize| Squares::of(measured, islands.of(island).iter().copied(), rho);
+        let solved = all.iter().filter(|(is_left, ..)| !is_left);
+        let sum = solved.fold(Squares::default(), |sum, (.., island)| sum.and(squares(*island)));
+        left.sort_by(|&one, &other| {
+            small(other).cmp(&small(one)).then(all[other].1.total_cmp(&all[one].1))
+        });
+        let mut rest = vec![Squares::default(); left.len() + 1];
+        for (place, &island) in left.iter().enumerate().rev() {
+            // A light island makes the prox parameter of the whole so small that the velocities of heavy ones do not count.
+            let (own, _) = own_squares(measured, islands.of(island));
+            rest[place] = rest[place + 1].and(squares(island).or_worse(own));
+        }
+        Self {
             goal: goal * goal,
             rho,
             loads: (rho * problem.load_norm()).powi(2),
             rest,
-            found: vec![None; all.len()],
-            sum: Squares::default(),
+            found: vec![None; left.len()],
+            sum,
             solved: 0,
-            always: all.iter().take_while(|(solved, ..)| *solved).count(),
-        };
-        all.into_iter().map(|(.., island)| island).collect()
+            always: left.iter().take_while(|&&island| small(island)).count(),
+        }
     }
 
     /// Whether the islands that follow those that were solved need not be solved.
@@ -411,69 +416,69 @@ impl<B: Buffers> Parts<B> {
         solve: impl Fn(Unsolved<'_, B>, Stop<'_>, usize) -> SolveReport + Sync,
     ) -> Option<SolveReport> {
         let Task { problem, stop, .. } = *task;
-        let sweeps = stop.measure == Measure::Contact;
-        let mut tally = Tally::default();
-        let count = sweeper.islands().count();
-        if sweeps {
-            self.sweep_and_leave(task, iterate, sweeper);
-        } else {
-            self.reports.clear();
-            self.left = tally.begin(task, iterate, sweeper.islands());
-        }
+        self.sweep_and_leave(task, iterate, sweeper);
         let islands = sweeper.islands();
-        let Parts { own, work, left, reports, .. } = self;
-        let visited = reports.len();
-        // Those that the time does not suffice for, or that need not be solved, are measured at the end.
+        let Parts { own, work, swept, left, reports } = self;
+        let (visited, count) = (reports.len(), islands.count());
+        // Those that the time does not suffice for are measured at the end.
         let unsolved =
             SolveReport::new(Ended::TimeLimit, 0, UNKNOWN, Findings::default(), stop.tolerance);
         reports.resize(count, unsolved);
+        let counts = stop.measure == Measure::Global && visited == count && !left.is_empty();
+        let mut tally = counts.then(|| {
+            let Iterate { percussion, velocity, .. } = &*iterate;
+            let measured = Measured { problem, percussion, velocity };
+            Tally::begin(&measured, &stop, (islands, reports), left)
+        });
         own.resize_with(count, || None);
         for kept in own.iter_mut() {
             kept.iter_mut().for_each(|own| own.unused += 1);
             kept.take_if(|own| own.unused > KEPT);
         }
+        let mut needed = 0;
+        if tally.as_ref().is_none_or(|tally| !tally.is_enough()) {
+            for &island in &*left {
+                let make = || Box::new(OwnProblem::new(problem, islands.of(island)));
+                let mut own = own[island].take().unwrap_or_else(make);
+                own.begin(task, iterate.percussion, &swept[island]);
+                work.push((island, own));
+            }
+            needed = solve_all(work, task, threads, tally.as_mut(), solve);
+        }
+        // Others keep what sweeps have led to, also where another thread has solved them meanwhile.
+        let enough = needed < left.len();
+        work.iter_mut().skip(needed).for_each(|(_, own)| own.report = None);
+        let mut left_over = visited < count;
         for &island in &*left {
-            let make = || Box::new(OwnProblem::new(problem, islands.of(island)));
-            let mut own = own[island].take().unwrap_or_else(make);
-            own.begin(task, iterate.percussion);
-            work.push((island, own));
+            let status = if enough { Status::Stalled } else { Status::TimeLimit };
+            reports[island].status = status;
         }
-        let tally = (!sweeps).then_some(&mut tally);
-        let needed = solve_all(work, task, threads, tally, solve);
-        let mut left_over = sweeps && visited < count;
-        if sweeps {
-            // What is told of them does not depend on the order in which they were solved.
-            work.sort_by_key(|(island, _)| *island);
-        }
-        for (place, (island, solved)) in work.drain(..).enumerate() {
-            let report = &mut reports[island];
-            if place >= needed {
-                // The measure of the whole was small before its turn came.
-                *report = SolveReport { status: Status::Stalled, ..unsolved };
-            } else if let Some(found) = solved.report {
-                solved.end(iterate, usize::from(sweeps));
+        // What is told of them does not depend on the order in which they were solved.
+        work.sort_by_key(|(island, _)| *island);
+        for (island, solved) in work.drain(..) {
+            if let Some(found) = solved.report {
+                solved.end(iterate, 1);
                 if iterate.infeasibility.is_none() {
                     *iterate.infeasibility = solved.infeasibility(problem);
                 }
+                let report = &mut reports[island];
                 let worst_contact = solved.part.contacts()[found.worst_contact];
                 let iterations = report.iterations + found.iterations;
                 *report = SolveReport { worst_contact, iterations, ..found };
-            } else {
-                // It keeps the percussions that sweeps have led to.
-                report.status = Status::TimeLimit;
+            } else if !enough {
                 left_over = true;
             }
             own[island] = Some(solved);
         }
         if left_over {
             problem.velocity(iterate.percussion, iterate.velocity);
-        }
-        let Iterate { percussion, velocity, states, .. } = iterate;
-        let measured = Measured { problem, percussion, velocity };
-        for (island, report) in reports.iter_mut().enumerate() {
-            let contacts = islands.of(island);
-            let skipped = report.status == Status::Stalled && report.residual.is_infinite();
-            if skipped || left_over && report.status == Status::TimeLimit {
+            let Iterate { percussion, velocity, states, .. } = iterate;
+            let measured = Measured { problem, percussion, velocity };
+            for (island, report) in reports.iter_mut().enumerate() {
+                if report.status != Status::TimeLimit {
+                    continue;
+                }
+                let contacts = islands.of(island);
                 for &i in contacts {
                     let (phase, slip) = phase_of(&measured, i);
                     states[i] = task.history[i].after(phase, slip);
@@ -617,11 +622,11 @@ fn whole(
     }
     if stop.measure == Measure::Global {
         let Iterate { percussion, velocity, .. } = iterate;
-        residual = stop.residual(task.problem, percussion, velocity);
+        let measured = Measured { problem: task.problem, percussion, velocity };
+        residual.value = map(&measured);
         let small = residual.value <= stop.tolerance;
         if small && worst.status != Status::NoSolution {
             // However an island has ended, it matters only where its percussions run away.
-            let measured = Measured { problem: task.problem, percussion, velocity };
             let unsolved = (0..reports.len()).filter(|&i| reports[i].status != Status::Converged);
             let runs = unsolved.filter_map(|island| running(&measured, islands.of(island))).next();
             worst.status = runs.map_or(Status::Converged, |_| Status::Unbounded);

@@ -32,6 +32,12 @@ pub(crate) fn map(measured: &Measured<'_>) -> f64 {
 
 /// The same of contacts that influence no others, as if there were only these, and what it is relative to, a percussion.
 pub(crate) fn map_of(measured: &Measured<'_>, contacts: &[usize]) -> (f64, f64) {
+    let (all, loads) = own_squares(measured, contacts);
+    (all.relative(loads).sqrt(), all.percussion.max(loads).sqrt())
+}
+
+/// Squares of contacts that influence no others with their own prox parameter `ρ`, and that of `ρ‖b‖`.
+pub(crate) fn own_squares(measured: &Measured<'_>, contacts: &[usize]) -> (Squares, f64) {
     let problem = measured.problem;
     let (mut rows, mut trace, mut loads) = (0, 0.0, 0.0);
     for &i in contacts {
@@ -43,8 +49,7 @@ pub(crate) fn map_of(measured: &Measured<'_>, contacts: &[usize]) -> (f64, f64) 
         }
     }
     let rho = rows as f64 / trace;
-    let (all, loads) = (Squares::of(measured, contacts.iter().copied(), rho), rho * rho * loads);
-    (all.relative(loads).sqrt(), all.percussion.max(loads).sqrt())
+    (Squares::of(measured, contacts.iter().copied(), rho), rho * rho * loads)
 }
 
 /// Sums of the squares of defects and of percussions.
@@ -70,6 +75,11 @@ impl Squares {
             }
         }
         sums
+    }
+
+    /// The same with the larger one of two defects, of the same percussions.
+    pub(crate) fn or_worse(self, other: Self) -> Self {
+        Self { defect: self.defect.max(other.defect), ..self }
     }
 
     /// With those of other contacts.

@@ -22,4 +22,4 @@ pub(crate) use prox::{Order, ProxIteration};
 pub(crate) use proximal::ProximalPoint;
 pub(crate) use standing::Standing;
 pub(crate) use sweeps::{Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, mark_ambiguous};
-pub(crate) use task::{Iterate, Task};
+pub(crate) use task::{Iterate, Past, Task};

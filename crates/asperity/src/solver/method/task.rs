@@ -8,6 +8,17 @@ use crate::solver::measure::stop::Stop;
 use crate::solver::report::Stage;
 use crate::threads::Threads;
 
+/// What sweeps have done to the percussions that a solve starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Past {
+    /// Nothing.
+    Unswept,
+    /// They have led there, and promise nothing more.
+    Swept,
+    /// The same, and a contact had no solution in the last of them.
+    Stuck,
+}
+
 /// What does not change during a solve.
 #[derive(Clone, Copy)]
 pub(crate) struct Task<'a> {
@@ -16,8 +27,7 @@ pub(crate) struct Task<'a> {
     /// States before the step, which decide between several solutions.
     pub(crate) history: &'a [ContactState],
     pub(crate) threads: &'a Threads,
-    /// Whether sweeps have led to the percussions to start from, and promise nothing more.
-    pub(crate) swept: bool,
+    pub(crate) past: Past,
 }
 
 /// What every method changes.

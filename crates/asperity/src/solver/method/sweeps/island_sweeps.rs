@@ -8,12 +8,13 @@ use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
 use super::swept::Swept;
 use super::visitor::{BATCH, Visitor};
-use crate::contact::{ContactProblem, Members};
+use crate::contact::Members;
 use crate::solver::measure::growth::{self, Size};
+use crate::solver::measure::natural_map::map_of;
 use crate::solver::measure::natural_residual::Measured;
 use crate::solver::measure::own::measure_coupled;
 use crate::solver::measure::phase::phase_of;
-use crate::solver::measure::stop::Stop;
+use crate::solver::measure::stop::{Measure, Stop};
 use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::Ended;
@@ -100,9 +101,9 @@ impl Visitor<'_> {
             Policy::Prove if plan.max_sweeps > 0 => {
                 Swept { defect: f64::INFINITY, ..Swept::NOTHING }
             }
-            _ => measure(task.problem, iterate, members),
+            _ => measure(task, iterate, members),
         };
-        let mut sweeps = 0;
+        let (mut sweeps, mut last_stuck) = (0, None);
         // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
         let instead = || Cost::of(task.problem, members.iter().copied()).first_estimate();
         let mut rate = match policy {
@@ -116,7 +117,9 @@ impl Visitor<'_> {
                 && rate.is_due(sweeps)
                 && !rate.promises(sweeps, swept.defect.sqrt(), task.stop.tolerance);
             if sweeps == plan.max_sweeps || alone && sweeps == 1 || in_vain {
-                let ended = if alone && sweeps == 1 { Ended::Done } else { Ended::MaxIterations };
+                let left = if in_vain { last_stuck } else { None };
+                let left = left.map_or(Ended::MaxIterations, Ended::Stuck);
+                let ended = if alone && sweeps == 1 { Ended::Done } else { left };
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
                 break;
             }
@@ -127,7 +130,12 @@ impl Visitor<'_> {
                 }
             }
             sweeps += 1;
-            swept = measure(task.problem, iterate, members);
+            last_stuck = stuck;
+            // To measure takes half as long as to sweep.
+            let is_measured = policy == Policy::Prove || rate.is_due(sweeps);
+            if is_measured || sweeps == plan.max_sweeps {
+                swept = measure(task, iterate, members);
+            }
             if alone {
                 swept.ambiguous = iterate.ambiguous[members[0]];
                 swept.ended = stuck.map_or(Ended::Done, Ended::Stuck);
@@ -153,14 +161,19 @@ impl Visitor<'_> {
     }
 }
 
-/// Velocities, residual and growth of an island.
-fn measure(problem: &ContactProblem, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
+/// Velocities, residual by the measure of the stop and growth of an island.
+fn measure(task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
+    let problem = task.problem;
     let Iterate { percussion, velocity, .. } = iterate;
     let (mut swept, mut size) = (Swept::NOTHING, Size::default());
     for &i in members {
         let own = measure_coupled(problem, i, percussion, velocity);
         swept = swept.and(Swept { defect: own.defect, worst_contact: i, ..Swept::NOTHING });
         size.add(&own.size);
+    }
+    if task.stop.measure == Measure::Global {
+        let (map, _) = map_of(&Measured { problem, percussion, velocity }, members);
+        swept.defect = map * map;
     }
     Swept { may_grow: size.may_have_grown(), ..swept }
 }

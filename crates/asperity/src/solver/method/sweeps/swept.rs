@@ -12,7 +12,8 @@ pub(crate) struct Swept {
     pub(crate) sweeps: usize,
     /// Done, or why some contacts were left.
     pub(crate) ended: Ended,
-    /// Square of the largest relative defect, negative without contacts, and the first contact that has it.
+    /// Square of the largest relative defect, negative without contacts, and the first contact that has it; of an island by
+    /// the global measure its natural map, and the contact that has the largest defect.
     pub(super) defect: f64,
     pub(super) worst_contact: usize,
     /// Whether percussions may have grown.
@@ -73,7 +74,7 @@ impl Swept {
         self.residual()
     }
 
-    /// The natural residual, where all contacts were visited.
+    /// The residual, where all contacts were visited.
     #[inline(always)]
     pub(crate) fn residual(&self) -> Residual {
         let value = if self.defect < 0.0 { 0.0 } else { self.defect.sqrt() };
