@@ -368,9 +368,12 @@ def kill_those_that_begin_to_write(case: Case, out: Path, count: int) -> int:
     What comes before that is done once per result: the process that has done it forks.
     """
     heard, told = os.pipe()
-    for write, kills in zip(case.writers, (count // 2, count - count // 2), strict=True):
+    first, second = case.writers
+    for write, other, kills in ((first, second, count // 2), (second, first, count - count // 2)):
+        before = Path(tempfile.mkdtemp())
+        other(before)
 
-        def fork_and_kill(kills=kills):
+        def fork_and_kill(kills=kills, before=before):
             begin = time.perf_counter()
             number = os.fork()
             if not number:
@@ -378,6 +381,8 @@ def kill_those_that_begin_to_write(case: Case, out: Path, count: int) -> int:
             assert os.waitpid(number, 0)[1] == 0
             seconds = time.perf_counter() - begin
             for _ in range(kills):
+                # What each of them replaces is the other result.
+                shutil.copytree(before, out, dirs_exist_ok=True)
                 number = os.fork()
                 if not number:
                     return

@@ -219,8 +219,8 @@ fn first_attempts(
     let estimate = cost.first_estimate();
     let mut sweeps = Sweeps::new(estimate);
     let mut first = First { tried: false, dear: false, resting: None };
-    // Where sweeps were made before, as long as they were worth it, one more tells which contact has no solution, if there
-    // is one.
+    // Where sweeps were made before, as long as they were worth it, and a contact had no solution in the last of them, one more
+    // tells which.
     let past = progress.task.past;
     let early = contacts >= LARGE && cost.is_sparse();
     let most = if early { SETTLED } else { usize::MAX };

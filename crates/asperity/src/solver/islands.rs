@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::infeasibility::{Case, CaseState, Infeasibility};
 use super::measure::growth;
-use super::measure::natural_map::{Squares, map, map_of, own_squares};
+use super::measure::natural_map::{Squares, map_of, own_squares};
 use super::measure::natural_residual::{Measured, Residual, is_worse};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
@@ -155,8 +155,7 @@ impl<B: Buffers> OwnProblem<B> {
         part.copy_velocities(task.problem);
         take(part.rows(), percussion, &mut before.percussion);
         take(part.contacts(), task.history, &mut before.states);
-        let stuck = matches!(swept.ended, Ended::Stuck(_));
-        self.past = if stuck { Past::Stuck } else { Past::Swept };
+        self.past = if swept.stuck { Past::Stuck } else { Past::Swept };
         (self.unused, self.report) = (0, None);
     }
 
@@ -241,16 +240,17 @@ impl Tally {
         let problem = measured.problem;
         let (goal, rho) = (0.5 * stop.tolerance, problem.global_rho());
         let small = |island: usize| reports[island].residual <= stop.tolerance;
-        let mut all: Vec<_> = (0..islands.count()).map(|island| (false, 0.0, island)).collect();
+        let mut sizes = vec![None; islands.count()];
         for &island in &*left {
-            all[island] = (true, map_of(measured, islands.of(island)).1, island);
+            sizes[island] = Some(map_of(measured, islands.of(island)).1);
         }
+        let size = |island: usize| sizes[island].unwrap_or(0.0);
         let squares =
             |island: usize| Squares::of(measured, islands.of(island).iter().copied(), rho);
-        let solved = all.iter().filter(|(is_left, ..)| !is_left);
-        let sum = solved.fold(Squares::default(), |sum, (.., island)| sum.and(squares(*island)));
+        let solved = (0..islands.count()).filter(|&island| sizes[island].is_none());
+        let sum = solved.fold(Squares::default(), |sum, island| sum.and(squares(island)));
         left.sort_by(|&one, &other| {
-            small(other).cmp(&small(one)).then(all[other].1.total_cmp(&all[one].1))
+            small(other).cmp(&small(one)).then(size(other).total_cmp(&size(one)))
         });
         let mut rest = vec![Squares::default(); left.len() + 1];
         for (place, &island) in left.iter().enumerate().rev() {
@@ -424,7 +424,9 @@ impl<B: Buffers> Parts<B> {
         let unsolved =
             SolveReport::new(Ended::TimeLimit, 0, UNKNOWN, Findings::default(), stop.tolerance);
         reports.resize(count, unsolved);
-        let counts = stop.measure == Measure::Global && visited == count && !left.is_empty();
+        // Where time has ended the sweeps, none of those that are left is solved, and all are measured at the end.
+        let cut = visited < count || swept.iter().any(|swept| swept.ended == Ended::TimeLimit);
+        let counts = stop.measure == Measure::Global && !cut && !left.is_empty();
         let mut tally = counts.then(|| {
             let Iterate { percussion, velocity, .. } = &*iterate;
             let measured = Measured { problem, percussion, velocity };
@@ -448,7 +450,7 @@ impl<B: Buffers> Parts<B> {
         // Others keep what sweeps have led to, also where another thread has solved them meanwhile.
         let enough = needed < left.len();
         work.iter_mut().skip(needed).for_each(|(_, own)| own.report = None);
-        let mut left_over = visited < count;
+        let mut left_over = cut;
         for &island in &*left {
             let status = if enough { Status::Stalled } else { Status::TimeLimit };
             reports[island].status = status;
@@ -623,7 +625,7 @@ fn whole(
     if stop.measure == Measure::Global {
         let Iterate { percussion, velocity, .. } = iterate;
         let measured = Measured { problem: task.problem, percussion, velocity };
-        residual.value = map(&measured);
+        residual = stop.residual(task.problem, percussion, velocity);
         let small = residual.value <= stop.tolerance;
         if small && worst.status != Status::NoSolution {
             // However an island has ended, it matters only where its percussions run away.

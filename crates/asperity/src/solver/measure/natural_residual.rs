@@ -153,7 +153,7 @@ impl Worst {
         let own = percussion[contact.rows()].iter().map(|p| p * p).sum::<f64>();
         // Its scale is no less than that. The velocities that others bring take longer than all the rest: where the
         // percussion alone tells that another contact is worse, they are not asked for.
-        if own < f64::INFINITY && defect <= SURELY * self.defect * own {
+        if self.defect >= 0.0 && own < f64::INFINITY && defect <= SURELY * self.defect * own {
             return;
         }
         let defect = relative(defect, || scale(problem, i, percussion, velocity));

@@ -58,6 +58,9 @@ impl Accelerated {
             list.clear();
             list.resize(rows, 0.0);
         }
+        // Whoever shares the pool with other calls would wait for them in every sweep.
+        let threads = progress.task.threads;
+        let claim = threads.claim();
         // The order must not depend on the number of threads.
         let coloured = progress.task.problem.contacts().len() >= COLOURED;
         progress.start_from_best(from);
@@ -66,7 +69,7 @@ impl Accelerated {
         let (mut sweeps, mut reset_at, mut farther) = (0, None, 0.0);
         while sweeps < most && !progress.task.stop.early() {
             if coloured {
-                progress.sweep_by_colours();
+                progress.sweep_by_colours(claim.is_some());
             } else {
                 progress.sweep();
             }

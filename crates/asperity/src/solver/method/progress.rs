@@ -4,7 +4,7 @@
 //! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
 
 use super::sweeps::Sweeper;
-use super::task::{Iterate, Task};
+use super::task::{Iterate, Past, Task};
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
@@ -101,6 +101,7 @@ impl<'a> Progress<'a> {
         if progress.grade.is_infinite() {
             // Percussions that run away are no start for anything; none at all are.
             progress.iterate.percussion.fill(0.0);
+            progress.task.past = Past::Unswept;
             progress.grade_sweeps();
         }
         progress.first_grade = progress.grade;
@@ -226,10 +227,10 @@ impl<'a> Progress<'a> {
         self.sweeps += 1;
     }
 
-    /// The same in the order of colours.
-    pub(crate) fn sweep_by_colours(&mut self) {
-        let first = self.sweeps == 0;
-        self.stuck = self.sweeper.sweep_by_colours(&self.task, &mut self.iterate, first);
+    /// The same in the order of colours, in several threads if they are `free`.
+    pub(crate) fn sweep_by_colours(&mut self, free: bool) {
+        let how = (self.sweeps == 0, free);
+        self.stuck = self.sweeper.sweep_by_colours(&self.task, &mut self.iterate, how);
         self.sweeps += 1;
     }
 

@@ -118,7 +118,7 @@ pub(crate) struct ProximalPoint {
     /// The centre of the present step, and what Newton's method makes of it.
     centre: Vec<f64>,
     trial: Vec<f64>,
-    /// Natural map at which matched prox parameters were tried last.
+    /// Natural map that an attempt with matched prox parameters has left.
     matched: f64,
 }
 
@@ -179,7 +179,7 @@ impl ProximalPoint {
                     break;
                 }
                 // Contacts that creep may be all that is left where the iteration has come nearer.
-                if progress.best_grade() < 0.5 * self.matched {
+                if self.may_creep(progress.best_grade()) {
                     progress.record(
                         Method::ProximalPoint,
                         outer - recorded,
@@ -275,10 +275,9 @@ impl ProximalPoint {
     ) {
         let problem = progress.task.problem;
         let grade = progress.start_from_best(&mut self.centre);
-        if !(grade < CREEPING) {
+        if !self.may_creep(grade) {
             return;
         }
-        self.matched = grade;
         let (before, mut total, mut largest) = (self.newton.factorizations, 0, 1.0);
         while largest < MOST_MATCHED && !progress.is_over() {
             largest *= RISE;
@@ -292,7 +291,13 @@ impl ProximalPoint {
             progress.grade(&self.trial);
             self.centre.copy_from_slice(&self.trial);
         }
+        self.matched = progress.best_grade();
         progress.record(Method::Newton, total, self.newton.factorizations - before);
+    }
+
+    /// Whether contacts that creep may be all that is left to be found, and this was not tried as near to a solution before.
+    fn may_creep(&self, grade: f64) -> bool {
+        grade < CREEPING.min(0.5 * self.matched)
     }
 
     /// Newton's method on the problem itself, its matrices with as much regularisation as rounding has; whether

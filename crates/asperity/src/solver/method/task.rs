@@ -13,7 +13,7 @@ use crate::threads::Threads;
 pub(crate) enum Past {
     /// Nothing.
     Unswept,
-    /// They have led there, and promise nothing more.
+    /// They have led there: they have solved the problem, but for what others have to find out, or promise nothing more.
     Swept,
     /// The same, and a contact had no solution in the last of them.
     Stuck,

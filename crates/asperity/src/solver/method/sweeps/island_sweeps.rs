@@ -103,7 +103,7 @@ impl Visitor<'_> {
             }
             _ => measure(task, iterate, members),
         };
-        let (mut sweeps, mut last_stuck) = (0, None);
+        let (mut sweeps, mut stuck) = (0, None);
         // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
         let instead = || Cost::of(task.problem, members.iter().copied()).first_estimate();
         let mut rate = match policy {
@@ -117,23 +117,21 @@ impl Visitor<'_> {
                 && rate.is_due(sweeps)
                 && !rate.promises(sweeps, swept.defect.sqrt(), task.stop.tolerance);
             if sweeps == plan.max_sweeps || alone && sweeps == 1 || in_vain {
-                let left = if in_vain { last_stuck } else { None };
-                let left = left.map_or(Ended::MaxIterations, Ended::Stuck);
-                let ended = if alone && sweeps == 1 { Ended::Done } else { left };
+                let ended = if alone && sweeps == 1 { Ended::Done } else { Ended::MaxIterations };
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
                 break;
             }
-            let mut stuck = None;
+            stuck = None;
             for &i in members {
                 if !self.visit(task, iterate, policy, sweeps == 0, i) {
                     stuck = Some(i);
                 }
             }
             sweeps += 1;
-            last_stuck = stuck;
             // To measure takes half as long as to sweep.
-            let is_measured = policy == Policy::Prove || rate.is_due(sweeps);
-            if is_measured || sweeps == plan.max_sweeps {
+            let is_due = policy == Policy::Prove || rate.is_due(sweeps);
+            let is_measured = is_due || sweeps == plan.max_sweeps;
+            if is_measured {
                 swept = measure(task, iterate, members);
             }
             if alone {
@@ -145,6 +143,9 @@ impl Visitor<'_> {
             if *visited >= BATCH.min(task.problem.contacts().len()) {
                 *visited = 0;
                 if task.stop.early() {
+                    if !is_measured {
+                        swept = measure(task, iterate, members);
+                    }
                     return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
                 }
             }
@@ -157,7 +158,7 @@ impl Visitor<'_> {
                 states[i] = task.history[i].after(phase, slip);
             }
         }
-        Swept { sweeps, ..swept }
+        Swept { sweeps, stuck: stuck.is_some(), ..swept }
     }
 }
 

@@ -95,17 +95,17 @@ impl Sweeper {
         stuck
     }
 
-    /// The same in the order of colours, for as many threads as there are.
+    /// The same in the order of colours, in several threads if they are `free`.
     pub(crate) fn sweep_by_colours(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
-        first: bool,
+        (first, free): (bool, bool),
     ) -> Option<usize> {
         let Task { problem, history, threads, .. } = *task;
         let Self { blocks, efforts, candidates, colours, .. } = self;
         let colours = colours.get_or_insert_with(|| Colours::of(problem));
-        if threads.serve(problem.contacts().len()) {
+        if free && threads.serve(problem.contacts().len()) {
             let Iterate { percussion, states, .. } = iterate;
             let before = Before { problem, history, blocks, first };
             let changed = Changed { percussion, states, efforts };
@@ -236,7 +236,9 @@ fn solve_alone(
     let OwnMeasure { defect, size } = measure_alone(problem, number, percussion, velocity);
     let ended = if found.is_some() { Ended::Done } else { Ended::Stuck(number) };
     let may_grow = size.may_have_grown();
-    Swept { sweeps: 1, ended, defect, worst_contact: number, may_grow, ambiguous: *ambiguous }
+    let stuck = found.is_none();
+    let (worst_contact, ambiguous) = (number, *ambiguous);
+    Swept { sweeps: 1, ended, defect, worst_contact, stuck, may_grow, ambiguous }
 }
 
 /// Contacts that do not influence each other, in a row, with what belongs to them.

@@ -16,6 +16,8 @@ pub(crate) struct Swept {
     /// the global measure its natural map, and the contact that has the largest defect.
     pub(super) defect: f64,
     pub(super) worst_contact: usize,
+    /// Whether a contact had no solution in the last sweep.
+    pub(crate) stuck: bool,
     /// Whether percussions may have grown.
     pub(super) may_grow: bool,
     /// Whether a contact has several solutions.
@@ -29,6 +31,7 @@ impl Swept {
         ended: Ended::Done,
         defect: -1.0,
         worst_contact: 0,
+        stuck: false,
         may_grow: false,
         ambiguous: false,
     };
@@ -55,6 +58,7 @@ impl Swept {
             },
             defect: worst.defect,
             worst_contact: worst.worst_contact,
+            stuck: self.stuck || other.stuck,
             may_grow: self.may_grow || other.may_grow,
             ambiguous: self.ambiguous || other.ambiguous,
         }
