@@ -69,7 +69,7 @@ INPUTS ?= 10000
 ONLY ?=
 # Two parts at a time, as in `make test`, and what fails stops neither.
 long:
-	$(MAKE) --jobs=2 --keep-going --output-sync=none long-python long-rust
+	$(MAKE) --jobs=2 --keep-going long-python long-rust
 
 # To build with optimisation across crates takes nine minutes.
 long-rust: export CARGO_PROFILE_RELEASE_LTO = off

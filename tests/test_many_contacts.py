@@ -136,18 +136,14 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
-UNSOLVED = {55, 123}
-"""Random problems of 1000 contacts, by their seeds, that end at natural maps of 1e-4 and 2e-5."""
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("first", range(0, 200, 10))
 def test_problems_of_a_thousand_contacts_are_solved(first):
     unsolved = []
     for seed in range(first, first + 10):
         problem = pile(np.random.default_rng(seed), LAWS, 1000, per_pair=1 + seed % 4)
-        solution = solve_and_check(problem, time_limit=120.0)
-        if not solution.converged and seed not in UNSOLVED:
+        solution = solve_and_check(problem, time_limit=60.0)
+        if not solution.converged:
             unsolved.append(f"{seed}: {solution.status}")
     assert unsolved == []
 

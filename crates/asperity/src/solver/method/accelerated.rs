@@ -28,7 +28,9 @@ const REGULARIZED: f64 = 1e-10;
 const SOON: usize = 3;
 const FARTHEST: f64 = 100.0;
 
-/// Contacts from which on they are swept in the order of colours, which several threads may do.
+/// Contacts from which on they are swept in the order of colours, which several threads may do. On one thread columns of ten
+/// spheres with 1240, 1930, 3230 and 5710 contacts take 0.8, 0.7, 2.4 and 0.26 times as long as in the order of contacts:
+/// numbers of sweeps are chaotic.
 const COLOURED: usize = 1000;
 
 /// Buffers.

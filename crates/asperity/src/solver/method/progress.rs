@@ -229,8 +229,8 @@ impl<'a> Progress<'a> {
 
     /// The same in the order of colours, in several threads if they are `free`.
     pub(crate) fn sweep_by_colours(&mut self, free: bool) {
-        let how = (self.sweeps == 0, free);
-        self.stuck = self.sweeper.sweep_by_colours(&self.task, &mut self.iterate, how);
+        let first = self.sweeps == 0;
+        self.stuck = self.sweeper.sweep_by_colours(&self.task, &mut self.iterate, first, free);
         self.sweeps += 1;
     }
 

@@ -100,7 +100,8 @@ impl Sweeper {
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
-        (first, free): (bool, bool),
+        first: bool,
+        free: bool,
     ) -> Option<usize> {
         let Task { problem, history, threads, .. } = *task;
         let Self { blocks, efforts, candidates, colours, .. } = self;
