@@ -82,8 +82,9 @@ long-rust:
 	ASPERITY_FUZZ_INPUTS=$(INPUTS) cargo test -p asperity-fuzz --profile fuzz --locked --no-fail-fast || failed=1; \
 	exit $$failed
 
-# Every test is told when it ends, so that a run that is cut off has said something.
-long-python: $(VENV)/.installed
+# Every test is told when it ends, so that a run that is cut off has said something. The package is built as wheels
+# are: that takes some minutes more and makes the solvers, which take most of the time, up to twice as fast.
+long-python: $(VENV)/.optimised
 	$(BIN)/pytest --numprocesses auto -vv --dist worksteal --durations 30 --timeout 7200 -m long -k "$(ONLY)"
 
 # libFuzzer on stable Rust, SECONDS per target; needs a C++ compiler. What it finds is in out/fuzz: give it to
