@@ -1,4 +1,4 @@
-//! Contacts that influence no others, as a problem of their own.
+//! Some contacts as a problem of their own: an island, which influences no others, or contacts beside others that are held.
 
 use super::ContactProblem;
 use super::delassus::Selection;
@@ -11,7 +11,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// The problem of some contacts, ascending, which influence no others; its velocities are still to be copied.
+    /// The problem of some contacts, ascending; its velocities are still to be copied.
     pub(crate) fn new(whole: &ContactProblem, contacts: &[usize]) -> Self {
         let members = whole.delassus().select(contacts);
         let own = contacts.iter().map(|&i| &whole.contacts()[i]);
@@ -20,7 +20,7 @@ impl Part {
         Self { problem, members }
     }
 
-    /// Copies the entries of the operator of the whole problem.
+    /// Copies the entries of the operator of the whole problem, where the contacts influence no others.
     pub(crate) fn copy_operator(&mut self, whole: &ContactProblem) {
         let Self { problem, members } = self;
         problem.refill(|delassus| whole.delassus().copy_part(members, delassus));
@@ -33,6 +33,24 @@ impl Part {
         take(&self.members.rows, whole.restitution(), restitution);
         for (own, &i) in self.problem.contacts_mut().iter_mut().zip(&self.members.contacts) {
             own.normal = whole.contacts()[i].normal;
+        }
+    }
+
+    /// Copies the same with what the percussions of all other contacts bring, if `velocity` is `G P + b` of all percussions.
+    pub(crate) fn copy_velocities_beside(
+        &mut self,
+        whole: &ContactProblem,
+        percussion: &[f64],
+        velocity: &[f64],
+    ) {
+        self.copy_velocities(whole);
+        let mut own = vec![0.0; self.rows().len()];
+        take(self.rows(), percussion, &mut own);
+        let mut brought = vec![0.0; own.len()];
+        self.problem.delassus().apply(&own, &mut brought);
+        let (free, _) = self.problem.velocities_mut();
+        for ((free, brought), &row) in free.iter_mut().zip(&brought).zip(&self.members.rows) {
+            *free = velocity[row] - brought;
         }
     }
 

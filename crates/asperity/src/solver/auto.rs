@@ -17,6 +17,7 @@ use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Past,
     Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task,
 };
+use crate::solver::neighbourhood::Neighbourhoods;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::{Ended, Method};
 
@@ -88,6 +89,7 @@ pub(crate) struct Methods {
     admm: Admm,
     standing: Standing,
     accelerated: Accelerated,
+    neighbourhoods: Neighbourhoods,
 }
 
 impl Methods {
@@ -105,7 +107,8 @@ impl Methods {
         sweeper: &mut Sweeper,
         with_interior: bool,
     ) -> (usize, Ended, Residual) {
-        let Self { buffers, matrix, proximal, cones, interior, admm, standing, accelerated } = self;
+        let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
+        let Self { standing, accelerated, neighbourhoods, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         let First { tried, dear, resting } =
             first_attempts(&mut progress, matrix, proximal, standing, accelerated);
@@ -140,7 +143,19 @@ impl Methods {
         }
         if !progress.is_over() {
             let patience = if dear { PATIENCE } else { usize::MAX };
-            proximal.iterate(&mut progress, matrix, OUTER, patience);
+            neighbourhoods.prepare(task.problem);
+            let mut course = proximal.begin(&mut progress, OUTER, patience);
+            while proximal.follow(&mut progress, matrix, &mut course) {
+                // One within another would leave too little.
+                let near = (!task.within_another).then(|| neighbourhoods.solve(&mut progress));
+                let goes_on = match near.flatten() {
+                    Some(start) => proximal.start_from(&mut progress, matrix, &mut course, start),
+                    None => proximal.start_anew(&mut progress, matrix, &mut course),
+                };
+                if !goes_on {
+                    break;
+                }
+            }
         }
         let known = |state: &ContactState| state.phase != Phase::Unknown;
         if progress.is_solved() && task.history.iter().any(known) {
@@ -197,7 +212,7 @@ impl Methods {
                 admm.iterate(&mut progress, cones, matrix, max_iterations, (ALONE, true))
             }
             Method::Newton => proximal.newton_alone(&mut progress, matrix, max_iterations),
-            _ => proximal.iterate(&mut progress, matrix, max_iterations, usize::MAX),
+            _ => proximal.iterate(&mut progress, matrix, max_iterations),
         };
         progress.finish(limited)
     }

@@ -19,6 +19,7 @@ mod infeasibility;
 mod islands;
 mod measure;
 mod method;
+mod neighbourhood;
 mod newton_matrix;
 mod one_contact;
 mod report;
@@ -128,11 +129,13 @@ struct Start<'a> {
     /// What was remembered before.
     before: &'a Memory,
     past: Past,
+    /// Whether the problem is a part of another one, whose other contacts are held.
+    within_another: bool,
 }
 
 impl<'a> From<&'a Memory> for Start<'a> {
     fn from(before: &'a Memory) -> Self {
-        Self { before, past: Past::Unswept }
+        Self { before, past: Past::Unswept, within_another: false }
     }
 }
 
@@ -369,19 +372,19 @@ impl Solver {
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
-        let Start { before, past } = start;
+        let Start { before, past, within_another } = start;
         if !workspace.fits(problem) {
             workspace.prepare(problem);
         }
         if !before.fits(problem) {
             let nothing = Memory::new(problem.rows(), problem.contacts().len());
-            return self.solve_many(problem, stop, Start::from(&nothing), memory, workspace);
+            let start = Start { before: &nothing, ..start };
+            return self.solve_many(problem, stop, start, memory, workspace);
         }
         if problem.delassus().is_matrix_free() {
             match self {
                 Self::ProxJacobi { .. } => {}
                 Self::Auto { .. } => {
-                    let start = Start::from(before);
                     return MATRIX_FREE.solve_many(problem, stop, start, memory, workspace);
                 }
                 _ => return not_applicable(problem, stop, before, memory, workspace),
@@ -398,7 +401,8 @@ impl Solver {
             }
             _ => Threads::NONE,
         };
-        let mut task = Task { problem, stop, history: &before.states, threads, past };
+        let history = &before.states[..];
+        let mut task = Task { problem, stop, history, threads, past, within_another };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, .. } = workspace;
         let Workspace { sweeper, groups, next, methods, parts, .. } = workspace;
@@ -439,7 +443,8 @@ impl Solver {
                 let solve = |island: Unsolved<'_, Workspace>, stop: Stop<'_>, threads| {
                     let Unsolved { problem, before, past, memory, buffers } = island;
                     let solver = Self::Auto { interior_point, threads };
-                    solver.solve_many(problem, stop, Start { before, past }, memory, buffers)
+                    let start = Start { before, past, within_another };
+                    solver.solve_many(problem, stop, start, memory, buffers)
                 };
                 if let Some(report) = parts.solve(&task, &mut iterate, sweeper, threads, solve) {
                     return report;

@@ -135,6 +135,8 @@ pub enum Method {
     ProximalPoint,
     /// Alternating direction method of multipliers.
     Admm,
+    /// All of them, for contacts around the worst one while the others are held.
+    Neighbourhood,
 }
 
 impl Method {
@@ -147,6 +149,7 @@ impl Method {
             Self::InteriorPoint => "interior_point",
             Self::ProximalPoint => "proximal_point",
             Self::Admm => "admm",
+            Self::Neighbourhood => "neighbourhood",
         }
     }
 }

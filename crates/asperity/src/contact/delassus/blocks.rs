@@ -202,17 +202,23 @@ impl BlockMatrix {
         blocks
     }
 
-    /// The blocks between some contacts, ascending, which meet no others.
+    /// The blocks between some contacts, ascending.
     pub(crate) fn part(&self, contacts: &[usize]) -> Self {
-        let place = |j: &usize| contacts.partition_point(|contact| contact < j);
+        let place = |j: &usize| contacts.binary_search(j).ok();
         let sizes: Vec<usize> = contacts.iter().map(|&i| self.size(i)).collect();
         let mut part = Self::default();
-        part.reset(&sizes, contacts.iter().map(|&i| self.neighbours(i).iter().map(place)));
-        self.copy_part(contacts, &mut part);
+        part.reset(&sizes, contacts.iter().map(|&i| self.neighbours(i).iter().filter_map(place)));
+        let mut at = 0;
+        for &i in contacts {
+            for (_, block) in self.row(i).filter(|(j, _)| place(j).is_some()) {
+                part.values[at..at + block.len()].copy_from_slice(block);
+                at += block.len();
+            }
+        }
         part
     }
 
-    /// Copies the entries of the blocks between some contacts to a matrix that was made as their part.
+    /// Copies the entries of the blocks between some contacts, which meet no others, to a matrix that was made as their part.
     pub(crate) fn copy_part(&self, contacts: &[usize], part: &mut Self) {
         let mut at = 0;
         for &i in contacts {

@@ -66,7 +66,7 @@ impl From<MatrixFree> for Delassus {
     }
 }
 
-/// Contacts that meet no others, with their rows and with the velocities that act on them where these are known.
+/// Some contacts, with their rows and with the velocities that act on them where these are known.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Selection {
     pub(super) contacts: Vec<usize>,
@@ -100,7 +100,7 @@ impl Delassus {
         }
     }
 
-    /// Some contacts, ascending, which meet no others.
+    /// Some contacts, ascending.
     pub(super) fn select(&self, contacts: &[usize]) -> Selection {
         let offsets = self.blocks().offsets();
         let rows: Vec<usize> = contacts.iter().flat_map(|&i| offsets[i]..offsets[i + 1]).collect();
@@ -121,7 +121,7 @@ impl Delassus {
         }
     }
 
-    /// Copies the entries to an operator that was made as a part of this one.
+    /// Copies the entries to an operator that was made as a part of this one, of contacts that meet no others.
     pub(super) fn copy_part(&self, members: &Selection, part: &mut Self) {
         match (self, part) {
             (Self::Factored(factored), Self::Factored(part)) => factored.copy_part(members, part),

@@ -82,6 +82,20 @@ impl Schedule {
     }
 }
 
+/// The iteration over all its starts.
+pub(crate) struct Course {
+    schedule: Schedule,
+    /// Outer steps that are left.
+    left: usize,
+    /// Factorisations that have not halved the natural map, after which it is lost.
+    patience: usize,
+    /// Natural map of the centre, and the lowest one of all steps.
+    grade: f64,
+    lowest: f64,
+    /// Whether a proof by cases was looked for.
+    asked: bool,
+}
+
 /// Regularisation of the matrices of Newton's method alone, relative to the blocks of `G`: elimination among bodies
 /// divides by it, and half the digits of the steps are left on either side. A hundredth and a hundred times of it change
 /// no factorisation on the stored problems.
@@ -133,38 +147,62 @@ impl ProximalPoint {
         }
     }
 
-    /// Iterates until the problem is solved, the stop says so or so many outer steps are made; whether these ended it. After
-    /// so many factorisations that have not halved the natural map it starts again somewhere else.
+    /// Iterates until the problem is solved, the stop says so or so many outer steps are made; whether these ended it. Where
+    /// it is lost it starts again somewhere else.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
         most: usize,
+    ) -> bool {
+        let mut course = self.begin(progress, most, usize::MAX);
+        while self.follow(progress, matrix, &mut course)
+            && self.start_anew(progress, matrix, &mut course)
+        {}
+        course.left == 0
+    }
+
+    /// Begins with the best percussions, for at most so many outer steps; after so many factorisations that have not halved
+    /// the natural map the iteration is lost.
+    pub(crate) fn begin(
+        &mut self,
+        progress: &mut Progress<'_>,
+        most: usize,
         patience: usize,
+    ) -> Course {
+        let grade = progress.start_from_best(&mut self.centre);
+        let schedule = Schedule::new(grade);
+        self.newton.scale_rho(progress.task.problem, schedule.factor());
+        Course { schedule, left: most, patience, grade, lowest: grade, asked: false }
+    }
+
+    /// Iterates from the centre; whether it is lost there, not over.
+    pub(crate) fn follow(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        course: &mut Course,
     ) -> bool {
         let problem = progress.task.problem;
-        let mut grade = progress.start_from_best(&mut self.centre);
-        let mut schedule = Schedule::new(grade);
-        self.newton.scale_rho(problem, schedule.factor());
+        let Course { schedule, left, grade, lowest, .. } = course;
         let mut before = self.newton.factorizations;
-        let (mut outer, mut recorded) = (0, 0);
-        let (mut lost, mut lowest, mut asked) = (0, grade, false);
-        let (mut halved, mut halved_at) = (grade, before);
-        while !progress.is_solved() && outer < most && !progress.task.stop.early() {
-            outer += 1;
-            let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
+        let (mut outer, mut lost, mut is_lost) = (0, 0, false);
+        let (mut halved, mut halved_at) = (*grade, before);
+        while !progress.is_solved() && *left > 0 && !progress.task.stop.early() {
+            (outer, *left) = (outer + 1, *left - 1);
+            let goal = self.inner_goal(progress, *grade, schedule.epsilon, INNER);
             let (norm, iterations) = self.newton_from_centre(progress, matrix, goal);
             let found = progress.grade(&self.trial);
             if progress.is_solved() || progress.is_hopeless() {
                 break;
             }
-            lost = if found < lowest { 0 } else { lost + 1 };
-            lowest = lowest.min(found);
+            lost = if found < *lowest { 0 } else { lost + 1 };
+            *lowest = lowest.min(found);
             if found < 0.5 * halved {
                 (halved, halved_at) = (found, self.newton.factorizations);
             }
-            if lost == DOUBTFUL && !asked {
-                asked = true;
+            if lost == DOUBTFUL && !course.asked {
+                course.asked = true;
                 let own = self.newton.factorizations - before;
                 let ends = self.ask_cases(progress, matrix);
                 before = self.newton.factorizations - own;
@@ -174,47 +212,68 @@ impl ProximalPoint {
                 continue;
             }
             let in_vain = self.newton.factorizations - halved_at;
-            if lost == LOST || in_vain > patience {
-                if schedule.restarts == STARTS {
-                    break;
-                }
-                // Contacts that creep may be all that is left where the iteration has come nearer.
-                if self.may_creep(progress.best_grade()) {
-                    progress.record(
-                        Method::ProximalPoint,
-                        outer - recorded,
-                        self.newton.factorizations - before,
-                    );
-                    self.attempt_matched(progress, matrix);
-                    (recorded, before) = (outer, self.newton.factorizations);
-                    if progress.is_over() {
-                        break;
-                    }
-                }
-                self.new_start(progress, schedule.restarts);
-                schedule.restart();
-                self.newton.scale_rho(problem, schedule.factor());
-                (grade, lost) = (1.0, 0);
-                (halved, halved_at) = (1.0, self.newton.factorizations);
-            } else if norm <= goal.tolerance {
-                grade = self.adopt_trial(found);
+            if lost == LOST || in_vain > course.patience {
+                is_lost = true;
+                break;
+            }
+            if norm <= goal.tolerance {
+                *grade = self.adopt_trial(found);
                 schedule.tighten(iterations);
             } else {
-                grade = self.sweep_from_centre(progress, grade);
-                if found > 0.7 * grade {
+                *grade = self.sweep_from_centre(progress, *grade);
+                if found > 0.7 * *grade {
                     schedule.relax();
                     self.newton.scale_rho(problem, schedule.factor());
                 } else {
-                    grade = self.adopt_trial(found);
+                    *grade = self.adopt_trial(found);
                     schedule.epsilon *= 2.0;
                 }
             }
         }
-        if outer > recorded || outer == 0 {
-            let factorizations = self.newton.factorizations - before;
-            progress.record(Method::ProximalPoint, outer - recorded, factorizations);
+        progress.record(Method::ProximalPoint, outer, self.newton.factorizations - before);
+        is_lost
+    }
+
+    /// Starts where the iteration has not been led astray; whether there is such a start.
+    pub(crate) fn start_anew(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        course: &mut Course,
+    ) -> bool {
+        if course.schedule.restarts == STARTS {
+            return false;
         }
-        outer == most
+        // Contacts that creep may be all that is left where the iteration has come nearer.
+        self.attempt_matched(progress, matrix);
+        if progress.is_over() {
+            return false;
+        }
+        self.new_start(progress, course.schedule.restarts);
+        course.schedule.restart();
+        self.newton.scale_rho(progress.task.problem, course.schedule.factor());
+        course.grade = 1.0;
+        true
+    }
+
+    /// Starts at given percussions, with Newton's method; whether that is not yet the end.
+    pub(crate) fn start_from(
+        &mut self,
+        progress: &mut Progress<'_>,
+        matrix: &mut NewtonMatrix,
+        course: &mut Course,
+        start: &[f64],
+    ) -> bool {
+        self.newton.scale_rho(progress.task.problem, 1.0);
+        self.newton_from(progress, matrix, start);
+        if progress.is_over() {
+            return false;
+        }
+        course.grade = progress.grade(start);
+        course.schedule =
+            Schedule { restarts: course.schedule.restarts, ..Schedule::new(course.grade) };
+        self.newton.scale_rho(progress.task.problem, course.schedule.factor());
+        true
     }
 
     /// A first attempt, after few sweeps: Newton's method on the problem itself. Where sweeps have not brought percussions

@@ -28,6 +28,8 @@ pub(crate) struct Task<'a> {
     pub(crate) history: &'a [ContactState],
     pub(crate) threads: &'a Threads,
     pub(crate) past: Past,
+    /// Whether the problem is a part of another one, whose other contacts are held.
+    pub(crate) within_another: bool,
 }
 
 /// What every method changes.

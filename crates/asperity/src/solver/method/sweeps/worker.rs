@@ -39,7 +39,7 @@ pub(super) fn solve_side_by_side(
     swept: &mut Vec<Swept>,
 ) {
     let Visitor { blocks, efforts, .. } = visitor;
-    let Task { problem, stop, history, threads, past } = *task;
+    let Task { problem, stop, history, threads, past, within_another } = *task;
     let Stop { tolerance, measure, deadline, .. } = stop;
     workers.resize_with(threads.count(), Worker::default);
     workers.iter_mut().for_each(|worker| worker.begin(iterate, efforts));
@@ -47,7 +47,8 @@ pub(super) fn solve_side_by_side(
     let work = |worker: &mut Worker| {
         let cancelled = || given_up.load(Ordering::Relaxed);
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
-        let own = Task { problem, stop, history, threads: Threads::NONE, past };
+        let threads = Threads::NONE;
+        let own = Task { problem, stop, history, threads, past, within_another };
         worker.sweep(&own, plan, blocks, (islands, &next));
     };
     threads.share(workers, work, || {
