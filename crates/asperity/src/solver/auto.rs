@@ -4,7 +4,8 @@
 //! everything stands, and the interior point method begins with what it says. Where a factorisation is dear, accelerated
 //! sweeps come before others, and then ADMM, which needs few of them. Newton's method ends problems of full rank and, with
 //! other prox parameters, those in which contacts creep; the interior point method, where the laws allow it, and the proximal
-//! point iteration end the rest.
+//! point iteration end the rest. Where that is lost, contacts around the worst one are solved by themselves
+//! (`neighbourhood.rs`), and it goes on from there.
 //!
 //! Where an attempt by Newton's method costs less than the sweeps that are still to come, after three of them at the
 //! earliest, it is made at once: a step costs as much as three to ten sweeps, but where bodies are wide or many some tens

@@ -11,7 +11,8 @@
 //! | [`Solver::InteriorPoint`] | `method/interior.rs` | primal-dual, elliptic laws |
 //! | [`Solver::Admm`] | `method/admm.rs` | few factorisations, elliptic laws |
 //!
-//! The measures in `measure/` belong to no solver and grade them all; `infeasibility/` proves that there is no solution.
+//! `islands.rs` solves contacts that influence no others by themselves, `neighbourhood.rs` some of those that do, while the
+//! others are held. The measures in `measure/` belong to no solver and grade them all; `infeasibility/` proves that there is no solution.
 
 mod auto;
 mod findings;
