@@ -52,7 +52,7 @@ def main() -> None:
             f"a wall of {contacts} contacts with elliptic laws, solved to 1e-8",
             solve / floor,
             "one sparse LU factorisation of its Delassus operator by SciPy",
-            "how many factorisations a solution and its certificate are worth",
+            "how many factorisations a solution is worth",
         )
 
 

@@ -81,10 +81,12 @@ class ContactSolution(TableResult, Value):
         certificate: what is left of the contact laws, in physical units.
         infeasibility: the proof where the status is ``NO_SOLUTION``, else ``None``.
 
-    Neither measure nor certificate comes from the solver: each is computed from the percussions.
+    Neither measure nor certificate comes from the solver: each is computed from the percussions, the
+    certificate when it is asked for.
     """
 
     _outcome: _core.Outcome
+    _problem: _core.Problem
 
     def __init__(
         self,
@@ -127,10 +129,10 @@ class ContactSolution(TableResult, Value):
         )
 
     @classmethod
-    def _of(cls, outcome: _core.Outcome) -> Self:
+    def _of(cls, outcome: _core.Outcome, problem: _core.Problem) -> Self:
         """Wrap what the core found; a step of one contact takes microseconds: nothing is read."""
         made = cls.__new__(cls)
-        made.__dict__["_outcome"] = outcome
+        made.__dict__["_outcome"], made.__dict__["_problem"] = outcome, problem
         return made
 
     @cached_property
@@ -194,7 +196,7 @@ class ContactSolution(TableResult, Value):
     @cached_property
     def certificate(self) -> Certificate:
         """What is left of the contact laws at these percussions."""
-        return Certificate(**self._outcome.certificate)
+        return Certificate(**self._problem.certificate(self.percussion))
 
     @cached_property
     def infeasibility(self) -> Infeasibility | None:

@@ -135,11 +135,6 @@ impl Outcome {
     fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         self.0.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
     }
-
-    #[getter]
-    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        certified(py, &self.0.certificate)
-    }
 }
 
 /// A certificate as a dictionary.

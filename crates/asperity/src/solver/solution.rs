@@ -2,15 +2,13 @@
 
 use super::infeasibility::Infeasibility;
 use super::islands::Islands;
-use super::measure::certificate::Certificate;
-use super::measure::natural_residual::Measured;
 use super::measure::stop::Stop;
 use super::report::{SolveReport, Stage};
 use super::{Solver, Workspace};
 use crate::contact::{ContactProblem, ContactState, Memory};
 
 /// Percussions of a contact problem, with all that is known of them. The status in the report says whether they solve
-/// it; the certificate says by how much they break the laws, whoever has found them.
+/// it; a [`Certificate`](super::Certificate) says by how much they break the laws, whoever has found them.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "the report in it says whether the problem is solved"]
 #[non_exhaustive]
@@ -31,8 +29,6 @@ pub struct Solution {
     pub islands: Islands,
     /// The proof, where there is no solution.
     pub infeasibility: Option<Infeasibility>,
-    /// The violations of the laws, found from problem and percussions alone.
-    pub certificate: Certificate,
 }
 
 impl Default for Solver {
@@ -56,7 +52,7 @@ impl ContactProblem {
     /// use asperity::contact::{ContactProblem, NormalForce};
     /// use asperity::law::FrictionLaw;
     /// use asperity::nalgebra::DMatrix;
-    /// use asperity::solver::{Solver, Status, Stop};
+    /// use asperity::solver::{Certificate, Solver, Status, Stop};
     ///
     /// let law = FrictionLaw::<2>::isotropic(0.5)?;
     /// let contact = (law.into(), NormalForce::Unilateral);
@@ -67,7 +63,8 @@ impl ContactProblem {
     /// // The contact slips: friction of 0.5 N s against the direction (3, 4)/5.
     /// let expected = [1.0, -0.3, -0.4];
     /// assert!(solution.percussion.iter().zip(expected).all(|(p, e)| (p - e).abs() < 1e-12));
-    /// assert!(solution.certificate.natural_map < 1e-12);
+    /// // From the problem and the percussions alone:
+    /// assert!(Certificate::new(&problem, &solution.percussion)?.natural_map < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn solve(&self, solver: &Solver, stop: Stop<'_>) -> Solution {
@@ -93,8 +90,6 @@ impl ContactProblem {
         let islands = workspace.islands(self, stop, &memory.percussion, &report);
         let Memory { percussion, states } = memory;
         let velocity = workspace.velocity().to_vec();
-        let measured = Measured { problem: self, percussion: &percussion, velocity: &velocity };
-        let certificate = Certificate::of(&measured);
         Solution {
             percussion,
             velocity,
@@ -104,7 +99,6 @@ impl ContactProblem {
             stages: workspace.stages().to_vec(),
             islands,
             infeasibility: workspace.infeasibility().cloned(),
-            certificate,
         }
     }
 }
