@@ -356,7 +356,7 @@ impl ProximalPoint {
 
     /// Whether contacts that creep may be all that is left to be found, and this was not tried as near to a solution before.
     fn may_creep(&self, grade: f64) -> bool {
-        grade < CREEPING.min(0.5 * self.matched)
+        grade < CREEPING.min(self.matched)
     }
 
     /// Newton's method on the problem itself, its matrices with as much regularisation as rounding has; whether
