@@ -61,7 +61,7 @@ peers: $(VENV)/.optimised
 linear:
 	cd benches/linear && cargo run --release --locked --target-dir ../../target -- $(abspath $(PROBLEMS))
 
-# The long profile, some two hours on two cores that do nothing else: random cases per set and property,
+# The long profile, an hour on two cores that do nothing else, the package built as wheels are: random cases per set and property,
 # 10⁵ one-contact problems per law, the bytes of the fuzz targets' generator, and every Python test that is marked `long`.
 # ONLY, SETS and INPUTS shorten a part: `make long SETS=1000 INPUTS=1000 ONLY=test_metamorphic`.
 SETS ?= 10000

@@ -136,6 +136,19 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
+@pytest.mark.parametrize("seed", [3, 9])
+def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact(seed):
+    contacts = {3: 400, 9: 520}[seed]
+    problem = pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4)
+    solution = solve_and_check(problem)
+    assert solution.converged
+    assert "neighbourhood" in [stage.method for stage in solution.stages]
+    # The buffers of the first solve are used, and two threads.
+    again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
+    assert np.array_equal(again.percussion, solution.percussion)
+    assert again.stages == solution.stages
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("first", range(0, 200, 10))
 def test_problems_of_a_thousand_contacts_are_solved(first):

@@ -239,7 +239,7 @@ class ContactProblem(Value):
             None if start is None else starting(start, self),
             arrays.choice(measure, "measure", ("contact", "global")),
         )
-        solution = ContactSolution._of(found, self._core)
+        solution = ContactSolution._of(found)
         if not found.converged and on_failure == "raise":
             raise _failure(self, solution, measure)
         return solution

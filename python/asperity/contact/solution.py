@@ -86,7 +86,6 @@ class ContactSolution(TableResult, Value):
     """
 
     _outcome: _core.Outcome
-    _problem: _core.Problem
 
     def __init__(
         self,
@@ -129,10 +128,10 @@ class ContactSolution(TableResult, Value):
         )
 
     @classmethod
-    def _of(cls, outcome: _core.Outcome, problem: _core.Problem) -> Self:
+    def _of(cls, outcome: _core.Outcome) -> Self:
         """Wrap what the core found; a step of one contact takes microseconds: nothing is read."""
         made = cls.__new__(cls)
-        made.__dict__["_outcome"], made.__dict__["_problem"] = outcome, problem
+        made.__dict__["_outcome"] = outcome
         return made
 
     @cached_property
@@ -196,7 +195,7 @@ class ContactSolution(TableResult, Value):
     @cached_property
     def certificate(self) -> Certificate:
         """What is left of the contact laws at these percussions."""
-        return Certificate(**self._problem.certificate(self.percussion))
+        return Certificate(**self._outcome.certificate)
 
     @cached_property
     def infeasibility(self) -> Infeasibility | None:

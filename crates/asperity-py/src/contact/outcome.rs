@@ -1,14 +1,21 @@
 //! What a solve found; arrays are made when Python asks for them.
 
-use asperity::contact::NormalForce;
+use std::sync::Arc;
+
+use asperity::contact::{ContactProblem, NormalForce};
 use asperity::solver::{CaseState, Certificate, Infeasibility, Solution, Status, Unsolvable};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The solution of a problem.
+use crate::errors::Failure;
+
+/// The solution of a problem, and the problem, for the certificate.
 #[pyclass(frozen, module = "asperity._core")]
-pub struct Outcome(pub Solution);
+pub struct Outcome {
+    pub solution: Solution,
+    pub problem: Arc<ContactProblem>,
+}
 
 /// An array that refuses writing.
 fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
@@ -72,59 +79,59 @@ pub fn without_solution<'py>(
 impl Outcome {
     #[getter]
     fn percussion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.0.percussion.clone())
+        array(py, self.solution.percussion.clone())
     }
 
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.0.velocity.clone())
+        array(py, self.solution.velocity.clone())
     }
 
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        array(py, self.0.states.iter().map(|state| state.phase as i64).collect())
+        array(py, self.solution.states.iter().map(|state| state.phase as i64).collect())
     }
 
     #[getter]
     fn ambiguous_contacts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        array(py, self.0.ambiguous.clone())
+        array(py, self.solution.ambiguous.clone())
     }
 
     #[getter]
     fn converged(&self) -> bool {
-        self.0.report.status == Status::Converged
+        self.solution.report.status == Status::Converged
     }
 
     #[getter]
     fn status(&self) -> &'static str {
-        self.0.report.status.name()
+        self.solution.report.status.name()
     }
 
     #[getter]
     fn residual(&self) -> f64 {
-        self.0.report.residual
+        self.solution.report.residual
     }
 
     #[getter]
     fn iterations(&self) -> usize {
-        self.0.report.iterations
+        self.solution.report.iterations
     }
 
     #[getter]
     fn worst_contact(&self) -> usize {
-        self.0.report.worst_contact
+        self.solution.report.worst_contact
     }
 
     #[getter]
     fn stages(&self) -> Vec<(&'static str, usize, usize, f64)> {
-        let stages = self.0.stages.iter();
+        let stages = self.solution.stages.iter();
         stages.map(|s| (s.method.name(), s.iterations, s.factorizations, s.residual)).collect()
     }
 
     /// Contacts, status, residual and iterations of every island.
     #[getter]
     fn islands(&self) -> Vec<(Vec<usize>, &'static str, f64, usize)> {
-        let islands = self.0.islands.iter().map(|island| {
+        let islands = self.solution.islands.iter().map(|island| {
             let report = island.report;
             (island.contacts.to_vec(), report.status.name(), report.residual, report.iterations)
         });
@@ -133,7 +140,14 @@ impl Outcome {
 
     #[getter]
     fn infeasibility<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        self.0.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
+        self.solution.infeasibility.as_ref().map(|proof| proven(py, proof)).transpose()
+    }
+
+    /// Computed when it is asked for.
+    #[getter]
+    fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
+        let found = py.detach(|| Certificate::new(&self.problem, &self.solution.percussion))?;
+        Ok(certified(py, &found)?)
     }
 }
 

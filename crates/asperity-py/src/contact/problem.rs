@@ -1,6 +1,6 @@
 //! Contact problems and their solvers.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
@@ -20,7 +20,7 @@ use crate::law::Law;
 /// A contact problem, and what the last solve of it has prepared.
 #[pyclass(frozen, module = "asperity._core")]
 pub struct Problem {
-    pub problem: ContactProblem,
+    pub problem: Arc<ContactProblem>,
     workspace: Mutex<Workspace>,
 }
 
@@ -55,7 +55,7 @@ impl Problem {
             numbers(&tangential_restitution, "tangential_restitution")?,
             numbers(&initial_velocity, "initial_velocity")?,
         )?;
-        Ok(Self { problem, workspace: Mutex::default() })
+        Ok(Self { problem: Arc::new(problem), workspace: Mutex::default() })
     }
 
     fn solve<'py>(
@@ -93,13 +93,15 @@ impl Problem {
                 Err(_) => problem.solve_from(&solver.0, stop, memory),
             }
         })?;
-        Ok(Outcome(solution))
+        Ok(Outcome { solution, problem: Arc::clone(problem) })
     }
 
-    fn natural_map(&self, percussion: Numbers<'_>) -> Result<f64, Failure> {
-        let percussion = numbers(&percussion, "percussion")?;
-        let velocity = self.problem.velocities(percussion)?;
-        Ok(solver::natural_map(&self.problem, percussion, &velocity)?)
+    fn natural_map(&self, py: Python<'_>, percussion: Numbers<'_>) -> Result<f64, Failure> {
+        let percussion = numbers(&percussion, "percussion")?.to_vec();
+        Ok(py.detach(|| {
+            let velocity = self.problem.velocities(&percussion)?;
+            solver::natural_map(&self.problem, &percussion, &velocity)
+        })?)
     }
 
     fn certificate<'py>(
@@ -107,18 +109,21 @@ impl Problem {
         py: Python<'py>,
         percussion: Numbers<'_>,
     ) -> Result<Bound<'py, PyDict>, Failure> {
-        let percussion = numbers(&percussion, "percussion")?;
-        Ok(certified(py, &Certificate::new(&self.problem, percussion)?)?)
+        let percussion = numbers(&percussion, "percussion")?.to_vec();
+        let found = py.detach(|| Certificate::new(&self.problem, &percussion))?;
+        Ok(certified(py, &found)?)
     }
 
     fn spectrum(&self, py: Python<'_>) -> Result<(f64, f64), Failure> {
         Ok(py.detach(|| self.problem.delassus().spectrum())?)
     }
 
-    fn residual(&self, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
-        let percussion = numbers(&percussion, "percussion")?;
-        let velocity = self.problem.velocities(percussion)?;
-        let residual = solver::natural_residual(&self.problem, percussion, &velocity)?;
+    fn residual(&self, py: Python<'_>, percussion: Numbers<'_>) -> Result<(f64, usize), Failure> {
+        let percussion = numbers(&percussion, "percussion")?.to_vec();
+        let residual = py.detach(|| {
+            let velocity = self.problem.velocities(&percussion)?;
+            solver::natural_residual(&self.problem, &percussion, &velocity)
+        })?;
         Ok((residual.value, residual.worst_contact))
     }
 

@@ -36,7 +36,8 @@ impl Part {
         }
     }
 
-    /// Copies the same with what the percussions of all other contacts bring, if `velocity` is `G P + b` of all percussions.
+    /// The same where the other contacts keep their percussions: the free velocities are those without the percussions of the
+    /// part. `velocity` is `G P + b` of all percussions.
     pub(crate) fn copy_velocities_beside(
         &mut self,
         whole: &ContactProblem,
@@ -90,15 +91,23 @@ mod tests {
 
     use super::*;
     use crate::contact::{BlockMatrix, Csr, Delassus, Factored, NormalForce};
-    use crate::law::FrictionLaw;
+    use crate::law::{FrictionLaw, Law};
 
-    /// A chain of bodies, of which every contact touches two.
+    /// A chain of bodies, of which every contact touches two, with contacts of all kinds: its operator as blocks, of bodies, and
+    /// as blocks that are not symmetric.
     fn chain(bodies: usize) -> Vec<ContactProblem> {
-        let sizes = vec![3; bodies - 1];
-        let rows = 3 * sizes.len();
+        let line = Law::from(FrictionLaw::<1>::isotropic(0.4).unwrap());
+        let plane = Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap());
+        let space = Law::from(FrictionLaw::<3>::isotropic(0.4).unwrap());
+        let kinds = [(plane, NormalForce::Unilateral), (line, NormalForce::Prescribed(2.0))];
+        let kinds = [kinds[0].clone(), kinds[1].clone(), (space, NormalForce::Unilateral)];
+        let contacts: Vec<_> = (0..bodies - 1).map(|i| kinds[i % 3].clone()).collect();
+        let sizes: Vec<usize> = (0..bodies - 1).map(|i| [3, 1, 4][i % 3]).collect();
+        let rows = sizes.iter().sum();
+        let owner: Vec<usize> =
+            sizes.iter().enumerate().flat_map(|(i, &size)| vec![i; size]).collect();
         let directions = DMatrix::from_fn(rows, 3 * bodies, |row, dof| {
-            let (contact, body) = (row / 3, dof / 3);
-            let touches = body == contact || body == contact + 1;
+            let touches = dof / 3 == owner[row] || dof / 3 == owner[row] + 1;
             if touches { ((row * 7 + dof * 3) % 11) as f64 - 4.5 } else { 0.0 }
         });
         let mass = DMatrix::from_fn(3 * bodies, 3 * bodies, |i, j| match i == j {
@@ -107,17 +116,17 @@ mod tests {
         });
         let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
         let sparse = |name, matrix| Csr::from_dense(name, matrix).unwrap();
-        let blocks = BlockMatrix::from_csr(&sparse("delassus", &dense), &sizes).unwrap();
+        let blocks = |matrix| BlockMatrix::from_csr(&sparse("delassus", matrix), &sizes).unwrap();
         let factored =
             Factored::new(sparse("mass", &mass), sparse("directions", &directions), &sizes);
-        let forms: [Delassus; 2] = [blocks.into(), factored.unwrap().into()];
+        let skew = DMatrix::from_fn(rows, rows, |i, j| dense[(i, j)] * (1.0 + 0.1 * i as f64));
+        let forms: [Delassus; 3] =
+            [blocks(&dense).into(), factored.unwrap().into(), blocks(&skew).into()];
         let problem = |form| {
-            let law = crate::law::Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap());
-            let contacts = sizes.iter().map(|_| (law.clone(), NormalForce::Unilateral));
             let free = (0..rows).map(|row| (row % 5) as f64 - 2.0).collect();
             let before: Vec<f64> = (0..rows).map(|row| (row % 4) as f64 - 1.0).collect();
             let restitution = vec![0.5; sizes.len()];
-            let problem = ContactProblem::new(form, free, contacts).unwrap();
+            let problem = ContactProblem::new(form, free, contacts.clone()).unwrap();
             problem.with_restitution(&restitution, &restitution, &before).unwrap()
         };
         forms.map(problem).into()
@@ -144,6 +153,8 @@ mod tests {
                 for (one, other) in found.iter().zip(&expected) {
                     assert!((one - other).abs() <= 1e-13 * size, "{contacts:?}: {one} {other}");
                 }
+                let normals = contacts.iter().map(|&i| whole.contacts()[i].normal);
+                assert!(part.problem().contacts().iter().map(|own| own.normal).eq(normals));
                 take(part.rows(), whole.restitution(), &mut expected);
                 assert_eq!(part.problem().restitution(), expected);
                 let within = contacts.windows(2).filter(|pair| pair[1] == pair[0] + 1).count();

@@ -65,7 +65,7 @@ impl Factored {
         &self.blocks
     }
 
-    /// The operator of some contacts, which meet no others.
+    /// The operator of some contacts.
     pub(super) fn part(&self, members: &Selection) -> Self {
         let Selection { contacts, rows, dofs } = members;
         Self {
@@ -75,7 +75,7 @@ impl Factored {
         }
     }
 
-    /// Copies the entries to an operator that was made as a part of this one.
+    /// Copies the entries to an operator that was made as a part of this one, of contacts that meet no others.
     pub(super) fn copy_part(&self, members: &Selection, part: &mut Self) {
         self.mass.copy_part(&members.dofs, &mut part.mass);
         self.directions.copy_part(&members.rows, &mut part.directions);
