@@ -81,8 +81,8 @@ class ContactSolution(TableResult, Value):
         certificate: what is left of the contact laws, in physical units.
         infeasibility: the proof where the status is ``NO_SOLUTION``, else ``None``.
 
-    Neither measure nor certificate comes from the solver: each is computed from the percussions, the
-    certificate when it is asked for.
+    Neither measure nor certificate comes from the solver: each is computed from the percussions,
+    the certificate when it is asked for.
     """
 
     _outcome: _core.Outcome
