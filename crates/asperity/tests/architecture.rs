@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 10] = [
+const SOLVER: [(&str, &[&str]); 11] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasibility", &["measure", "one_contact"]),
@@ -14,7 +14,8 @@ const SOLVER: [(&str, &[&str]); 10] = [
     ("report", &["measure"]),
     ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
     ("findings", &["measure", "infeasibility", "report", "method"]),
-    ("auto", &["measure", "infeasibility", "newton_matrix", "report", "method"]),
+    ("neighbourhood", &["measure", "report", "method"]),
+    ("auto", &["measure", "infeasibility", "newton_matrix", "report", "method", "neighbourhood"]),
     ("islands", &["measure", "infeasibility", "report", "method"]),
     // What users call stands above the solver.
     ("solution", &["measure", "infeasibility", "islands", "report", "Solver", "Workspace"]),

@@ -18,7 +18,7 @@ use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Limits,
     Past, Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task,
 };
-use crate::solver::neighbourhood::Neighbourhoods;
+use crate::solver::neighbourhood::{Neighbourhood, Neighbourhoods};
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::{Ended, Method};
 
@@ -105,13 +105,14 @@ impl Methods {
         self.matrix.reset();
     }
 
-    /// The methods in the order that the head of this file names.
+    /// The methods in the order that the head of this file names; neighbourhoods are given to `solve`.
     pub(crate) fn automatic(
         &mut self,
         task: Task<'_>,
         iterate: Iterate<'_>,
         sweeper: &mut Sweeper,
         with_interior: bool,
+        mut solve: impl FnMut(Neighbourhood<'_>) -> usize,
     ) -> (usize, Ended, Residual) {
         let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
         let Self { standing, accelerated, neighbourhoods, .. } = self;
@@ -156,7 +157,7 @@ impl Methods {
             neighbourhoods.prepare(task.problem);
             let mut outer = proximal.begin(&mut progress, limits);
             while proximal.follow(&mut progress, matrix, &mut outer) {
-                let goes_on = match neighbourhoods.solve(&mut progress, with_interior) {
+                let goes_on = match neighbourhoods.solve(&mut progress, &mut solve) {
                     Some(start) => proximal.start_from(&mut progress, matrix, &mut outer, start),
                     None => proximal.start_anew(&mut progress, matrix, &mut outer),
                 };

@@ -50,6 +50,7 @@ use measure::natural_residual::Measured;
 use method::{
     Iterate, Order, Own, Past, Plan, ProxIteration, Sweeper, Swept, Task, mark_ambiguous,
 };
+use neighbourhood::Neighbourhood;
 use one_contact::block::Block;
 use one_contact::solve::{OneContact, Settled};
 use report::{Ended, Findings};
@@ -162,6 +163,8 @@ pub struct Workspace {
     next: Vec<f64>,
     methods: Option<Box<Methods>>,
     parts: Parts<Workspace>,
+    /// The buffers of neighbourhoods.
+    nearby: Option<Box<Workspace>>,
 }
 
 impl Workspace {
@@ -406,7 +409,7 @@ impl Solver {
         let mut task = Task { problem, stop, history, threads, past, within_another };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, .. } = workspace;
-        let Workspace { sweeper, groups, next, methods, parts, .. } = workspace;
+        let Workspace { sweeper, groups, next, methods, parts, nearby, .. } = workspace;
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         parts.forget_reports();
@@ -465,7 +468,7 @@ impl Solver {
         }
         let (mut iterations, mut ended, mut residual) = match found {
             Some(found) => found,
-            None => self.run(&task, &mut iterate, sweeper, methods, next),
+            None => self.run(&task, &mut iterate, sweeper, (methods, nearby), next),
         };
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
@@ -523,7 +526,7 @@ impl Solver {
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         sweeper: &mut Sweeper,
-        methods: &mut Option<Box<Methods>>,
+        (methods, nearby): (&mut Option<Box<Methods>>, &mut Option<Box<Workspace>>),
         next: &mut Vec<f64>,
     ) -> (usize, Ended, Residual) {
         let mut single = |method, max_iterations| {
@@ -544,7 +547,17 @@ impl Solver {
             }
             Self::Auto { interior_point, .. } => {
                 let methods = methods.get_or_insert_default();
-                return methods.automatic(*task, iterate.reborrow(), sweeper, interior_point);
+                let solver = Self::Auto { interior_point, threads: 1 };
+                let solve = |part: Neighbourhood<'_>| {
+                    let Neighbourhood { problem, stop, before, found } = part;
+                    let workspace = nearby.get_or_insert_default();
+                    workspace.restart(problem);
+                    let start = Start { before, past: Past::Unswept, within_another: true };
+                    solver.solve_many(problem, stop, start, found, workspace);
+                    workspace.stages.iter().map(|stage| stage.factorizations).sum()
+                };
+                let iterate = iterate.reborrow();
+                return methods.automatic(*task, iterate, sweeper, interior_point, solve);
             }
             Self::Newton { max_iterations } => return single(Method::Newton, max_iterations),
             Self::ProximalPoint { max_iterations } => {

@@ -9,9 +9,8 @@
 
 use super::measure::natural_residual::{Measured, residual_of};
 use super::measure::stop::{Measure, Stop};
-use super::method::{Past, Progress};
+use super::method::Progress;
 use super::report::Method;
-use super::{Solver, Start, Workspace};
 use crate::contact::{ContactProblem, Memory, Part, put, take};
 
 // Constants were changed on 14 random problems: `pile` of `tests/test_many_contacts.py` with four contacts between the same two
@@ -37,7 +36,15 @@ const CORE: usize = 20;
 const ACCURACY: f64 = 0.1;
 const FINEST: f64 = 1e-13;
 
-/// Neighbourhoods of a problem, and the buffers in which they are solved.
+/// A neighbourhood to be solved from what was remembered `before`; `found` receives what is remembered next.
+pub(super) struct Neighbourhood<'a> {
+    pub(super) problem: &'a ContactProblem,
+    pub(super) stop: Stop<'a>,
+    pub(super) before: &'a Memory,
+    pub(super) found: &'a mut Memory,
+}
+
+/// Neighbourhoods of a problem.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Neighbourhoods {
     /// Natural map of the best percussions when the first of those was begun that have not helped, and their number.
@@ -50,7 +57,6 @@ pub(super) struct Neighbourhoods {
     chosen: Vec<bool>,
     percussion: Vec<f64>,
     velocity: Vec<f64>,
-    workspace: Option<Box<Workspace>>,
 }
 
 impl Neighbourhoods {
@@ -61,12 +67,13 @@ impl Neighbourhoods {
         self.tried.resize(problem.contacts().len(), false);
     }
 
-    /// Solves the contacts around the worst one; the best percussions with theirs in place of the old ones. `None` if two
-    /// neighbourhoods have not helped, if the problem is small or is a neighbourhood itself.
+    /// Gives the contacts around the worst one to `solve`, which tells its factorisations; the best percussions with those of
+    /// the neighbourhood in place of the old ones. `None` if two neighbourhoods have not helped, if the problem is small or is
+    /// a neighbourhood itself.
     pub(super) fn solve(
         &mut self,
         progress: &mut Progress<'_>,
-        interior_point: bool,
+        solve: impl FnOnce(Neighbourhood<'_>) -> usize,
     ) -> Option<&[f64]> {
         let task = progress.task;
         let problem = task.problem;
@@ -85,7 +92,7 @@ impl Neighbourhoods {
         self.velocity.resize(problem.rows(), 0.0);
         problem.velocity(&self.percussion, &mut self.velocity);
         self.choose(problem);
-        let Self { contacts, percussion, velocity, workspace, .. } = self;
+        let Self { contacts, percussion, velocity, .. } = self;
         let mut part = Part::new(problem, contacts);
         part.copy_velocities_beside(problem, percussion, velocity);
         let mut before = Memory::new(part.problem().rows(), contacts.len());
@@ -93,14 +100,11 @@ impl Neighbourhoods {
         take(part.contacts(), task.history, &mut before.states);
         let tolerance = (ACCURACY * task.stop.tolerance).max(FINEST);
         let stop = Stop { tolerance, measure: Measure::Contact, ..task.stop };
-        let start = Start { before: &before, past: Past::Unswept, within_another: true };
-        let solver = Solver::Auto { interior_point, threads: 1 };
-        let (mut found, workspace) = (Memory::default(), workspace.get_or_insert_default());
-        workspace.restart(part.problem());
-        solver.solve_many(part.problem(), stop, start, &mut found, workspace);
+        let mut found = Memory::default();
+        let (problem, before) = (part.problem(), &before);
+        let factorizations = solve(Neighbourhood { problem, stop, before, found: &mut found });
         put(part.rows(), &found.percussion, percussion);
         progress.grade(percussion);
-        let factorizations = workspace.stages().iter().map(|stage| stage.factorizations).sum();
         progress.record(Method::Neighbourhood, 1, factorizations);
         Some(&self.percussion)
     }
