@@ -12,7 +12,8 @@
 //! | [`Solver::Admm`] | `method/admm.rs` | few factorisations, elliptic laws |
 //!
 //! `islands.rs` solves contacts that influence no others by themselves, `neighbourhood.rs` some of those that do, while the
-//! others are held. The measures in `measure/` belong to no solver and grade them all; `infeasibility/` proves that there is no solution.
+//! others are held. The measures in `measure/` belong to no solver and grade them all; `infeasibility/` proves that there
+//! is no solution.
 
 mod auto;
 mod findings;
@@ -468,7 +469,7 @@ impl Solver {
         }
         let (mut iterations, mut ended, mut residual) = match found {
             Some(found) => found,
-            None => self.run(&task, &mut iterate, sweeper, (methods, nearby), next),
+            None => self.run(&task, &mut iterate, sweeper, methods, nearby, next),
         };
         let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
@@ -526,7 +527,8 @@ impl Solver {
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         sweeper: &mut Sweeper,
-        (methods, nearby): (&mut Option<Box<Methods>>, &mut Option<Box<Workspace>>),
+        methods: &mut Option<Box<Methods>>,
+        nearby: &mut Option<Box<Workspace>>,
         next: &mut Vec<f64>,
     ) -> (usize, Ended, Residual) {
         let mut single = |method, max_iterations| {

@@ -14,19 +14,19 @@ use super::report::Method;
 use crate::contact::{ContactProblem, Memory, Part, put, take};
 
 // Constants were changed on 14 random problems: `pile` of `tests/test_many_contacts.py` with four contacts between the same two
-// bodies, the hard ones among 340 of 400 contacts (seed 3), 450 (14), 480 (12), 500 (0, 19, 30), 520 (9, 10, 15, 27, 35),
-// 560 (7, 23) and 600 (28). Without neighbourhoods six of them are not solved at all. It is chance in part which ones a value
-// solves.
+// bodies, hard ones among 360 of 400 to 600 contacts: those of 400 (seed 3), 450 (14), 480 (12), 500 (0, 19, 30),
+// 520 (9, 10, 15, 27, 35), 560 (7, 23) and 600 contacts (28). Without neighbourhoods six of them are not solved in 10 s. It is
+// chance in part which ones a value solves.
 
 /// Contacts of a neighbourhood: with 60, 80, 100, 120 and 200 the 14 problems take 113, 46, 87, 70 and 81 s, and 4, 0, 2, 0 and 1
-/// are not solved in 20 s; the problems of 1000 contacts of seeds 55, 94 and 123 are solved with 80 to 200, at 200 in
-/// two thirds of the time at 80.
+/// are not solved in 20 s. The problems of 1000 contacts of seeds 55, 94 and 123 are solved with 80, 100 and 200, with 200
+/// in two thirds of the time with 80; with 120 that of seed 94 is not solved in 100 s.
 const CONTACTS: usize = 80;
 /// Fewest contacts of a problem that has neighbourhoods: 150 such random problems of 240, 300 and 360 contacts (seeds 0 to 49)
 /// are solved without.
 const FEWEST: usize = 400;
 /// Neighbourhoods that have not halved the natural map, after which another start is looked for: with 4 the problems take 58 s
-/// in place of 70 (120 contacts). A start elsewhere before the first neighbourhood leaves four more unsolved.
+/// in place of 70 (120 contacts). A start elsewhere before the first neighbourhood leaves four more unsolved (200 contacts).
 const IN_VAIN: usize = 2;
 /// Contacts next to the worst one around which no other neighbourhood is begun, unless this one has helped: some bodies with
 /// four contacts each.

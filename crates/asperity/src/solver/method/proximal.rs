@@ -26,10 +26,11 @@ const VERY_FEW: usize = 4;
 const SWEEPS: usize = 20;
 /// Sweeps before a new start: some problems only they solve, slowly. No stored one depends on it within a factor of four.
 const LONG_SWEEPS: usize = 1000;
-/// Outer steps without a new best after which the iteration is lost: what led it astray may be its start. The stored problems take as many factorisations with a quarter and four times as many.
+/// Outer steps without a new best after which the iteration is lost: what led it astray may be its start. The stored problems
+/// take as many factorisations with a quarter and four times as many.
 const LOST: usize = 300;
-/// Newton iterations from where a search by cases or a neighbourhood leads; the motions of the systems that `infeasibility/cases.rs` names
-/// end in the same way with a quarter and four times as many.
+/// Newton iterations from where a search by cases or a neighbourhood leads; the motions of the systems that
+/// `infeasibility/cases.rs` names end in the same way with a quarter and four times as many.
 const FROM_CASE: usize = 50;
 /// Outer steps without a new best after which a proof by cases is looked for, once: where it is not found, the search is
 /// one of some hundred cases in vain.
