@@ -536,3 +536,40 @@ def test_solutions_with_drilling_are_not_called_none():
     problem = asp.ContactProblem(np.eye(4), free_velocity=[-1.0, 0.1, 0.0, 0.0], laws=law)
     with pytest.raises(ParameterError, match="p = 3"):
         problem.solutions(0)
+
+
+def drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, coupling, half_way):
+    """A contact that slides in two directions and rests in the third, made from its solution.
+
+    Friction presses it in or lifts it off, nearly as strongly as the normal force itself.
+    """
+    reservoir = asp.Superellipsoid(10 ** rng.uniform(-0.3, 0.6, 3), exponent=reservoir_exponent)
+    half_widths = 10 ** rng.uniform(-1, 0, 3)
+    direction = asp.Superellipsoid(half_widths, exponent=direction_exponent)
+    factor = rng.uniform(-1, 1, (4, 4))
+    factor[:, 0] /= coupling
+    delassus = factor.T @ factor + 0.3 * np.eye(4)
+    slip = np.append(rng.normal(size=2), 0.0)
+    corner = np.append(np.sign(slip[:2]), half_way * rng.uniform(-0.9, 0.9)) * half_widths
+    force = corner / float(reservoir.gauge(corner))
+    percussion = 10 ** rng.uniform(-1, 1) * np.append(1.0, -force)
+    free_velocity = np.append(0.0, slip) - delassus @ percussion
+    law = asp.FrictionLaw(reservoir, direction)
+    return asp.ContactProblem(delassus, free_velocity=free_velocity, laws=law)
+
+
+@pytest.mark.parametrize("coupling", [1.0, 3.0])
+@pytest.mark.parametrize("half_way", [0.0, 1.0])
+@pytest.mark.parametrize("direction_exponent", [12.0, 31238.0])
+@pytest.mark.parametrize("reservoir_exponent", [0.35, 0.6, 2.0])
+def test_drilling_contacts_under_strong_coupling_are_solved(
+    reservoir_exponent, direction_exponent, half_way, coupling
+):
+    """With known solutions, though not always the one that is found; some in a hundred were not."""
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        problem = drilling_contact_that_slides(
+            rng, reservoir_exponent, direction_exponent, coupling, half_way
+        )
+        found = problem.solve(asp.Exact(max_sweeps=1), tolerance=1e-10)
+        assert problem.residual(found.percussion) < 1e-10

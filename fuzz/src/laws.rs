@@ -1,7 +1,7 @@
 //! Friction laws from bytes.
 
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
-use asperity::set::{StarSet, directions};
+use asperity::set::{ConvexSet, StarSet, directions};
 
 use crate::decode::{Range, Source};
 
@@ -43,6 +43,9 @@ pub fn rated(source: &mut Source<'_>, range: Range) -> Option<Law> {
     })
 }
 
+/// Length over width of direction sets that count as very slender: rounding turns their normals by this much more than itself.
+const SLENDER: f64 = 1e5;
+
 /// Whether the sets are of ordinary size and not very slender: what is promised of solvers is promised for these.
 pub fn is_ordinary(law: &Law) -> bool {
     match law {
@@ -53,9 +56,16 @@ pub fn is_ordinary(law: &Law) -> bool {
 }
 
 fn ordinary<const P: usize>(law: &FrictionLaw<P>) -> bool {
-    directions::<P>(64).iter().all(|d| {
-        let (c, z) = (law.reservoir().radius(d), law.direction().radius(d));
-        (1e-4..1e4).contains(&c) && (1e-4..1e4).contains(&z) && z > 1e-3 * c
+    // The length of a needle shows in its support function only.
+    let direction = law.direction();
+    let all = directions::<P>(64);
+    let longest = all.iter().map(|d| direction.support(d)).fold(0.0, f64::max);
+    all.iter().all(|d| {
+        let (c, z) = (law.reservoir().radius(d), direction.radius(d));
+        (1e-4..1e4).contains(&c)
+            && (1e-4..1e4).contains(&z)
+            && z > 1e-3 * c
+            && SLENDER * z > longest
     })
 }
 

@@ -43,7 +43,7 @@ fn any<const P: usize>(source: &mut Source<'_>, range: Range) {
 /// How large and how slender a set is.
 struct Shape {
     largest: f64,
-    /// Largest to smallest radius.
+    /// Largest to smallest radius, of the most slender of the sets that it is combined of, too.
     slenderness: f64,
     ordinary: bool,
 }
@@ -59,8 +59,12 @@ impl Shape {
         }
         let ordinary =
             least * SLENDER > largest && (1.0 / SCALE..SCALE).contains(&least) && largest < SCALE;
-        let ordinary = ordinary && members(set).iter().all(|member| Self::of(member).ordinary);
-        Self { largest, slenderness: largest / least, ordinary }
+        let whole = Self { largest, slenderness: largest / least, ordinary };
+        members(set).iter().map(Self::of).fold(whole, |shape, member| Self {
+            slenderness: shape.slenderness.max(member.slenderness),
+            ordinary: shape.ordinary && member.ordinary,
+            ..shape
+        })
     }
 
     /// Whether numbers of this size are within what is promised.

@@ -111,12 +111,15 @@ impl Scene {
         let m = self.contacts.len();
         let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
         let mobility: Vec<f64> = self.contacts.iter().map(|c| self.mobility(c)).collect();
+        let lost = lost_directions(slip, p, m);
         for (k, &normal) in normal_force.iter().enumerate() {
             let contact = &self.contacts[k % m];
             // Laws of fewer dimensions are padded.
             let own = &force[k * p..k * p + contact.law.dimension()];
             // Not known where a contact is at an event or not closed, nor at the start.
-            if own.iter().any(|f| f.is_nan()) || normal.is_nan() || k < lag * m {
+            let unknown = own.iter().any(|f| f.is_nan()) || normal.is_nan() || k < lag * m;
+            // With phases slips are not told from rest by their size.
+            if unknown || phase.is_none() && lost[k / m] {
                 continue;
             }
             assert!(normal >= -slack * size, "contact {} pulls with {normal}: {self:?}", k % m);
@@ -133,22 +136,26 @@ impl Scene {
                 };
                 (0..m).map(|j| percussion(j) * (mobility[k % m] * mobility[j]).sqrt()).sum::<f64>()
             };
-            let brought = tolerance * (brought(k / m) + brought(k / m - lag));
+            let brought = brought(k / m) + brought(k / m - lag);
             // At rest a speed of the size of rounding may stand for none, and the other way round.
             let factor_with = |error: f64| {
                 let [falling_at, rising_at] = [before + error, now - error].map(|v| v.max(0.0));
                 let rate = contact.law.rate();
                 rate.map_or(1.0, |rate| rate.falling(falling_at) + rate.rising(rising_at))
             };
-            let (least, factor) = (factor_with(1e-9 + brought), factor_with(-1e-9 - brought));
+            let uncertain = 1e-9 + tolerance * brought;
+            let (least, factor) = (factor_with(uncertain), factor_with(-uncertain));
             let (gauge, slope) = gauge(&contact.law, own);
-            // Percussions are known relative to their loads; beside cusps the gauge tells less of what they lack.
+            // Percussions are known relative to their loads, which the other contacts bring, too; beside cusps the gauge
+            // tells less of what they lack.
             let loads = if mobility[k % m] > 0.0 && dt > 0.0 {
-                (before + now) / (mobility[k % m] * dt)
+                (before + now + brought) / (mobility[k % m] * dt)
             } else {
                 0.0
             };
-            let beside = (tolerance * loads * slope).min(0.1 * normal * factor);
+            let step = tolerance * loads;
+            let beside = f64::max(step * slope, spread(&contact.law, own, step));
+            let beside = beside.min(0.1 * normal * factor);
             let own = tolerance * loads / laws::least_radius(&contact.law);
             let error = slack * (size + normal * factor) + f64::max(own, beside);
             assert!(
@@ -198,6 +205,32 @@ pub struct Forces<'a> {
     /// the less the shorter these are. Zero where forces are integrated.
     pub tolerance: f64,
     pub dt: f64,
+}
+
+/// Samples at which some contact slips so slowly that rounding of the velocities turns its slip, and with it the forces of all.
+fn lost_directions(slip: &[f64], p: usize, contacts: usize) -> Vec<bool> {
+    const ROUNDING: f64 = 1e-12;
+    let speed = |own: &[f64]| own.iter().filter(|v| !v.is_nan()).map(|v| v * v).sum::<f64>().sqrt();
+    let speeds: Vec<f64> = slip.chunks_exact(p.max(1)).map(speed).collect();
+    let fastest = speeds.iter().fold(0.0, |m: f64, v| m.max(*v));
+    let is_lost = |v: &f64| *v > 0.0 && *v <= ROUNDING * fastest;
+    speeds.chunks(contacts.max(1)).map(|sample| sample.iter().any(is_lost)).collect()
+}
+
+/// By how much the gauge of `−λ` changes at most where a component of the force changes by a step: on a cusp the slope tells
+/// nothing of it.
+fn spread(law: &Law, force: &[f64], step: f64) -> f64 {
+    let own = gauge(law, force).0;
+    let mut beside = force.to_vec();
+    let mut most: f64 = 0.0;
+    for k in 0..force.len() {
+        for side in [step, -step] {
+            beside[k] = force[k] + side;
+            most = most.max((gauge(law, &beside).0 - own).abs());
+        }
+        beside[k] = force[k];
+    }
+    most
 }
 
 /// `k_C(−λ)` and the size of its gradient.

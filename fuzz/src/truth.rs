@@ -135,6 +135,20 @@ impl Scene {
         self.delassus[(0, 0)] > 1.05 * coupling
     }
 
+    /// Whether the force of the known solution of a contact alone lies on a cusp of *C*, where the last digits of a force decide
+    /// on its gauge: no number beside it solves the problem.
+    pub fn is_known_on_a_cusp(&self) -> bool {
+        let Some(percussion) = &self.known else { return false };
+        let (first, normal_rows) = self.rows(0);
+        let normal = self.contacts[0].1.prescribed().unwrap_or(percussion[first]);
+        let tangent = &percussion.as_slice()[first + normal_rows..];
+        match &self.contacts[0].0 {
+            Law::One(law) => is_on_a_cusp(law, tangent, normal),
+            Law::Two(law) => is_on_a_cusp(law, tangent, normal),
+            Law::Three(law) => is_on_a_cusp(law, tangent, normal),
+        }
+    }
+
     /// Ratio of the largest to the smallest singular value of `G`.
     pub fn condition(&self) -> f64 {
         let values = self.delassus.singular_values();
@@ -206,6 +220,23 @@ fn inclusion<const P: usize>(
     let crossed = (law.reservoir().gauge(&(x - across)) - 1.0) * (gauge - 1.0) <= 0.0;
     let slips = if crossed && beside < stepped { beside } else { stepped };
     slips.min(rest) * normal
+}
+
+/// Whether forces that differ in the thirteenth digit differ in the sixth of their gauges.
+fn is_on_a_cusp<const P: usize>(law: &FrictionLaw<P>, tangent: &[f64], normal: f64) -> bool {
+    const BESIDE: f64 = 1e-13;
+    const STEEP: f64 = 1e-6;
+    let x = -Vector::<P>::from_column_slice(tangent) / normal;
+    if normal <= 0.0 || x.amax() == 0.0 {
+        return false;
+    }
+    let gauge = law.reservoir().gauge(&x);
+    let differs = |k: usize, side: f64| {
+        let mut beside = x;
+        beside[k] += side * BESIDE * x.norm();
+        (law.reservoir().gauge(&beside) - gauge).abs() > STEEP * gauge
+    };
+    (0..P).any(|k| differs(k, 1.0) || differs(k, -1.0))
 }
 
 /// `max G_NT x` over *C*.

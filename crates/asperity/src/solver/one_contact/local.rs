@@ -203,7 +203,7 @@ impl<'a, const P: usize> Local<'a, P> {
     #[inline]
     pub(crate) fn any_stick(&self) -> Option<LocalSolution<P>> {
         if !self.block.sound {
-            return self.stick_of_any_rank();
+            return self.stick_of_any_rank(&mut Effort::alone());
         }
         let stick = self.stick_load();
         stick.holds().then(|| stick.solution())
@@ -274,9 +274,9 @@ impl<'a, const P: usize> Local<'a, P> {
     /// Stick with a block that has no sound inverse.
     #[cold]
     #[inline(never)]
-    fn stick_of_any_rank(&self) -> Option<LocalSolution<P>> {
+    pub(crate) fn stick_of_any_rank(&self, effort: &mut Effort) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let found = single.stick().filter(Graded::sticks)?;
+        let found = single.stick(effort).filter(Graded::sticks)?;
         Some(self.with_phase(&single, &found, Phase::Stick))
     }
 

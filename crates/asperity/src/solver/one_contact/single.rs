@@ -4,6 +4,7 @@
 //! what is found there is refined here, and what is not found there is searched for here: the measure
 //! of a contact decides which percussions are a solution.
 
+mod cells;
 mod hull;
 
 use asperity_set::{Matrix, StarSet, Vector};
@@ -452,6 +453,9 @@ impl<'a, const P: usize> Single<'a, P> {
         if self.over_hulls(&mut left, &mut keep) {
             return best;
         }
+        if self.over_cells(&mut left, &mut keep) {
+            return best;
+        }
         // In turns, so that neither takes all evaluations.
         for n in std::iter::once(free).chain(around()) {
             if !left.are_left() {
@@ -478,7 +482,7 @@ impl<'a, const P: usize> Single<'a, P> {
     /// is tried: the percussions with the least rank that solve the system up to rounding are taken, else
     /// those with the least defect. Of a continuum it is the point nearest to the shortest solution: at its far ends
     /// defects, which are relative to the percussions, are the smaller, but not the velocities.
-    pub(crate) fn stick(&self) -> Option<Graded> {
+    pub(crate) fn stick(&self, effort: &mut Effort) -> Option<Graded> {
         if let Some(inverse) = inverse(&self.g, SOUND) {
             let p = -(inverse * self.b);
             let rest = self.velocity(&p);
@@ -494,10 +498,15 @@ impl<'a, const P: usize> Single<'a, P> {
                 degenerate: false,
             });
         }
-        self.stick_of_any_rank()
+        let mut left = effort.stick();
+        let found = self.stick_of_any_rank(&mut left);
+        if !found.is_some_and(|found| found.sticks()) {
+            effort.failed_stick(left);
+        }
+        found
     }
 
-    fn stick_of_any_rank(&self) -> Option<Graded> {
+    fn stick_of_any_rank(&self, left: &mut Evaluations) -> Option<Graded> {
         let n = self.len();
         let scales = self.scales();
         let scaled = ContactMatrix::from_fn(|i, j| match i.max(j) < n {
@@ -546,7 +555,8 @@ impl<'a, const P: usize> Single<'a, P> {
                 false => V::zeros(),
             });
             let size = shortest.norm().max(f64::MIN_POSITIVE);
-            let Some(inside) = self.within(&back(&shortest), &kernel[..n - rank], size) else {
+            let Some(inside) = self.within(&back(&shortest), &kernel[..n - rank], size, left)
+            else {
                 continue;
             };
             keep(self.towards(&inside, &back(&whole)), false);
@@ -590,23 +600,26 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// A point of `P + span(kernel)` that the reservoir holds.
-    fn within(&self, p: &V, kernel: &[V], size: f64) -> Option<V> {
+    fn within(&self, p: &V, kernel: &[V], size: f64, left: &mut Evaluations) -> Option<V> {
         if self.holds(p) {
             return Some(*p);
         }
         let found = match kernel {
-            [axis] => self.within_line(p, &(axis * size)),
-            _ => self.within_space(p, kernel, size),
+            [axis] => self.within_line(p, &(axis * size), left),
+            _ => self.within_space(p, kernel, size, left),
         };
         found.filter(|p| self.holds(p))
     }
 
     /// On a line: over the angle `θ` of `P cos θ + K sin θ`, which reaches its far ends, the least excess by a
     /// scan and a golden section.
-    fn within_line(&self, p: &V, axis: &V) -> Option<V> {
+    fn within_line(&self, p: &V, axis: &V, left: &mut Evaluations) -> Option<V> {
         const SCAN: usize = 64;
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
-        let at = |theta: f64| {
+        let mut at = |theta: f64| {
+            if !left.take() {
+                return f64::INFINITY;
+            }
             let (sine, cosine) = theta.sin_cos();
             self.excess(&(p * cosine + axis * sine), cosine)
         };
@@ -618,9 +631,9 @@ impl<'a, const P: usize> Single<'a, P> {
         let limit = std::f64::consts::FRAC_PI_2 * (1.0 - 1e-9);
         let (mut low, mut high) =
             ((angle(least) - step).max(-limit), (angle(least) + step).min(limit));
-        let left = |low: f64, high: f64| high - GOLDEN * (high - low);
-        let right = |low: f64, high: f64| low + GOLDEN * (high - low);
-        let (mut a, mut b) = (left(low, high), right(low, high));
+        let lower = |low: f64, high: f64| high - GOLDEN * (high - low);
+        let upper = |low: f64, high: f64| low + GOLDEN * (high - low);
+        let (mut a, mut b) = (lower(low, high), upper(low, high));
         let (mut at_a, mut at_b) = (at(a), at(b));
         let mut best = (values[least], angle(least));
         for _ in 0..80 {
@@ -633,11 +646,11 @@ impl<'a, const P: usize> Single<'a, P> {
             }
             if at_a <= at_b {
                 (high, b, at_b) = (b, a, at_a);
-                a = left(low, high);
+                a = lower(low, high);
                 at_a = at(a);
             } else {
                 (low, a, at_a) = (a, b, at_b);
-                b = right(low, high);
+                b = upper(low, high);
                 at_b = at(b);
             }
         }
@@ -646,13 +659,16 @@ impl<'a, const P: usize> Single<'a, P> {
 
     /// In a plane or in space: the ellipsoid method for the convex excess, from a ball of a thousand times the
     /// size of the percussions.
-    fn within_space(&self, p: &V, kernel: &[V], size: f64) -> Option<V> {
+    fn within_space(&self, p: &V, kernel: &[V], size: f64, left: &mut Evaluations) -> Option<V> {
         const STEPS: usize = 600;
         let at = |s: &Vector3<f64>| {
             kernel.iter().zip(s.iter()).fold(*p, |p, (axis, s)| p + axis * (size * s))
         };
         let (mut s, mut shape) = (Vector3::<f64>::zeros(), Matrix3::<f64>::identity() * 1e6);
         for _ in 0..STEPS {
+            if !left.take() {
+                break;
+            }
             let here = at(&s);
             if self.excess(&here, 1.0) <= 0.0 {
                 return Some(here);

@@ -28,7 +28,7 @@ pub(crate) fn solve(
     if single.opens() {
         return selected(&ContactVector::zeros(), false);
     }
-    let stick = single.stick().filter(Graded::sticks);
+    let stick = single.stick(effort).filter(Graded::sticks);
     let sticks = || {
         let Graded { percussion, degenerate, .. } = stick?;
         let (normal, tangent) = (single.normal(&percussion), single.tangent(&percussion));

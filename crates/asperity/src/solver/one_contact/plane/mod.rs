@@ -78,10 +78,9 @@ fn ill_conditioned(
     if local.opens() {
         return Some(local.open());
     }
-    let mut slip = || local.slip_from(&guess, effort);
     let found = match state.phase {
-        Phase::Slip => slip().or_else(|| local.any_stick()),
-        _ => local.any_stick().or_else(slip),
+        Phase::Slip => local.slip_from(&guess, effort).or_else(|| local.stick_of_any_rank(effort)),
+        _ => local.stick_of_any_rank(effort).or_else(|| local.slip_from(&guess, effort)),
     };
     if found.is_some() {
         return found;
