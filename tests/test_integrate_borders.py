@@ -1500,3 +1500,40 @@ def test_columns_of_light_bodies_under_a_heavy_one_land(count, ratio, slip):
     left = max(0.0, slip - 0.3 * (landing + 9.81 * slides))
     np.testing.assert_allclose(motion.u[-1][0::2], left, atol=1e-7)
     np.testing.assert_allclose(motion.u[-1][1::2], 0.0, atol=1e-7)
+
+
+def test_contacts_with_a_nearly_immobile_direction_turn_round():
+    """Both directions of the last contact are the same but for 2e-4, as are those of motion.
+
+    Its slip changes sign beside accelerations of 1e-10 of the loads; to hold it would take thirty
+    times the force that its reservoir holds, which was kept as a sample.
+    """
+    radii = [99.98594712341624, 4.477772364962181, 83.46584395602383]
+    loads = [57.246832886121716, 83.46584395602383, 83.46584395602383]
+    directions = [
+        np.eye(2),
+        [[-0.5, -0.529449462890625], [-0.670928955078125, -0.535247802734375]],
+        [[0.96051025390625, 0.96075439453125], [0.96075439453125, 0.96075439453125]],
+    ]
+    belts = [[-99.98594712341624, -99.98594712341624], [0.0, 0.0], [0.0, 0.0]]
+    contacts = [
+        asp.Contact(
+            asp.FrictionLaw.isotropic(radius),
+            direction=direction,
+            velocity=belt,
+            normal_force=load,
+        )
+        for radius, load, direction, belt in zip(radii, loads, directions, belts, strict=True)
+    ]
+    system = asp.LinearSystem(
+        np.diag([99.91571235744863, 0.03563024820025452]),
+        damping=0.9590911865234375 * np.eye(2),
+        force=[-99.98594712341624, 0.0],
+        contacts=contacts,
+    )
+    motion = asp.integrate(
+        system, t_end=1.0, q0=[0.96, 0.96], u0=[0.96075439453125, -0.875], tolerance=1e-9
+    )
+    largest = np.nanmax(np.linalg.norm(motion.force, axis=2), axis=0)
+    assert (largest <= (1 + 1e-9) * np.multiply(radii, loads)).all()
+    assert [event.kind for event in motion.events] == [asp.EventKind.SLIP]

@@ -43,7 +43,8 @@ pub fn rated(source: &mut Source<'_>, range: Range) -> Option<Law> {
     })
 }
 
-/// Length over width of direction sets that count as very slender: rounding turns their normals by this much more than itself.
+/// Length over width of direction sets that count as very slender: rounding turns their normals by this much more
+/// than itself.
 const SLENDER: f64 = 1e5;
 
 /// Whether the sets are of ordinary size and not very slender: what is promised of solvers is promised for these.

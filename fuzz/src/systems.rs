@@ -207,7 +207,8 @@ pub struct Forces<'a> {
     pub dt: f64,
 }
 
-/// Samples at which some contact slips so slowly that rounding of the velocities turns its slip, and with it the forces of all.
+/// Samples at which some contact slips so slowly that rounding of the velocities turns its slip, and with it the forces
+/// of all.
 fn lost_directions(slip: &[f64], p: usize, contacts: usize) -> Vec<bool> {
     const ROUNDING: f64 = 1e-12;
     let speed = |own: &[f64]| own.iter().filter(|v| !v.is_nan()).map(|v| v * v).sum::<f64>().sqrt();
@@ -217,8 +218,8 @@ fn lost_directions(slip: &[f64], p: usize, contacts: usize) -> Vec<bool> {
     speeds.chunks(contacts.max(1)).map(|sample| sample.iter().any(is_lost)).collect()
 }
 
-/// By how much the gauge of `−λ` changes at most where a component of the force changes by a step: on a cusp the slope tells
-/// nothing of it.
+/// By how much the gauge of `−λ` changes at most where a component of the force changes by a step: on a cusp the slope
+/// tells nothing of it.
 fn spread(law: &Law, force: &[f64], step: f64) -> f64 {
     let own = gauge(law, force).0;
     let mut beside = force.to_vec();

@@ -135,8 +135,8 @@ impl Scene {
         self.delassus[(0, 0)] > 1.05 * coupling
     }
 
-    /// Whether the force of the known solution of a contact alone lies on a cusp of *C*, where the last digits of a force decide
-    /// on its gauge: no number beside it solves the problem.
+    /// Whether the force of the known solution of a contact alone lies on a cusp of *C*, where the last digits of a force
+    /// decide on its gauge: no number beside it solves the problem.
     pub fn is_known_on_a_cusp(&self) -> bool {
         let Some(percussion) = &self.known else { return false };
         let (first, normal_rows) = self.rows(0);

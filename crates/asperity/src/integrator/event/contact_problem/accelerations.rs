@@ -18,10 +18,11 @@ const AT_REST: f64 = 1e-11;
 /// of their solution: at 1e-11, boxes that a growing force pulled began to slip too early, by 1.3e-8 of the time.
 const AT_REST_SHARED: f64 = 1e-9;
 
-/// Change of the force of a contact that would keep it from slipping, over the largest force of all, up to which it may count as at rest.
-/// Where rounding or a tolerance have left the acceleration it is far less; in a nearly immobile direction an acceleration below
-/// those limits may ask for any force: a contact of two directions that differ by 2e-4 (`events/nearly_immobile_1` of the corpus
-/// of the fuzzer) was taken for stick with thirty times the force that its reservoir holds.
+/// Change of the force of a contact that would keep it from slipping, over the largest force of all, up to which it may
+/// count as at rest. Where rounding or a tolerance have left the acceleration it is far less; in a nearly immobile
+/// direction an acceleration below those limits may ask for any force: a contact of two directions that differ by 2e-4
+/// (`events/nearly_immobile_1` of the corpus of the fuzzer) was taken for stick with thirty times the force that its
+/// reservoir holds.
 const HELD: f64 = 1e-2;
 /// Mobility over the largest one that is rounding.
 const ROUNDED_MOBILITY: f64 = 1e-13;
