@@ -538,38 +538,45 @@ def test_solutions_with_drilling_are_not_called_none():
         problem.solutions(0)
 
 
-def drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, coupling, half_way):
-    """A contact that slides in two directions and rests in the third, made from its solution.
+def drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, coupling):
+    """A contact that slides, made from its solution; friction presses it in or lifts it off as
+    strongly as the normal force itself.
 
-    Friction presses it in or lifts it off, nearly as strongly as the normal force itself.
+    On a box as direction set it slides in two directions and rests in the third.
     """
     reservoir = asp.Superellipsoid(10 ** rng.uniform(-0.3, 0.6, 3), exponent=reservoir_exponent)
     half_widths = 10 ** rng.uniform(-1, 0, 3)
-    direction = asp.Superellipsoid(half_widths, exponent=direction_exponent)
     factor = rng.uniform(-1, 1, (4, 4))
     factor[:, 0] /= coupling
     delassus = factor.T @ factor + 0.3 * np.eye(4)
-    slip = np.append(rng.normal(size=2), 0.0)
-    corner = np.append(np.sign(slip[:2]), half_way * rng.uniform(-0.9, 0.9)) * half_widths
-    force = corner / float(reservoir.gauge(corner))
-    percussion = 10 ** rng.uniform(-1, 1) * np.append(1.0, -force)
+    slip = rng.normal(size=3)
+    if direction_exponent is None:
+        law = asp.FrictionLaw(reservoir, asp.Box(half_widths))
+        slip[2] = 0.0
+        edge = half_widths * np.append(np.sign(slip[:2]), rng.uniform(-0.9, 0.9))
+        force = -edge / float(reservoir.gauge(edge))
+    else:
+        direction = asp.Superellipsoid(half_widths, exponent=direction_exponent)
+        law = asp.FrictionLaw(reservoir, direction)
+        force = law.force(slip, normal_force=1.0)
+    percussion = 10 ** rng.uniform(-1, 1) * np.append(1.0, force)
     free_velocity = np.append(0.0, slip) - delassus @ percussion
-    law = asp.FrictionLaw(reservoir, direction)
-    return asp.ContactProblem(delassus, free_velocity=free_velocity, laws=law)
+    return asp.ContactProblem(delassus, free_velocity=free_velocity, laws=law), percussion
 
 
 @pytest.mark.parametrize("coupling", [1.0, 3.0])
-@pytest.mark.parametrize("half_way", [0.0, 1.0])
-@pytest.mark.parametrize("direction_exponent", [12.0, 31238.0])
-@pytest.mark.parametrize("reservoir_exponent", [0.35, 0.6, 2.0])
+@pytest.mark.parametrize("direction_exponent", [1.2, 2.0, 12.0, None])
+@pytest.mark.parametrize("reservoir_exponent", [0.6, 2.0, 12.0])
 def test_drilling_contacts_under_strong_coupling_are_solved(
-    reservoir_exponent, direction_exponent, half_way, coupling
+    reservoir_exponent, direction_exponent, coupling
 ):
-    """With known solutions, though not always the one that is found; some in a hundred were not."""
+    """All have a solution, which is not always the one that is found."""
     rng = np.random.default_rng(0)
     for _ in range(200):
-        problem = drilling_contact_that_slides(
-            rng, reservoir_exponent, direction_exponent, coupling, half_way
+        problem, percussion = drilling_contact_that_slides(
+            rng, reservoir_exponent, direction_exponent, coupling
         )
+        assert problem.residual(percussion) < 1e-12
         found = problem.solve(asp.Exact(max_sweeps=1), tolerance=1e-10)
-        assert problem.residual(found.percussion) < 1e-10
+        assert found.converged
+        assert problem.residual(found.percussion) <= 1e-10

@@ -43,8 +43,8 @@ pub fn rated(source: &mut Source<'_>, range: Range) -> Option<Law> {
     })
 }
 
-/// Length over width of direction sets that count as very slender: rounding turns their normals by this much more
-/// than itself.
+/// Length over width of direction sets that count as very slender: rounding of a slip turns the force by up to this ratio
+/// times as much.
 const SLENDER: f64 = 1e5;
 
 /// Whether the sets are of ordinary size and not very slender: what is promised of solvers is promised for these.

@@ -107,19 +107,18 @@ impl Scene {
     /// Reservoirs grow and shrink with a factor of the speed. Its part that rises with the speed is that of the slip, the
     /// part that falls that of the slip `lag` samples before.
     pub fn check_forces(&self, forces: &Forces<'_>) {
-        let Forces { p, lag, slip, force, normal_force, phase, slack, tolerance, dt } = *forces;
+        let Forces { p, lag, slip, force, normal_force, phase, with_phase, .. } = *forces;
+        let Forces { slack, tolerance, dt, .. } = *forces;
         let m = self.contacts.len();
         let size = normal_force.iter().fold(1e-3, |m: f64, f| m.max(f.abs()));
         let mobility: Vec<f64> = self.contacts.iter().map(|c| self.mobility(c)).collect();
-        let lost = lost_directions(slip, p, m);
+        let turned = slips_by_rounding(slip, phase, p);
         for (k, &normal) in normal_force.iter().enumerate() {
             let contact = &self.contacts[k % m];
             // Laws of fewer dimensions are padded.
             let own = &force[k * p..k * p + contact.law.dimension()];
             // Not known where a contact is at an event or not closed, nor at the start.
-            let unknown = own.iter().any(|f| f.is_nan()) || normal.is_nan() || k < lag * m;
-            // With phases slips are not told from rest by their size.
-            if unknown || phase.is_none() && lost[k / m] {
+            if own.iter().any(|f| f.is_nan()) || normal.is_nan() || k < lag * m {
                 continue;
             }
             assert!(normal >= -slack * size, "contact {} pulls with {normal}: {self:?}", k % m);
@@ -156,14 +155,22 @@ impl Scene {
             let step = tolerance * loads;
             let beside = f64::max(step * slope, spread(&contact.law, own, step));
             let beside = beside.min(0.1 * normal * factor);
-            let own = tolerance * loads / laws::least_radius(&contact.law);
+            let own = (step / laws::least_radius(&contact.law)).min(0.1 * normal * factor);
             let error = slack * (size + normal * factor) + f64::max(own, beside);
+            // What a contact has to hold that sticks beside another whose force rounding turns is as uncertain as that.
+            let others = &turned[k / m * m..][..m];
+            if !with_phase && phase[k] == Phase::Stick as i8 && others.contains(&true) {
+                continue;
+            }
             assert!(
                 gauge <= normal * factor + error,
                 "contact {}: k_C(−λ) = {gauge} at λ_N = {normal} and f = {factor}: {self:?}",
                 k % m
             );
-            let Some(phase) = phase.map(|phase| phase[k]) else { continue };
+            if !with_phase {
+                continue;
+            }
+            let phase = phase[k];
             assert!(
                 phase != Phase::Slip as i8 || gauge >= normal * least - error,
                 "contact {} slips: k_C(−λ) = {gauge} at λ_N = {normal} and f = {least}: {self:?}",
@@ -196,9 +203,11 @@ pub struct Forces<'a> {
     pub slip: &'a [f64],
     pub force: &'a [f64],
     pub normal_force: &'a [f64],
-    /// What the contacts do, where it is to be checked: an event-driven integration knows speeds within its tolerance
-    /// only, and steep factors of the speed magnify that.
-    pub phase: Option<&'a [i8]>,
+    /// What the contacts do.
+    pub phase: &'a [i8],
+    /// Whether that is to be checked: an event-driven integration knows speeds within its tolerance only, and steep factors
+    /// of the speed magnify that.
+    pub with_phase: bool,
     /// Relative to the largest normal force.
     pub slack: f64,
     /// The tolerance of percussions relative to their loads, and the length of the step: forces of short steps are known
@@ -207,15 +216,14 @@ pub struct Forces<'a> {
     pub dt: f64,
 }
 
-/// Samples at which some contact slips so slowly that rounding of the velocities turns its slip, and with it the forces
-/// of all.
-fn lost_directions(slip: &[f64], p: usize, contacts: usize) -> Vec<bool> {
+/// Contacts in samples that slip so slowly that rounding of the velocities turns their slip.
+fn slips_by_rounding(slip: &[f64], phase: &[i8], p: usize) -> Vec<bool> {
     const ROUNDING: f64 = 1e-12;
     let speed = |own: &[f64]| own.iter().filter(|v| !v.is_nan()).map(|v| v * v).sum::<f64>().sqrt();
     let speeds: Vec<f64> = slip.chunks_exact(p.max(1)).map(speed).collect();
     let fastest = speeds.iter().fold(0.0, |m: f64, v| m.max(*v));
-    let is_lost = |v: &f64| *v > 0.0 && *v <= ROUNDING * fastest;
-    speeds.chunks(contacts.max(1)).map(|sample| sample.iter().any(is_lost)).collect()
+    let slow = speeds.iter().map(|v| *v <= ROUNDING * fastest);
+    slow.zip(phase).map(|(slow, phase)| slow && *phase == Phase::Slip as i8).collect()
 }
 
 /// By how much the gauge of `−λ` changes at most where a component of the force changes by a step: on a cusp the slope

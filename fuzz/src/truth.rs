@@ -136,7 +136,7 @@ impl Scene {
     }
 
     /// Whether the force of the known solution of a contact alone lies on a cusp of *C*, where the last digits of a force
-    /// decide on its gauge: no number beside it solves the problem.
+    /// decide on its gauge: next to it hardly a number solves the problem.
     pub fn is_known_on_a_cusp(&self) -> bool {
         let Some(percussion) = &self.known else { return false };
         let (first, normal_rows) = self.rows(0);
@@ -236,7 +236,7 @@ fn is_on_a_cusp<const P: usize>(law: &FrictionLaw<P>, tangent: &[f64], normal: f
         beside[k] += side * BESIDE * x.norm();
         (law.reservoir().gauge(&beside) - gauge).abs() > STEEP * gauge
     };
-    (0..P).any(|k| differs(k, 1.0) || differs(k, -1.0))
+    gauge > 1.0 - STEEP && (0..P).any(|k| differs(k, 1.0) || differs(k, -1.0))
 }
 
 /// `max G_NT x` over *C*.

@@ -10,6 +10,7 @@ mod hull;
 use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::{Matrix3, Vector3};
 
+use self::cells::Cells;
 use super::effort::{Effort, Evaluations};
 use super::singular::Factors;
 use crate::contact::{ContactProblem, ContactRows, NormalForce, Phase};
@@ -261,10 +262,16 @@ impl<'a, const P: usize> Single<'a, P> {
     ///
     /// With `P_N = −b_N/denominator` that product has no pole where the denominator vanishes, as in `plane/`.
     fn astray(&self, v: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
+        let (percussion, denominator, slip) = self.sliding(v)?;
+        Some((percussion, denominator, slip - v))
+    }
+
+    /// The same with the slip itself that these percussions leave, times the denominator.
+    fn sliding(&self, v: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
         let (unit, denominator) = self.per_normal(v)?;
         let factor = self.normal.prescribed().unwrap_or(-self.b[0]);
         let slip = self.tangent(&self.b) * denominator + self.tangent(&(self.g * unit)) * factor;
-        Some((unit * factor, denominator, slip - v))
+        Some((unit * factor, denominator, slip))
     }
 
     /// Newton's method for the slip velocity that the friction of sliding along it leaves, with differences.
@@ -453,7 +460,8 @@ impl<'a, const P: usize> Single<'a, P> {
         if self.over_hulls(&mut left, &mut keep) {
             return best;
         }
-        if self.over_cells(&mut left, &mut keep) {
+        let mut cells = Cells::default();
+        if self.over_cells(&mut cells, &mut left, &mut keep) {
             return best;
         }
         // In turns, so that neither takes all evaluations.
@@ -468,7 +476,9 @@ impl<'a, const P: usize> Single<'a, P> {
                 return best;
             }
         }
-        if self.proximal_point(first, &mut left).is_some_and(&mut keep) {
+        if self.proximal_point(first, &mut left).is_some_and(&mut keep)
+            || self.over_cells(&mut cells, &mut left, &mut keep)
+        {
             return best;
         }
         effort.failed(left);

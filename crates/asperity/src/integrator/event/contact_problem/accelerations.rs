@@ -24,7 +24,7 @@ const AT_REST_SHARED: f64 = 1e-9;
 /// (`events/nearly_immobile_1` of the corpus of the fuzzer) was taken for stick with thirty times the force that its
 /// reservoir holds.
 const HELD: f64 = 1e-2;
-/// Mobility over the largest one that is rounding.
+/// Mobility over the largest one that is rounding: accelerations that rounding leaves ask for a tenth of that change there.
 const ROUNDED_MOBILITY: f64 = 1e-13;
 /// Iterations of a singular value decomposition, of which a matrix of four rows takes some ten.
 const SVD_ITERATIONS: usize = 100;
@@ -310,21 +310,24 @@ fn stick_at_limit(
         let rests = norm(&accelerations[own.clone()]) <= at_rest * load;
         let slips = contact.mode == Phase::Slip;
         let may_stick = slips || contact.prescribed.is_none();
-        // Where it is only asked whether stick goes on, the forces that are found are those that are kept.
-        let asked = slips && question == Question::WhatNext;
-        let held = || !asked || change_that_holds(problem, k, &accelerations[own]) <= HELD * force;
-        if rests && may_stick && held() {
+        // Forces in stick are not those that are found here, but those that hold the contact. Where it is only asked whether
+        // stick goes on, the ones that are found are kept.
+        let keeps_force = !slips || force == 0.0 || question == Question::WhetherStickGoesOn;
+        let can_be_held =
+            || keeps_force || change_that_holds(problem, k, &accelerations[own]) <= HELD * force;
+        if rests && may_stick && can_be_held() {
             contact.mode = Phase::Stick;
             contact.slip = [0.0; 3];
         }
     }
 }
 
-/// The least change of the force of a contact that takes its accelerations away, the other contacts held; zero where its
-/// mobility cannot be told. Forces are in units in which the mobilities along the rows are one.
+/// The least change of the force of a contact that takes its accelerations away, the forces of the others unchanged; zero
+/// where its mobility cannot be told. Forces are in units in which the mobilities along the rows are one.
 fn change_that_holds(problem: &ContactProblem, contact: usize, accelerations: &[f64]) -> f64 {
     let len = accelerations.len();
-    let units = DVector::from_fn(len, |a, _| unit_of_force(problem, contact, a));
+    let unit = |mobility: f64| if mobility > 0.0 { 1.0 / mobility.sqrt() } else { 1.0 };
+    let units = DVector::from_fn(len, |a, _| unit(problem.delassus().own(contact, a, a)));
     let scaled = DMatrix::from_fn(len, len, |a, b| {
         problem.delassus().own(contact, a, b) * units[a] * units[b]
     });
@@ -339,19 +342,16 @@ fn change_that_holds(problem: &ContactProblem, contact: usize, accelerations: &[
     factors.solve(&rates, least).map_or(0.0, |change| change.norm())
 }
 
-/// The largest force along any row of the problem, in the same units.
+/// The largest force along any row of the problem that has a mobility, in the same units.
 fn largest_force(problem: &ContactProblem, percussion: &[f64]) -> f64 {
     let mut largest: f64 = 0.0;
     for (k, rows) in problem.contacts().iter().enumerate() {
         for (a, row) in (rows.offset..rows.offset + rows.len()).enumerate() {
-            largest = largest.max(percussion[row].abs() / unit_of_force(problem, k, a));
+            let mobility = problem.delassus().own(k, a, a);
+            if mobility > 0.0 {
+                largest = largest.max(percussion[row].abs() * mobility.sqrt());
+            }
         }
     }
     largest
-}
-
-/// Force along a row in whose units its mobility is one.
-fn unit_of_force(problem: &ContactProblem, contact: usize, row: usize) -> f64 {
-    let mobility = problem.delassus().own(contact, row, row);
-    if mobility > 0.0 { 1.0 / mobility.sqrt() } else { 1.0 }
 }
