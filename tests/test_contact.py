@@ -580,3 +580,32 @@ def test_drilling_contacts_under_strong_coupling_are_solved(
         found = problem.solve(asp.Exact(max_sweeps=1), tolerance=1e-10)
         assert found.converged
         assert problem.residual(found.percussion) <= 1e-10
+
+
+@pytest.mark.parametrize("coupling", [1e-3, 0.1])
+@pytest.mark.parametrize("direction_exponent", [1.2, 2.0, 12.0, None])
+@pytest.mark.parametrize("reservoir_exponent", [0.6, 2.0, 12.0])
+def test_two_drilling_contacts_under_strong_coupling_are_solved(
+    reservoir_exponent, direction_exponent, coupling
+):
+    """In sweeps, whose searches are shorter; `coupling` is that of the two."""
+    rng = np.random.default_rng(0)
+    for _ in range(30):
+        pair = [
+            drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, 3.0)
+            for _ in range(2)
+        ]
+        (one, first), (other, second) = pair
+        between = coupling * rng.uniform(-1, 1, (4, 4))
+        delassus = np.block([[one.delassus, between], [between.T, other.delassus]])
+        percussion = np.append(first, second)
+        own = [each.delassus @ p + each.free_velocity for each, p in pair]
+        problem = asp.ContactProblem(
+            delassus,
+            free_velocity=np.concatenate(own) - delassus @ percussion,
+            laws=[one.laws[0], other.laws[0]],
+        )
+        assert problem.residual(percussion) < 1e-12
+        found = problem.solve(tolerance=1e-10)
+        assert found.converged
+        assert problem.residual(found.percussion) <= 1e-10
