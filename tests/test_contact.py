@@ -538,12 +538,18 @@ def test_solutions_with_drilling_are_not_called_none():
         problem.solutions(0)
 
 
-def drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, coupling):
+SORTS_OF_SETS = [(c, d) for c in (0.6, 2.0, 12.0) for d in (1.2, 2.0, 12.0, None)]
+every_sort_of_sets = pytest.mark.parametrize("exponents", SORTS_OF_SETS)
+"""Exponents of superellipsoids as reservoir and as direction set, a box where there is none."""
+
+
+def drilling_contact_that_slides(rng, exponents, coupling):
     """A contact that slides, made from its solution; friction presses it in or lifts it off as
     strongly as the normal force itself.
 
     On a box as direction set it slides in two directions and rests in the third.
     """
+    reservoir_exponent, direction_exponent = exponents
     reservoir = asp.Superellipsoid(10 ** rng.uniform(-0.3, 0.6, 3), exponent=reservoir_exponent)
     half_widths = 10 ** rng.uniform(-1, 0, 3)
     factor = rng.uniform(-1, 1, (4, 4))
@@ -565,17 +571,12 @@ def drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, co
 
 
 @pytest.mark.parametrize("coupling", [1.0, 3.0])
-@pytest.mark.parametrize("direction_exponent", [1.2, 2.0, 12.0, None])
-@pytest.mark.parametrize("reservoir_exponent", [0.6, 2.0, 12.0])
-def test_drilling_contacts_under_strong_coupling_are_solved(
-    reservoir_exponent, direction_exponent, coupling
-):
+@every_sort_of_sets
+def test_drilling_contacts_under_strong_coupling_are_solved(exponents, coupling):
     """All have a solution, which is not always the one that is found."""
     rng = np.random.default_rng(0)
     for _ in range(200):
-        problem, percussion = drilling_contact_that_slides(
-            rng, reservoir_exponent, direction_exponent, coupling
-        )
+        problem, percussion = drilling_contact_that_slides(rng, exponents, coupling)
         assert problem.residual(percussion) < 1e-12
         found = problem.solve(asp.Exact(max_sweeps=1), tolerance=1e-10)
         assert found.converged
@@ -583,18 +584,12 @@ def test_drilling_contacts_under_strong_coupling_are_solved(
 
 
 @pytest.mark.parametrize("coupling", [1e-3, 0.1])
-@pytest.mark.parametrize("direction_exponent", [1.2, 2.0, 12.0, None])
-@pytest.mark.parametrize("reservoir_exponent", [0.6, 2.0, 12.0])
-def test_two_drilling_contacts_under_strong_coupling_are_solved(
-    reservoir_exponent, direction_exponent, coupling
-):
+@every_sort_of_sets
+def test_two_drilling_contacts_under_strong_coupling_are_solved(exponents, coupling):
     """In sweeps, whose searches are shorter; `coupling` is that of the two."""
     rng = np.random.default_rng(0)
     for _ in range(30):
-        pair = [
-            drilling_contact_that_slides(rng, reservoir_exponent, direction_exponent, 3.0)
-            for _ in range(2)
-        ]
+        pair = [drilling_contact_that_slides(rng, exponents, 3.0) for _ in range(2)]
         (one, first), (other, second) = pair
         between = coupling * rng.uniform(-1, 1, (4, 4))
         delassus = np.block([[one.delassus, between], [between.T, other.delassus]])

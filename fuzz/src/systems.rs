@@ -177,9 +177,8 @@ impl Scene {
                 k % m
             );
             // Beside loads that have run away it cannot be told whether the percussion of a step is any.
-            let lost = tolerance * loads;
             assert!(
-                phase != Phase::Open as i8 || normal <= slack * size + lost,
+                phase != Phase::Open as i8 || normal <= slack * size + step,
                 "contact {} is open and presses with {normal}: {self:?}",
                 k % m
             );

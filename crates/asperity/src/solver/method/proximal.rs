@@ -25,8 +25,9 @@ const VERY_FEW: usize = 4;
 /// problems, all of which are solved with either.
 const SWEEPS: usize = 20;
 /// Failed inner solves in turn after which sweeps have not left less than 0.9 of the natural map, from which on none are made
-/// until an inner solve succeeds or the iteration starts anew. A problem that the fuzzer found (`many_contacts/swept_in_vain_1` of its corpus) takes 5 s in the
-/// build of the fuzzers in place of 41 s; the stored problems take as many iterations and factorisations as without this limit.
+/// until an inner solve succeeds or the iteration starts anew. A problem that the fuzzer found
+/// (`many_contacts/swept_in_vain_1` of its corpus) takes 5 s in the build of the fuzzers in place of 41 s; the stored
+/// problems take as many iterations and factorisations as without this limit.
 const SWEPT_IN_VAIN: usize = 10;
 /// Sweeps before a new start: some problems only they solve, slowly. No stored one depends on it within a factor of four.
 const LONG_SWEEPS: usize = 1000;

@@ -1,9 +1,9 @@
 //! What a contact with an ill-conditioned block may cost.
 
 /// Values of the natural map that the search for a solution of one contact may take. An evaluation takes between
-/// half a microsecond and half a millisecond, a search that succeeds some tens to some hundreds of them, one that fails all:
-/// six seconds at worst. Of the 12,000 contacts of `tests/test_contact.py` and 12,000 others of
-/// `single/cells.rs` five and 25 are not solved with a quarter, none and two with half of it, none with all.
+/// half a microsecond and half a millisecond, a search that succeeds some tens to some hundreds of them, one that fails all.
+/// Of 12,000 drilling contacts made as in `tests/test_contact.py`, 500 of each sort, and of 12,000 made as `single/cells.rs`
+/// says, 5 and 25 are not solved with a quarter, none and 2 with half of it, none with all.
 const ALONE: usize = 12_000;
 /// The same in sweeps, which come back to the contact with other loads: of one search, and of all searches of one
 /// contact that fail in one solve.
@@ -17,9 +17,8 @@ const ATTEMPT: usize = 100;
 const ALL_ATTEMPTS: usize = 10_000;
 /// Gauges that searches for stick percussions of one contact whose block has not full rank may take in the sweeps of one
 /// solve that take the first solution found, where they find none: one takes up to some hundred for each rank, besides
-/// those that follow where it finds some. Of combined sets a gauge takes ten to a hundred
-/// microseconds, and a problem that the fuzzer found (`many_contacts/dear_sums_1` of its corpus) takes 93 s in the build of the fuzzers without
-/// this limit and 2.4 s with it.
+/// those that follow where it finds some. A problem that the fuzzer found (`many_contacts/dear_sums_1` of its corpus), whose
+/// sets are sums with dear gauges, takes 93 s in the build of the fuzzers without this limit and 2.4 s with it.
 const ALL_STICKS: usize = 20_000;
 /// Walks along the whole boundary in the sweeps of one solve.
 const WALKS: usize = 20;
@@ -37,13 +36,7 @@ pub(crate) struct Effort {
 impl Effort {
     /// For a contact that is solved once.
     pub(crate) fn alone() -> Self {
-        Self {
-            evaluations: ALONE,
-            each: ALONE,
-            attempts: ALL_ATTEMPTS,
-            sticks: usize::MAX,
-            walks: WALKS,
-        }
+        Self { evaluations: ALONE, each: ALONE, sticks: usize::MAX, ..Self::in_sweeps() }
     }
 
     /// For a contact in all sweeps of a solve.

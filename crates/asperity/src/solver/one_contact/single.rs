@@ -10,7 +10,6 @@ mod hull;
 use asperity_set::{Matrix, StarSet, Vector};
 use nalgebra::{Matrix3, Vector3};
 
-use self::cells::Cells;
 use super::effort::{Effort, Evaluations};
 use super::singular::Factors;
 use crate::contact::{ContactProblem, ContactRows, NormalForce, Phase};
@@ -460,7 +459,7 @@ impl<'a, const P: usize> Single<'a, P> {
         if self.over_hulls(&mut left, &mut keep) {
             return best;
         }
-        let mut cells = Cells::default();
+        let mut cells = None;
         if self.over_cells(&mut cells, &mut left, &mut keep) {
             return best;
         }

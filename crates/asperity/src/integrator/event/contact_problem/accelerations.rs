@@ -19,7 +19,7 @@ const AT_REST: f64 = 1e-11;
 const AT_REST_SHARED: f64 = 1e-9;
 
 /// Change of the force of a contact that would keep it from slipping, over the largest force of all, up to which it may
-/// count as at rest. Where rounding or a tolerance have left the acceleration it is far less; in a nearly immobile
+/// count as at rest. Where rounding has left the acceleration it is far less; in a nearly immobile
 /// direction an acceleration below those limits may ask for any force: a contact of two directions that differ by 2e-4
 /// (`events/nearly_immobile_1` of the corpus of the fuzzer) was taken for stick with thirty times the force that its
 /// reservoir holds.

@@ -101,23 +101,24 @@ impl Default for Cells {
 }
 
 impl<const P: usize> Single<'_, P> {
-    /// Solutions that Newton's method finds from the cells of the next net of slip directions in which there may be one; none
-    /// if there are not enough evaluations left for the net.
+    /// Solutions that Newton's method finds from the cells of the next net of slip directions in which there may be one;
+    /// none if there are not enough evaluations left for the net. `cells` is what was asked before, at first nothing.
     ///
-    /// With velocities `v = w/h` of directions `w` and half widths `h` of *D* the percussions of an ellipsoid along the axes are
-    /// as evenly spread as the net, whatever the unit of drilling. Between the directions of a cell percussions and slip
+    /// With velocities `v = w/h` of directions `w` and half widths `h` of *D* the percussions of an ellipsoid along the axes
+    /// are as evenly spread as the net, whatever the unit of drilling. Between the directions of a cell percussions and slip
     /// are interpolated: on edges and flats of *D* that is what hulls of their corners do. Cells in which the normal force
     /// would pull, or the slip be against the direction, count as well: without them ten of the 23 contacts named above are
     /// solved with one division and 21 with three.
     pub(super) fn over_cells(
         &self,
-        cells: &mut Cells,
+        cells: &mut Option<Cells>,
         left: &mut Evaluations,
         keep: &mut dyn FnMut(V) -> bool,
     ) -> bool {
         if P != 3 {
             return false;
         }
+        let cells = cells.get_or_insert_default();
         let Some(net) = cells.nets.next() else { return false };
         if !left.allow(net.directions.len() - cells.asked) {
             return false;
@@ -141,6 +142,9 @@ impl<const P: usize> Single<'_, P> {
         }
         cells.asked = net.directions.len();
         for cell in &net.cells {
+            if !left.are_left() {
+                break;
+            }
             let [Some(a), Some(b), Some(c)] = cell.map(|i| cells.slidings[i]) else { continue };
             let outwards = cell.iter().map(|&i| net.directions[i]).sum::<Vector<3>>();
             if let Some(p) = self.between([a, b, c], &outwards)
