@@ -11,6 +11,8 @@ use crate::decode::{Range, Source};
 
 /// What a contact does below this size counts as nothing if it is nothing beside the loads of the whole, too.
 const NOTHING: f64 = 1e-150;
+/// Distance from a set, as a multiple of the normal percussion, beyond which slips are cut off: their squares are numbers.
+const FAR: f64 = 1e100;
 
 /// A contact problem in the open: dense `G`, loads, laws.
 pub struct Scene {
@@ -199,16 +201,18 @@ fn inclusion<const P: usize>(
     if normal <= 0.0 {
         return tangent.norm();
     }
-    let slip = Vector::<P>::from_fn(|k, _| velocity[first + k]);
     let x = -tangent / normal;
+    let moved = Vector::<P>::from_fn(|k, _| rho * velocity[first + k]);
+    // The projection of what is this far away no longer depends on how far it is.
+    let step = moved / normal.max(moved.norm() / FAR);
     let excess = |x: &Vector<P>| law.direction().gauge(x) - law.reservoir().gauge(x);
     let shrink = 1.0 + excess(&x);
-    let (z, moved) = (x / shrink, slip * (rho / normal));
-    let end = law.direction().project(&(z + moved / shrink));
+    let z = x / shrink;
+    let end = law.direction().project(&(z + step / shrink));
     let near = end / (1.0 - excess(&end));
     let held = x / law.reservoir().gauge(&x).max(1.0);
-    let stepped = f64::max((x - near).norm(), (z - end).norm() * shrink);
-    let rest = (x - held).norm() + moved.norm();
+    let stepped = normal * f64::max((x - near).norm(), (z - end).norm() * shrink);
+    let rest = normal * (x - held).norm() + moved.norm();
     // Beside cusps lengths along neighbouring rays differ though the boundary is near: is it crossed by a short step?
     let (gauge, slope) = law.reservoir().gauge_jet(&x);
     let across = slope * (2.0 * (gauge - 1.0) / slope.norm_squared());
@@ -216,10 +220,10 @@ fn inclusion<const P: usize>(
         let normal = law.direction().gauge_jet(&at).1.normalize();
         (moved - normal * moved.dot(&normal).max(0.0)).norm()
     };
-    let beside = across.norm() + aside(x).max(aside(x - across));
+    let beside = normal * across.norm() + aside(x).max(aside(x - across));
     let crossed = (law.reservoir().gauge(&(x - across)) - 1.0) * (gauge - 1.0) <= 0.0;
     let slips = if crossed && beside < stepped { beside } else { stepped };
-    slips.min(rest) * normal
+    slips.min(rest)
 }
 
 /// Whether forces that differ in the thirteenth digit differ in the sixth of their gauges.

@@ -18,17 +18,18 @@ use crate::contact::{ContactProblem, Memory, Part, put, take};
 // 520 (9, 10, 15, 27, 35), 560 (7, 23) and 600 contacts (28). Without neighbourhoods six of them are not solved in 10 s. It is
 // chance in part which ones a value solves.
 
-/// Contacts of a neighbourhood: with 60, 80, 100, 120 and 200 the 14 problems take 113, 46, 87, 70 and 81 s, and 4, 0, 2, 0 and 1
-/// are not solved in 20 s. The problems of 1000 contacts of seeds 55, 94 and 123 were solved with 80, 100 and 200, with 200
-/// in two thirds of the time with 80; with 120 that of seed 94 was not solved in 100 s. Since drilling contacts are searched over
-/// cells of slip directions, that of seed 123 is not solved with 80.
-const CONTACTS: usize = 80;
+/// Contacts of the neighbourhoods that follow each other until one halves the natural map; after the last one another start is
+/// looked for.
+///
+/// With 60, 80, 100, 120 and 200 contacts in each of two the 14 problems take 113, 46, 87, 70 and 81 s, and 4, 0, 2, 0 and 1 are
+/// not solved in 20 s. With four of 120 contacts they take 58 s in place of 70 with two, and a start elsewhere before the first
+/// neighbourhood leaves four more unsolved (200 contacts). The problem of 1000 contacts of seed 123, in which contacts
+/// with drilling friction change their states, is solved with a third one of 200 contacts, not with two of 80 alone; where the second
+/// one has 200 contacts, it is solved, too, but two of the 14 are not.
+const SIZES: [usize; 3] = [80, 80, 200];
 /// Fewest contacts of a problem that has neighbourhoods: 150 such random problems of 240, 300 and 360 contacts (seeds 0 to 49)
 /// are solved without.
 const FEWEST: usize = 400;
-/// Neighbourhoods that have not halved the natural map, after which another start is looked for: with 4 the problems take 58 s
-/// in place of 70 (120 contacts). A start elsewhere before the first neighbourhood leaves four more unsolved (200 contacts).
-const IN_VAIN: usize = 2;
 /// Contacts next to the worst one around which no other neighbourhood is begun, unless this one has helped: some bodies with
 /// four contacts each.
 const CORE: usize = 20;
@@ -69,7 +70,7 @@ impl Neighbourhoods {
     }
 
     /// Gives the contacts around the worst one to `solve`, which tells its factorisations; the best percussions with those of
-    /// the neighbourhood in place of the old ones. `None` if two neighbourhoods have not helped, if the problem is small or is
+    /// the neighbourhood in place of the old ones. `None` if neighbourhoods of all sizes have not helped, if the problem is small or is
     /// a neighbourhood itself.
     pub(super) fn solve(
         &mut self,
@@ -86,13 +87,11 @@ impl Neighbourhoods {
             self.prepare(problem);
             self.grade = grade;
         }
-        if self.in_vain == IN_VAIN {
-            return None;
-        }
+        let size = *SIZES.get(self.in_vain)?;
         self.in_vain += 1;
         self.velocity.resize(problem.rows(), 0.0);
         problem.velocity(&self.percussion, &mut self.velocity);
-        self.choose(problem);
+        self.choose(problem, size);
         let Self { contacts, percussion, velocity, .. } = self;
         let mut part = Part::new(problem, contacts);
         part.copy_velocities_beside(problem, percussion, velocity);
@@ -110,8 +109,8 @@ impl Neighbourhoods {
         Some(&self.percussion)
     }
 
-    /// Chooses the worst contact where nothing was tried in vain, and those around it: neighbours, their neighbours, and so on.
-    fn choose(&mut self, problem: &ContactProblem) {
+    /// Chooses the worst contact where nothing was tried in vain, and so many around it: neighbours, their neighbours, and so on.
+    fn choose(&mut self, problem: &ContactProblem, size: usize) {
         let Self { tried, contacts, chosen, percussion, velocity, .. } = self;
         let measured = Measured { problem, percussion, velocity };
         let untried = (0..tried.len()).filter(|&i| !tried[i]);
@@ -122,7 +121,7 @@ impl Neighbourhoods {
         contacts.push(worst);
         chosen[worst] = true;
         let mut next = 0;
-        while next < contacts.len() && contacts.len() < CONTACTS {
+        while next < contacts.len() && contacts.len() < size {
             for &other in problem.delassus().blocks().neighbours(contacts[next]) {
                 if !std::mem::replace(&mut chosen[other], true) {
                     contacts.push(other);
@@ -130,7 +129,7 @@ impl Neighbourhoods {
             }
             next += 1;
         }
-        contacts.truncate(CONTACTS);
+        contacts.truncate(size);
         contacts.iter().take(CORE).for_each(|&i| tried[i] = true);
         contacts.sort_unstable();
     }

@@ -34,13 +34,23 @@ impl Integration<'_> {
         let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first = (bracket.high, bracket.triggered[0].number);
         for (k, function) in bracket.triggered.iter().enumerate() {
-            let low = Value { at: bracket.low, value: function.low.min(0.0) };
-            let high = Value { at: bracket.high, value: function.high };
-            let at = root::zero(low, high, width, |h| {
+            let number = function.number;
+            let start = Value { at: 0.0, value: self.event_values[number] };
+            let mut value_at = |h| {
                 self.solve_to(h)?;
                 let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-                Ok::<f64, StateError>(self.event_function(function.number, q, u))
-            })?;
+                Ok::<f64, StateError>(self.event_function(number, q, u))
+            };
+            let low = Value { at: bracket.low, value: function.low.min(0.0) };
+            let high = Value { at: bracket.high, value: function.high };
+            let mut at = root::zero(low, high, width, &mut value_at)?;
+            if low.at > 0.0 && at - low.at <= 2.0 * width {
+                // Where the step was only interpolated, the function had not yet become positive; a shorter step says otherwise.
+                let high = Value { at, value: value_at(at)? };
+                if start.value < 0.0 && high.value > 0.0 {
+                    at = root::zero(start, high, width, value_at)?;
+                }
+            }
             if k == 0 || at < first.0 {
                 first = (at, function.number);
             }
@@ -54,17 +64,17 @@ impl Integration<'_> {
         }
         self.sample_before(self.state.t + h)?;
         let recorded = self.options.sample.is_none() && h > 0.0;
-        let before = if recorded && self.dynamics.is_indeterminate() {
+        self.solve_to(h)?;
+        let mut before = Vec::new();
+        if recorded && self.dynamics.is_indeterminate() {
             match self.solve_to(h * (1.0 - SHORTLY)) {
-                Ok(()) => self.dynamics.contacts.clone(),
+                Ok(()) => before.clone_from(&self.dynamics.contacts),
                 // What is recorded must not decide on the motion.
-                Err(StateError::Diverged) => Vec::new(),
+                Err(StateError::Diverged) => {}
                 Err(error) => return Err(error),
             }
-        } else {
-            Vec::new()
-        };
-        self.solve_to(h)?;
+            self.solve_to(h)?;
+        }
         self.take_end(self.state.t + h, false)?;
         self.smooth = false;
         self.starting &= h == 0.0;
