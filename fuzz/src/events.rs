@@ -46,6 +46,7 @@ pub fn check(data: &[u8]) {
         p: motion.samples.p,
         lag: 0,
         slip: &motion.samples.slip,
+        u: &motion.samples.u,
         force: &motion.samples.force,
         normal_force: &motion.samples.normal_force,
         phase: &motion.samples.phase,

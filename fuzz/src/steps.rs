@@ -24,6 +24,7 @@ pub fn check(data: &[u8]) {
         p: path.p,
         lag: 1,
         slip: &path.slip,
+        u: &path.u,
         force: &path.force,
         normal_force: &path.normal_force,
         phase: &path.phase,

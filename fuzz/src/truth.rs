@@ -11,7 +11,7 @@ use crate::decode::{Range, Source};
 
 /// What a contact does below this size counts as nothing if it is nothing beside the loads of the whole, too.
 const NOTHING: f64 = 1e-150;
-/// Distance from a set, as a multiple of the normal percussion, beyond which slips are cut off: their squares are numbers.
+/// The longest step `ρξ` over the normal percussion that is projected; its square is a number.
 const FAR: f64 = 1e100;
 
 /// A contact problem in the open: dense `G`, loads, laws.
@@ -203,8 +203,8 @@ fn inclusion<const P: usize>(
     }
     let x = -tangent / normal;
     let moved = Vector::<P>::from_fn(|k, _| rho * velocity[first + k]);
-    // The projection of what is this far away no longer depends on how far it is.
-    let step = moved / normal.max(moved.norm() / FAR);
+    // The projection of what is as far away as that no longer depends on how far it is.
+    let step = moved / normal.max(moved.amax() / FAR);
     let excess = |x: &Vector<P>| law.direction().gauge(x) - law.reservoir().gauge(x);
     let shrink = 1.0 + excess(&x);
     let z = x / shrink;
@@ -217,8 +217,8 @@ fn inclusion<const P: usize>(
     let (gauge, slope) = law.reservoir().gauge_jet(&x);
     let across = slope * (2.0 * (gauge - 1.0) / slope.norm_squared());
     let aside = |at: Vector<P>| {
-        let normal = law.direction().gauge_jet(&at).1.normalize();
-        (moved - normal * moved.dot(&normal).max(0.0)).norm()
+        let outward = law.direction().gauge_jet(&at).1.normalize();
+        (moved - outward * moved.dot(&outward).max(0.0)).norm()
     };
     let beside = normal * across.norm() + aside(x).max(aside(x - across));
     let crossed = (law.reservoir().gauge(&(x - across)) - 1.0) * (gauge - 1.0) <= 0.0;

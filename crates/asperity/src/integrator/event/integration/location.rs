@@ -35,24 +35,27 @@ impl Integration<'_> {
         let mut first = (bracket.high, bracket.triggered[0].number);
         for (k, function) in bracket.triggered.iter().enumerate() {
             let number = function.number;
-            let start = Value { at: 0.0, value: self.event_values[number] };
-            let mut value_at = |h| {
-                self.solve_to(h)?;
-                let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-                Ok::<f64, StateError>(self.event_function(number, q, u))
-            };
             let low = Value { at: bracket.low, value: function.low.min(0.0) };
             let high = Value { at: bracket.high, value: function.high };
-            let mut at = root::zero(low, high, width, &mut value_at)?;
-            if low.at > 0.0 && at - low.at <= 2.0 * width {
-                // Where the step was only interpolated, the function had not yet become positive; a shorter step says otherwise.
-                let high = Value { at, value: value_at(at)? };
-                if start.value < 0.0 && high.value > 0.0 {
-                    at = root::zero(start, high, width, value_at)?;
+            let mut value = high.value;
+            let mut at = root::zero(low, high, width, |h| {
+                value = self.event_function_at(number, h)?;
+                Ok::<f64, StateError>(value)
+            })?;
+            // At the low end the function was not yet positive in the whole step. A step that ends there may say that it is: the
+            // end of a stick whose forces several contacts share, where the function jumps, was then before.
+            let late = low.at > 0.0 && at - low.at <= 2.0 * width && value > 0.0;
+            if late && self.sticks_within_limit(number) {
+                let start = Value { at: 0.0, value: self.event_values[number] };
+                let high = Value { at, value };
+                match root::zero(start, high, width, |h| self.event_function_at(number, h)) {
+                    Ok(earlier) => at = earlier,
+                    Err(StateError::Diverged) => {}
+                    Err(error) => return Err(error),
                 }
             }
             if k == 0 || at < first.0 {
-                first = (at, function.number);
+                first = (at, number);
             }
         }
         let (h, number) = first;
@@ -94,6 +97,19 @@ impl Integration<'_> {
         self.record();
         self.dynamics.contacts = contacts;
         Ok(())
+    }
+
+    /// The event function of a contact, or of the section, at the end of a step of this length.
+    fn event_function_at(&mut self, number: usize, h: f64) -> Result<f64, StateError> {
+        self.solve_to(h)?;
+        let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
+        Ok(self.event_function(number, q, u))
+    }
+
+    /// Whether this is the number of a contact that sticks and is not yet at its limit at the present state.
+    fn sticks_within_limit(&self, number: usize) -> bool {
+        let contact = self.dynamics.contacts.get(number);
+        contact.is_some_and(|contact| contact.mode == Phase::Stick) && !self.is_at_limit(number)
     }
 
     /// Whether an event function is at its limit at the present state already but for rounding, so that its event is there.
