@@ -137,18 +137,17 @@ impl Scene {
                 (0..m).map(|j| percussion(j) * (mobility[k % m] * mobility[j]).sqrt()).sum::<f64>()
             };
             let brought = brought(k / m) + brought(k / m - lag);
-            // A slip is a difference of velocities, which may be far larger.
-            let fastest = |sample: usize| {
-                let velocities = &u[(sample - lag) * dof..][..(1 + lag) * dof];
-                velocities.iter().map(|u| u.abs()).sum::<f64>()
-            };
             // At rest a speed of the size of rounding may stand for none, and the other way round.
             let factor_with = |error: f64| {
                 let [falling_at, rising_at] = [before + error, now - error].map(|v| v.max(0.0));
                 let rate = contact.law.rate();
                 rate.map_or(1.0, |rate| rate.falling(falling_at) + rate.rising(rising_at))
             };
-            let rounded = 8.0 * f64::EPSILON * contact.direction.amax() * fastest(k / m);
+            // A slip is a difference of velocities, which may be far larger.
+            let velocities = &u[(k / m - lag) * dof..][..(1 + lag) * dof];
+            let largest =
+                contact.direction.amax() * velocities.iter().map(|u| u.abs()).sum::<f64>();
+            let rounded = 8.0 * f64::EPSILON * largest;
             let uncertain = 1e-9 + tolerance * brought + rounded;
             let (least, factor) = (factor_with(uncertain), factor_with(-uncertain));
             let (gauge, slope) = gauge(&contact.law, own);
@@ -161,7 +160,8 @@ impl Scene {
             };
             let step = tolerance * loads;
             let radius = laws::least_radius(&contact.law);
-            // Where speeds run away, the accuracy of the one before is, as a percussion, more than the reservoir holds.
+            // Where a speed grows tenfold in a step, the accuracy of the one before may be, as a percussion, more than the
+            // reservoir holds.
             let runs_away = mobility[k % m] > 0.0
                 && dt > 0.0
                 && now > 10.0 * before

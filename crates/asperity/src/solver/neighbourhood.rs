@@ -70,8 +70,8 @@ impl Neighbourhoods {
     }
 
     /// Gives the contacts around the worst one to `solve`, which tells its factorisations; the best percussions with those of
-    /// the neighbourhood in place of the old ones. `None` if neighbourhoods of all sizes have not helped, if the problem is small or is
-    /// a neighbourhood itself.
+    /// the neighbourhood in place of the old ones. `None` if neighbourhoods of all sizes have not helped, if the problem is
+    /// small or is a neighbourhood itself.
     pub(super) fn solve(
         &mut self,
         progress: &mut Progress<'_>,

@@ -39,8 +39,8 @@ pub(crate) fn evaluate(
 /// Gives the contacts at an event parts that they can carry, if they have others, where the event is the end of a stick that
 /// they share: together they are loaded with just what friction can hold, or by rounding of the time with a little more, and
 /// the contact problem finds the slip that begins. Its forces are in the reservoirs and balance as well as the time is known,
-/// unless slip begins with another force: then the parts are those of shortly `before`, if those could be carried; otherwise they
-/// stay as they are. Modes and accelerations stay the same, and nothing is evaluated.
+/// unless slip begins with another force: then the parts are those of shortly `before`, if there are any and they could be
+/// carried; otherwise they stay as they are. Modes and accelerations stay the same, and nothing is evaluated.
 pub(crate) fn share_at_event(
     dynamics: &mut Dynamics<'_>,
     state: &State,
@@ -55,16 +55,15 @@ pub(crate) fn share_at_event(
     let decision = decide(dynamics, state, Question::WhetherStickGoesOn, solving)?;
     let changes = dynamics.acceleration.iter().zip(&acceleration).map(|(a, b)| (a - b).abs());
     let balances = changes.fold(0.0, f64::max) <= AT_END_OF_STICK * dynamics.load;
-    let shares = if matches!(decision, Decision::Made { .. }) && balances {
-        std::mem::take(&mut dynamics.contacts)
-    } else {
+    let found = matches!(decision, Decision::Made { .. }) && balances;
+    if !found {
         dynamics.contacts = before.to_vec();
-        let carried = !before.is_empty() && !is_overloaded(dynamics, rounded_excess(dynamics));
-        if carried { before } else { &kept }.to_vec()
-    };
-    for (contact, share) in kept.iter_mut().zip(shares) {
-        if contact.mode == Phase::Stick {
-            (contact.force, contact.normal_force) = (share.force, share.normal_force);
+    }
+    if found || !is_overloaded(dynamics, rounded_excess(dynamics)) {
+        for (contact, share) in kept.iter_mut().zip(&dynamics.contacts) {
+            if contact.mode == Phase::Stick {
+                (contact.force, contact.normal_force) = (share.force, share.normal_force);
+            }
         }
     }
     (dynamics.contacts, dynamics.acceleration) = (kept, acceleration);
