@@ -5,8 +5,8 @@ mod common;
 use std::f64::consts::TAU;
 
 use asperity_set::{
-    Ball, CappedRectangle, Convex, Cuboid, Ellipsoid, Matrix, Star, StarSet, Superellipsoid,
-    Vector, largest_ratio, largest_scale_inside, ratio_in_closed_form,
+    Ball, CappedRectangle, Convex, Cuboid, Ellipsoid, Matrix, PolarCurve, Star, StarSet,
+    Superellipsoid, Vector, largest_ratio, largest_scale_inside, ratio_in_closed_form,
 };
 use common::*;
 use proptest::prelude::*;
@@ -91,6 +91,23 @@ fn the_farthest_point_of_a_needle_lies_beside_its_tip() {
         let inner = needle.as_convex().unwrap();
         let found = largest_scale_inside(inner, &Ball::UNIT);
         assert!(close(found, 1.0 / tip.norm(), 1e-13), "{exponent}: {found} {}", 1.0 / tip.norm());
+    }
+}
+
+/// Both ends of the cap of a needle have a largest ratio, nearer to each other than directions that are equidistant.
+#[test]
+fn the_larger_of_two_maxima_on_the_cap_of_a_needle_is_found() {
+    let needle = CappedRectangle::new(0.04233170973617401, 28.768983854508217, 1.0).unwrap();
+    let needle = convex_of(Star::from(needle));
+    // Beside the tip the ratio to a disk that lies off the origin has its maxima at both sides of the cap.
+    let angles: Vec<f64> = (0..48).map(|k| TAU * f64::from(k) / 48.0).collect();
+    for offset in [-1e-4, 1e-4] {
+        let radius: Vec<f64> = angles.iter().map(|t| 1.0 / (1.0 + offset * t.cos())).collect();
+        let outer = PolarCurve::new(&angles, &radius).unwrap();
+        let (ratio, at) = largest_ratio(&outer, &needle);
+        assert!(ratio >= tried(&outer, &needle) * (1.0 - 1e-12), "{ratio} at {at}");
+        let scale = largest_scale_inside(&needle, &outer);
+        assert!(close(scale, 1.0 / ratio, 1e-12), "{scale} {}", 1.0 / ratio);
     }
 }
 

@@ -148,6 +148,24 @@ fn projections_near_an_edge_of_one_member_stay_inside() {
     assert!(set.gauge(&x) <= 1.0 + 1e-12, "{}", set.gauge(&x) - 1.0);
 }
 
+/// Along the normal of a facet, which rounding turns by its last digit, all of what other members leave of the facet is
+/// farthest: what the search for one point of it follows there is rounding.
+#[test]
+fn support_along_the_normal_of_a_facet_is_that_of_the_facet() {
+    let power = |axes, exponent| Star::from(Superellipsoid::new(axes, exponent).unwrap());
+    let axes = W::new(0.36760727717699027, 0.5054080149510273, 1.262562722243783);
+    let octahedron = power(W::new(0.5999993285655115, 0.9085416612033878, 1.8943042162472838), 1.0);
+    let set = Star::intersection(&[power(axes, 135.6214730634045), octahedron]).unwrap();
+    let set = set.as_convex().unwrap();
+    let d = W::new(0.4146067428661209, -0.10136251637380994, -0.904337817988563);
+    let normal = set.gauge_gradient(&point_of(set, &d, 1.0)).unwrap();
+    for digit in [0.0, 1.0, 2.0, 5.0, 20.0] {
+        let turned = normal + W::new(1.0, 2.0, -1.0) * digit * 1e-16;
+        let support = set.support(&turned);
+        assert!((support - 1.0).abs() <= 1e-14, "{support} at digit {digit}");
+    }
+}
+
 /// However skew the map is, what is left of the variational inequality is small: between 1e-11 and 1e-10 of the
 /// sizes for an octahedron under the largest shear, which a tolerance of 1e-11 refused.
 #[test]
@@ -295,6 +313,33 @@ fn projections_onto_round_sums_have_all_digits() {
         let x = sum.project(&z);
         let off = (sum.support_point(&(z - x)) - x).norm();
         assert!(off <= 1e-14 * z.norm(), "{off:e} of {} at {k}", z.norm());
+    }
+}
+
+/// What is projected once stays where it is, also where it lies outside by the last digits, which tell no normal.
+#[test]
+fn projections_onto_sums_of_round_and_flat_sets_stay() {
+    let axes = W::new(0.8213572194002123, 5.4068867657276005, 4.9926158239988325);
+    let rounded = Star::from(Superellipsoid::new(axes, 11.105350672232158).unwrap());
+    let lower = W::new(-1.8690406821188053, -1.5956188441867492, -1.3114810647300494);
+    let upper = W::new(1.5956188441867492, 0.907639264536135, 1.9494137525247957);
+    let members: Vec<Convex<3>> = vec![
+        Ball::new(1.5681843490288174).unwrap().into(),
+        rounded.as_convex().unwrap().clone(),
+        Cuboid::new(lower, upper).unwrap().into(),
+    ];
+    let sum = MinkowskiSum::new(members).unwrap();
+    for d in asperity_set::directions::<3>(400) {
+        for k in [1.0 + 1e-15, 1.0 + 1e-12, 2.0] {
+            let z = d * (k / sum.gauge(&d));
+            let x = sum.project(&z);
+            let again = sum.project(&x);
+            assert!(
+                (x - z).norm() <= (1.0 + 1e-12) * (1.0 - 1.0 / k) * z.norm() + 1e-14,
+                "{k} {d}"
+            );
+            assert!((again - x).norm() <= 1e-11 * x.norm(), "{:e} {k} {d}", (again - x).norm());
+        }
     }
 }
 

@@ -91,13 +91,18 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
 }
 
 /// Projection onto a sum of sets in space; what support points find is improved by the projections onto the members.
+///
+/// Of points outside by rounding neither knows the normal; the point on their ray is as near as any then.
 fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
-    if sum.gauge(z) <= 1.0 {
+    let gauge = sum.gauge(z);
+    if gauge <= 1.0 {
         return *z;
     }
     project::by_dual_newton(sum, z).unwrap_or_else(|| {
         let near = project::by_support_points(sum, z);
-        by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x)
+        let nearest = by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x);
+        let on_ray = z / gauge;
+        if (z - on_ray).norm() < (z - nearest).norm() { on_ray } else { nearest }
     })
 }
 

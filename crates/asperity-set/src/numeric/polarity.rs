@@ -290,13 +290,13 @@ where
     let y = y.normalize();
     let axes = tangents(&y);
     let point = |t: &Vector<2>| y + axes[0] * t.x + axes[1] * t.y;
-    let slope = |t: &Vector<2>| {
-        let gradient = jet(&point(t)).1;
-        Vector::<2>::new(axes[0].dot(&gradient), axes[1].dot(&gradient))
+    let in_plane = |t: &Vector<2>| {
+        let (value, gradient) = jet(&point(t));
+        (value, Vector::<2>::new(axes[0].dot(&gradient), axes[1].dot(&gradient)))
     };
     let (mut centre, mut radius) = (Vector::<2>::zeros(), 1.0);
     loop {
-        let next = by_ellipsoids(&centre, radius, &slope);
+        let next = by_ellipsoids(&centre, radius, &in_plane);
         if (next - centre).norm() < 0.5 * radius || radius > 1e12 {
             let x = onto_ridge(jet, point(&next), &y);
             return x / jet(&x).0;
@@ -355,18 +355,23 @@ where
     best
 }
 
-/// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from subgradients alone:
+/// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from values and subgradients alone:
 /// the ellipsoid method, whose volume shrinks by a constant factor per step whatever the function.
-pub(crate) fn by_ellipsoids<const N: usize>(
+///
+/// On a face on which the function is least its subgradients are rounding, and ellipsoids that follow them may end off the
+/// face. What was lower on the way by more than rounding is taken then: of a smooth function the last centre has more digits.
+fn by_ellipsoids<const N: usize>(
     centre: &Vector<N>,
     radius: f64,
-    subgradient: &dyn Fn(&Vector<N>) -> Vector<N>,
+    jet: &dyn Fn(&Vector<N>) -> (f64, Vector<N>),
 ) -> Vector<N> {
+    const ROUNDING: f64 = 1e-12;
     let n = N as f64;
     let mut x = *centre;
     let mut shape = Matrix::<N>::identity() * (radius * radius);
+    let (mut value, mut gradient) = jet(&x);
+    let (mut least, mut lowest) = (value, x);
     for _ in 0..400 * (N - 1) {
-        let gradient = subgradient(&x);
         let step = shape * gradient;
         let length = gradient.dot(&step).sqrt();
         let size = shape.trace().sqrt();
@@ -378,6 +383,10 @@ pub(crate) fn by_ellipsoids<const N: usize>(
         x -= step / (n + 1.0);
         shape = (shape - step * step.transpose() * (2.0 / (n + 1.0))) * (n * n / (n * n - 1.0));
         shape = (shape + shape.transpose()) * 0.5;
+        (value, gradient) = jet(&x);
+        if value < least {
+            (least, lowest) = (value, x);
+        }
     }
-    x
+    if value > least + ROUNDING * least.abs() { lowest } else { x }
 }

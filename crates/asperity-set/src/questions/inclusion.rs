@@ -1,10 +1,10 @@
 //! How large a set fits inside another.
 
 use super::closed_form::ratio_in_closed_form;
-use super::peaks::largest_in_space;
+use super::peaks::{frame, largest_in_space};
 use super::turning_directions::TurningDirections;
 use crate::numeric::vectors::along;
-use crate::{Cancelled, ConvexSet, StarSet, Vector, directions};
+use crate::{Cancelled, ConvexSet, Matrix, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
@@ -51,22 +51,38 @@ pub fn largest_ratio_unless<const P: usize>(
         let (value, at) = largest_in_space(&[a, b], &ratio, cancelled);
         return search(&ratio, value, at, 1e-4);
     }
-    let mut around = directions::<P>(2880);
-    let own = around.len();
-    around.extend(a.corners().into_iter().chain(b.corners()));
-    let values: Vec<f64> = around.iter().map(ratio).collect();
-    // Of equidistant angles only those with lower neighbours.
-    let is_peak = |i: usize| {
-        let neighbours = [(i + own - 1) % own, (i + 1) % own];
-        P != 2 || i >= own || neighbours.iter().all(|&j| values[i] >= values[j])
-    };
-    let mut ranked: Vec<(f64, Vector<P>)> =
-        (0..around.len()).filter(|&i| is_peak(i)).map(|i| (values[i], around[i])).collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let around = directions::<P>(2880);
+    let mut ranked: Vec<Peak<P>> = Vec::new();
+    // Of a slender set all that turns lies between two of the directions that are equidistant for others.
+    let slender = [a, b].into_iter().filter_map(|set| frame(set, cancelled));
+    for frame in std::iter::once(Matrix::identity()).chain(slender) {
+        let values: Vec<f64> = around.iter().map(|unit| ratio(&(frame * unit))).collect();
+        let count = around.len();
+        // Of equidistant angles only those with lower neighbours.
+        let is_peak = |&i: &usize| {
+            let neighbours = [(i + count - 1) % count, (i + 1) % count];
+            P != 2 || neighbours.iter().all(|&j| values[i] >= values[j])
+        };
+        let peak = |i: usize| Peak { value: values[i], at: around[i], frame };
+        ranked.extend((0..count).filter(is_peak).map(peak));
+    }
+    let corners = a.corners().into_iter().chain(b.corners());
+    ranked.extend(corners.map(|x| Peak { value: ratio(&x), at: x, frame: Matrix::identity() }));
+    ranked.sort_by(|p, q| q.value.total_cmp(&p.value));
     ranked.truncate(24);
-    let refined = ranked.into_iter().map(|(value, d)| search(&ratio, value, d, REACH));
+    let refined = ranked.into_iter().map(|Peak { value, at, frame }| {
+        let (value, at) = search(&|x| ratio(&(frame * x)), value, at, REACH);
+        (value, (frame * at).normalize())
+    });
     let largest = refined.max_by(|p, q| p.0.total_cmp(&q.0));
     largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))
+}
+
+/// A direction `frame · at` that has a larger value than its neighbours.
+struct Peak<const P: usize> {
+    value: f64,
+    at: Vector<P>,
+    frame: Matrix<P>,
 }
 
 /// The largest ratio where a closed form gives it, or in the plane directions in which both sets are resolved.

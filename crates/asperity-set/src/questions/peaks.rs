@@ -1,4 +1,4 @@
-//! Local maxima of functions of directions in space, of which nothing is known but values.
+//! Local maxima of functions of directions, of which nothing is known but values.
 
 use std::f64::consts::PI;
 
@@ -46,7 +46,10 @@ pub(super) fn largest_in_space<const P: usize>(
 }
 
 /// A map under which the unit ball is about as slender as the set; `None` if the set is about as round as a ball.
-fn frame<const P: usize>(set: &dyn StarSet<P>, cancelled: Cancelled<'_>) -> Option<Matrix<P>> {
+pub(super) fn frame<const P: usize>(
+    set: &dyn StarSet<P>,
+    cancelled: Cancelled<'_>,
+) -> Option<Matrix<P>> {
     const ROUNDS: usize = 12;
     const PROBES: usize = 100;
     let (probes, corners) = (directions::<P>(PROBES), set.corners());
