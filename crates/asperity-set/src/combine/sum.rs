@@ -92,7 +92,8 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
 
 /// Projection onto a sum of sets in space; what support points find is improved by the projections onto the members.
 ///
-/// Of points outside by rounding neither knows the normal; the point on their ray is as near as any then.
+/// Of points that are hardly outside neither knows the normal, and what they find may be farther away than the point on the
+/// ray. The tangent plane there does.
 fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
     let gauge = sum.gauge(z);
     if gauge <= 1.0 {
@@ -102,7 +103,11 @@ fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
         let near = project::by_support_points(sum, z);
         let nearest = by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x);
         let on_ray = z / gauge;
-        if (z - on_ray).norm() < (z - nearest).norm() { on_ray } else { nearest }
+        if (z - on_ray).norm() < (z - nearest).norm() {
+            project::by_cuts(sum, z).unwrap_or(on_ray)
+        } else {
+            nearest
+        }
     })
 }
 
