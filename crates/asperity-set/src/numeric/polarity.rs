@@ -358,8 +358,9 @@ where
 /// Minimiser of a convex function of `N ≥ 2` variables that lies within a ball, from values and subgradients alone:
 /// the ellipsoid method, whose volume shrinks by a constant factor per step whatever the function.
 ///
-/// On a face on which the function is least its subgradients are rounding, and ellipsoids that follow them may end off the
-/// face. What was lower on the way by more than rounding is taken then: of a smooth function the last centre has more digits.
+/// On a face on which the function is least its subgradients are nothing but rounding errors, and ellipsoids that follow them
+/// may end off the face. If a centre on the way was lower than the last one by more than rounding, it is taken instead; of a
+/// smooth function the last centre has more digits.
 fn by_ellipsoids<const N: usize>(
     centre: &Vector<N>,
     radius: f64,
@@ -370,7 +371,7 @@ fn by_ellipsoids<const N: usize>(
     let mut x = *centre;
     let mut shape = Matrix::<N>::identity() * (radius * radius);
     let (mut value, mut gradient) = jet(&x);
-    let (mut least, mut lowest) = (value, x);
+    let (mut least, mut where_least) = (value, x);
     for _ in 0..400 * (N - 1) {
         let step = shape * gradient;
         let length = gradient.dot(&step).sqrt();
@@ -385,8 +386,8 @@ fn by_ellipsoids<const N: usize>(
         shape = (shape + shape.transpose()) * 0.5;
         (value, gradient) = jet(&x);
         if value < least {
-            (least, lowest) = (value, x);
+            (least, where_least) = (value, x);
         }
     }
-    if value > least + ROUNDING * least.abs() { lowest } else { x }
+    if value > least + ROUNDING * least.abs() { where_least } else { x }
 }

@@ -1,15 +1,15 @@
 //! How large a set fits inside another.
 
 use super::closed_form::ratio_in_closed_form;
-use super::peaks::{frame, largest_in_space};
+use super::peaks::{largest_in_space, slender_frame};
 use super::turning_directions::TurningDirections;
 use crate::numeric::vectors::along;
 use crate::{Cancelled, ConvexSet, Matrix, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
-/// In closed form where there is one ([`ratio_in_closed_form`]). Else it is searched for: in the plane every local maximum
-/// of a scan of the boundary is refined, in space the highest of them.
+/// In closed form where there is one ([`ratio_in_closed_form`]). Else it is searched for: scans of the boundary, also in
+/// frames in which slender sets are round, and corners give local maxima, of which the highest are refined, in the plane 24.
 pub fn largest_scale_inside<const P: usize>(
     inner: &dyn ConvexSet<P>,
     outer: &dyn StarSet<P>,
@@ -53,8 +53,8 @@ pub fn largest_ratio_unless<const P: usize>(
     }
     let around = directions::<P>(2880);
     let mut ranked: Vec<Peak<P>> = Vec::new();
-    // Of a slender set all that turns lies between two of the directions that are equidistant for others.
-    let slender = [a, b].into_iter().filter_map(|set| frame(set, cancelled));
+    // The whole cap of a slender set may lie between two neighbouring directions of the scan.
+    let slender = [a, b].into_iter().filter_map(|set| slender_frame(set, cancelled));
     for frame in std::iter::once(Matrix::identity()).chain(slender) {
         let values: Vec<f64> = around.iter().map(|unit| ratio(&(frame * unit))).collect();
         let count = around.len();
@@ -78,7 +78,7 @@ pub fn largest_ratio_unless<const P: usize>(
     largest.unwrap_or((f64::NEG_INFINITY, Vector::zeros()))
 }
 
-/// A direction `frame · at` that has a larger value than its neighbours.
+/// A direction `frame · at` to search from: one of a scan that has a larger value than its neighbours, or a corner.
 struct Peak<const P: usize> {
     value: f64,
     at: Vector<P>,

@@ -30,7 +30,7 @@ pub(super) fn largest_in_space<const P: usize>(
             best = found;
         }
     };
-    let frames = sets.iter().filter_map(|set| frame(*set, cancelled));
+    let frames = sets.iter().filter_map(|set| slender_frame(*set, cancelled));
     for frame in std::iter::once(Matrix::identity()).chain(frames) {
         for (there, unit) in peaks(&around, &|unit| value(&(frame * unit))) {
             take(climbed(value, &frame, there, unit));
@@ -46,7 +46,7 @@ pub(super) fn largest_in_space<const P: usize>(
 }
 
 /// A map under which the unit ball is about as slender as the set; `None` if the set is about as round as a ball.
-pub(super) fn frame<const P: usize>(
+pub(super) fn slender_frame<const P: usize>(
     set: &dyn StarSet<P>,
     cancelled: Cancelled<'_>,
 ) -> Option<Matrix<P>> {

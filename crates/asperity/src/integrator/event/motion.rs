@@ -1,7 +1,7 @@
 //! What an event-driven integration returns.
 
 use crate::contact::Phase;
-use crate::integrator::event::dynamics::Dynamics;
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics};
 use crate::integrator::event::state::State;
 use crate::integrator::samples::{ContactSample, Samples};
 
@@ -98,6 +98,17 @@ impl Motion {
         }
         let (q, u) = dynamics.chart.system_state(state);
         self.samples.push_state(state.t, q, u);
+    }
+
+    /// Gives contacts the forces of the last sample.
+    pub(crate) fn take_last_forces(&self, contacts: &mut [ContactVariables]) {
+        let Samples { p, force, normal_force, .. } = &self.samples;
+        let first = normal_force.len().saturating_sub(contacts.len());
+        let last = normal_force[first..].iter().zip(force[first * p..].chunks_exact((*p).max(1)));
+        for (contact, (normal, force)) in contacts.iter_mut().zip(last) {
+            contact.normal_force = *normal;
+            contact.force[..contact.p].copy_from_slice(&force[..contact.p]);
+        }
     }
 
     /// Number of events at which the contacts might have done something else.

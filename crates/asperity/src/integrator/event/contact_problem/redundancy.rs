@@ -70,6 +70,11 @@ pub(crate) fn share_at_event(
     Ok(())
 }
 
+/// Whether closed contacts share their forces, and each can carry its part.
+pub(crate) fn is_shared(dynamics: &Dynamics<'_>) -> bool {
+    dynamics.is_indeterminate() && !is_overloaded(dynamics, rounded_excess(dynamics))
+}
+
 /// Whether the event function of a closed contact is beyond the limit.
 fn is_overloaded(dynamics: &Dynamics<'_>, limit: f64) -> bool {
     let overloaded = |i: usize| {

@@ -33,6 +33,8 @@ impl Integration<'_> {
     pub(crate) fn locate_event(&mut self, bracket: &Bracket) -> Result<Location, StateError> {
         let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first = (bracket.high, bracket.triggered[0].number);
+        // The last forces on the way there that contacts which share them could carry, and their time.
+        let (mut carried, mut carried_at) = (Vec::new(), 0.0);
         for (k, function) in bracket.triggered.iter().enumerate() {
             let number = function.number;
             let low = Value { at: bracket.low, value: function.low.min(0.0) };
@@ -40,6 +42,10 @@ impl Integration<'_> {
             let mut value = high.value;
             let mut at = root::zero(low, high, width, |h| {
                 value = self.event_function_at(number, h)?;
+                if h > carried_at && redundancy::is_shared(&self.dynamics) {
+                    carried.clone_from(&self.dynamics.contacts);
+                    carried_at = h;
+                }
                 Ok::<f64, StateError>(value)
             })?;
             // At the low end the function was not yet positive in the whole step. A step that ends there may say that it is: the
@@ -70,10 +76,19 @@ impl Integration<'_> {
         self.solve_to(h)?;
         let mut before = Vec::new();
         if recorded && self.dynamics.is_indeterminate() {
-            match self.solve_to(h * (1.0 - SHORTLY)) {
-                Ok(()) => before.clone_from(&self.dynamics.contacts),
+            let shortly_before = self.solve_to(h * (1.0 - SHORTLY));
+            if shortly_before.is_ok() && redundancy::is_shared(&self.dynamics) {
+                before.clone_from(&self.dynamics.contacts);
+            } else if carried_at < h && !carried.is_empty() {
+                // Where contacts may go on to stick or not, one evaluation finds that they do, and the next one that they do not.
+                before = carried;
+            } else {
+                before.clone_from(&self.dynamics.contacts);
+                self.motion.take_last_forces(&mut before);
+            }
+            match shortly_before {
                 // What is recorded must not decide on the motion.
-                Err(StateError::Diverged) => {}
+                Ok(()) | Err(StateError::Diverged) => {}
                 Err(error) => return Err(error),
             }
             self.solve_to(h)?;
