@@ -290,6 +290,34 @@ def test_a_contact_that_sees_one_direction_twice_shares_its_load_until_slip_begi
     assert np.abs(held[: np.searchsorted(motion.t, start) + 1]).max() <= 1e-5 * most
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_forces_of_a_jam_that_may_end_at_any_time_lie_in_their_reservoirs(tolerance):
+    """A belt and a wall with nearly parallel rows jam a body that may as well slide down the wall.
+
+    The contact problem goes on with the jam or ends it; the last sample before its end has the
+    forces of the jam.
+    """
+    a, b = 0.136749267578125, 0.13726806640625
+    mu, load, steep = 0.04067372657888109, 56.23413252903491, 99.98594712341624
+    belt = asp.Contact(
+        asp.FrictionLaw.isotropic(mu, dimension=1), direction=[[-1.0], [-1.0]], normal_force=load
+    )
+    wall = asp.Contact(
+        asp.FrictionLaw.isotropic(steep), direction=[[-a, -b], [-b, -b]], normal=[-b, -b]
+    )
+    system = asp.LinearSystem(
+        np.diag([0.011141304273687426, 0.5623413251903491]),
+        stiffness=[[198.69440371825212, 38.483361869399204], [38.483361869399204, 137.6667]],
+        damping=0.839202880859375 * np.eye(2),
+        force=[-22.7411029064515, 22.7411029064515],
+        contacts=[belt, wall],
+    )
+    run = asp.integrate(system, t_end=2.0, tolerance=tolerance)
+    friction = np.array([np.abs(run.force[:, 0, 0]), np.linalg.norm(run.force[:, 1], axis=1)]).T
+    limits = np.array([mu, steep]) * run.normal_force
+    assert (friction <= limits * (1.0 + 1e-6) + 1e-9).all()
+
+
 def test_feet_at_one_place_lift_off_together():
     """As one foot does, though rounding of the last of the load would set one aside in turns."""
     lifted = 0

@@ -47,7 +47,7 @@ pub(crate) fn share_at_event(
     before: &[ContactVariables],
     solving: &Solving<'_, '_>,
 ) -> Result<(), EvaluationError> {
-    if !dynamics.is_indeterminate() || !is_overloaded(dynamics, rounded_excess(dynamics)) {
+    if !dynamics.is_indeterminate() || can_carry(dynamics) {
         return Ok(());
     }
     let (mut kept, acceleration) = (dynamics.contacts.clone(), dynamics.acceleration.clone());
@@ -59,7 +59,7 @@ pub(crate) fn share_at_event(
     if !found {
         dynamics.contacts = before.to_vec();
     }
-    if found || !is_overloaded(dynamics, rounded_excess(dynamics)) {
+    if found || can_carry(dynamics) {
         for (contact, share) in kept.iter_mut().zip(&dynamics.contacts) {
             if contact.mode == Phase::Stick {
                 (contact.force, contact.normal_force) = (share.force, share.normal_force);
@@ -70,9 +70,9 @@ pub(crate) fn share_at_event(
     Ok(())
 }
 
-/// Whether closed contacts share their forces, and each can carry its part.
-pub(crate) fn is_shared(dynamics: &Dynamics<'_>) -> bool {
-    dynamics.is_indeterminate() && !is_overloaded(dynamics, rounded_excess(dynamics))
+/// Whether each closed contact can carry its force.
+pub(crate) fn can_carry(dynamics: &Dynamics<'_>) -> bool {
+    !is_overloaded(dynamics, rounded_excess(dynamics))
 }
 
 /// Whether the event function of a closed contact is beyond the limit.

@@ -33,7 +33,8 @@ impl Integration<'_> {
     pub(crate) fn locate_event(&mut self, bracket: &Bracket) -> Result<Location, StateError> {
         let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first = (bracket.high, bracket.triggered[0].number);
-        // The last forces on the way there that contacts which share them could carry, and their time.
+        let keeps_all = self.options.sample.is_none();
+        // The last forces on the way there that all contacts could carry, and their time.
         let (mut carried, mut carried_at) = (Vec::new(), 0.0);
         for (k, function) in bracket.triggered.iter().enumerate() {
             let number = function.number;
@@ -42,7 +43,7 @@ impl Integration<'_> {
             let mut value = high.value;
             let mut at = root::zero(low, high, width, |h| {
                 value = self.event_function_at(number, h)?;
-                if h > carried_at && redundancy::is_shared(&self.dynamics) {
+                if keeps_all && h > carried_at && redundancy::can_carry(&self.dynamics) {
                     carried.clone_from(&self.dynamics.contacts);
                     carried_at = h;
                 }
@@ -72,12 +73,12 @@ impl Integration<'_> {
             return Ok(Location::Early(h));
         }
         self.sample_before(self.state.t + h)?;
-        let recorded = self.options.sample.is_none() && h > 0.0;
+        let recorded = keeps_all && h > 0.0;
         self.solve_to(h)?;
         let mut before = Vec::new();
         if recorded && self.dynamics.is_indeterminate() {
             let shortly_before = self.solve_to(h * (1.0 - SHORTLY));
-            if shortly_before.is_ok() && redundancy::is_shared(&self.dynamics) {
+            if shortly_before.is_ok() && redundancy::can_carry(&self.dynamics) {
                 before.clone_from(&self.dynamics.contacts);
             } else if carried_at < h && !carried.is_empty() {
                 // Where contacts may go on to stick or not, one evaluation finds that they do, and the next one that they do not.
