@@ -313,9 +313,44 @@ def test_forces_of_a_jam_that_may_end_at_any_time_lie_in_their_reservoirs(tolera
         contacts=[belt, wall],
     )
     run = asp.integrate(system, t_end=2.0, tolerance=tolerance)
+    jammed = run.phase[:, 1] == asp.Phase.STICK
+    assert (run.normal_force[jammed, 1] > 1.0).any()
+    assert any(event.kind is EventKind.OPEN and event.contact == 1 for event in run.events)
     friction = np.array([np.abs(run.force[:, 0, 0]), np.linalg.norm(run.force[:, 1], axis=1)]).T
     limits = np.array([mu, steep]) * run.normal_force
     assert (friction <= limits * (1.0 + 1e-6) + 1e-9).all()
+
+
+def test_a_slipping_contact_does_not_pull_where_friction_of_another_can_press_it():
+    """Its normal and the row of another that sticks are parallel, so that they share the load.
+
+    It opens as soon as it begins to slip, and equal parts of just before would have it pull.
+    """
+    slipping = asp.Contact(
+        asp.FrictionLaw.isotropic(0.01),
+        direction=[[-0.5, -0.25], [0.875, -0.75]],
+        normal=[-0.75, -0.75],
+    )
+    sticking = asp.Contact(
+        asp.FrictionLaw.isotropic(100.0, dimension=1),
+        direction=[[-1.0], [-1.0]],
+        normal_force=100.0,
+    )
+    beside = asp.Contact(
+        asp.FrictionLaw.isotropic(56.23413252903491),
+        direction=[[-0.75, -1.0], [-1.0, -0.984405517578125]],
+        normal_force=0.011130349176895742,
+    )
+    system = asp.LinearSystem(
+        [[2.105, 1.458], [1.458, 3.0]],
+        stiffness=200.0 * np.ones((2, 2)),
+        damping=np.eye(2),
+        force=[-98.20338657846098, -99.98594712341624],
+        contacts=[slipping, sticking, beside],
+    )
+    run = asp.integrate(system, t_end=1.0, tolerance=1e-6)
+    assert any(event.kind is EventKind.OPEN and event.contact == 0 for event in run.events)
+    assert run.normal_force.min() >= -1e-9
 
 
 def test_feet_at_one_place_lift_off_together():

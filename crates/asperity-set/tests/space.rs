@@ -348,18 +348,20 @@ fn projections_of_points_hardly_outside_are_no_farther_than_they_need_to_be() {
                 let excess = 0.1_f64.powi(power);
                 let z = d * ((1.0 + excess) / sum.gauge(&d));
                 let (gauge, gradient) = sum.gauge_jet(&z);
-                // Where the boundary is flat up to the foot of the perpendicular that foot is nearest; elsewhere it is
-                // outside, and the point below it on its ray is one of the set.
+                // The foot of the perpendicular onto the tangent plane is nearest where the boundary is flat up to there.
+                // Elsewhere the foot is outside, and where its ray leaves the sum is a point of it that is hardly farther.
                 let foot = z - gradient * ((gauge - 1.0) / gradient.norm_squared());
                 let known = (z - foot / sum.gauge(&foot).max(1.0)).norm();
                 let known = known.min((z - z / gauge).norm());
                 let rounding = 1e-14 * z.norm();
-                for x in [sum.project(&z), sum.project_jet(&z, &z).0] {
+                // The point that comes with a Jacobian may be outside by what is left of Newton's method for the members.
+                let ways = [(sum.project(&z), 1e-12), (sum.project_jet(&z, &z).0, 1e-10)];
+                for (x, outside) in ways {
                     let distance = (z - x).norm();
                     let name =
                         format!("{distance:e} instead of {known:e} at {d} outside by {excess:e}");
                     assert!(distance <= 1.0001 * known + rounding, "{name}");
-                    assert!(sum.gauge(&x) <= 1.0 + 1e-10, "{name}");
+                    assert!(sum.gauge(&x) <= 1.0 + outside, "{name}");
                     assert!((sum.project(&x) - x).norm() <= 1e-10 * x.norm(), "{name}");
                 }
             }

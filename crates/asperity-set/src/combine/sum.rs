@@ -90,30 +90,28 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
     }
 }
 
-/// Excess of the gauge up to which cutting planes are asked as well: in 400 random sums with excesses of 1e-4 to 1e-13 they
-/// never gave up, and below 1e-5 support points missed a hundredth of the distance and more in one of ten.
+/// Excess of the gauge up to which tangent planes are asked before support points. Of 100 random sums of round and flat sets
+/// support points missed more than a hundredth of the distance in 9 to 19 at an excess of 1e-8; tangent planes, asked for 400
+/// sums at 13 excesses each, never gave up.
 const HARDLY_OUTSIDE: f64 = 1e-4;
 
 /// Projection onto a sum of sets in space; what support points find is improved by the projections onto the members.
 ///
-/// How far the points that both find lie from the nearest one is bounded by the size of the sum, not by the distance to it.
-/// Of a point that is hardly outside, tangent planes of the sum tell more, and what is nearer is taken.
+/// How far a point of theirs may lie from the nearest one scales with the size of the sum, not with the distance to it. Of
+/// points that are hardly outside, tangent planes of the sum tell more.
 fn onto_sum<const P: usize>(sum: &MinkowskiSum<P>, z: &Vector<P>) -> Vector<P> {
     let gauge = sum.gauge(z);
     if gauge <= 1.0 {
         return *z;
     }
-    project::by_dual_newton(sum, z).unwrap_or_else(|| {
+    let on_ray = z / gauge;
+    let is_near = gauge <= 1.0 + HARDLY_OUTSIDE;
+    let by_planes = || is_near.then(|| project::by_cuts(sum, z)).flatten();
+    let nearest = project::by_dual_newton(sum, z).or_else(by_planes).unwrap_or_else(|| {
         let near = project::by_support_points(sum, z);
-        let mut nearest = by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x);
-        if gauge <= 1.0 + HARDLY_OUTSIDE {
-            nearest = nearer(z, nearest, z / gauge);
-            if let Some(x) = project::by_cuts(sum, z) {
-                nearest = nearer(z, nearest, x);
-            }
-        }
-        nearest
-    })
+        by_members(sum.sets(), z, &near).map_or(near, |(x, _)| x)
+    });
+    nearer(z, nearest, on_ray)
 }
 
 /// The one of two points that is nearer to `z`, the first of equals.

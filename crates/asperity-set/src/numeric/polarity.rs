@@ -389,5 +389,6 @@ fn by_ellipsoids<const N: usize>(
             (least, where_least) = (value, x);
         }
     }
-    if value > least + ROUNDING * least.abs() { where_least } else { x }
+    // The comparison also turns away what is not a number.
+    if value <= least + ROUNDING * least.abs() { x } else { where_least }
 }

@@ -8,8 +8,8 @@ use crate::{Cancelled, ConvexSet, Matrix, StarSet, Vector, directions};
 
 /// The largest `s` with `s·inner ⊆ outer`: the reciprocal of the largest gauge of `outer` on `inner`.
 ///
-/// In closed form where there is one ([`ratio_in_closed_form`]). Else it is searched for: scans of the boundary, also in
-/// frames in which slender sets are round, and corners give local maxima, of which the highest are refined, in the plane 24.
+/// In closed form where there is one ([`ratio_in_closed_form`]). Else it is searched for from the highest points among corners
+/// and scans of the boundary, also in frames in which slender sets are round.
 pub fn largest_scale_inside<const P: usize>(
     inner: &dyn ConvexSet<P>,
     outer: &dyn StarSet<P>,

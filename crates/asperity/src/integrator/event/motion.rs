@@ -106,7 +106,7 @@ impl Motion {
         let first = normal_force.len().saturating_sub(contacts.len());
         let last = normal_force[first..].iter().zip(force[first * p..].chunks_exact((*p).max(1)));
         for (contact, (normal, force)) in contacts.iter_mut().zip(last) {
-            contact.normal_force = *normal;
+            (contact.normal_force, contact.redistributed) = (*normal, false);
             contact.force[..contact.p].copy_from_slice(&force[..contact.p]);
         }
     }

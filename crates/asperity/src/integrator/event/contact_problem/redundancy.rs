@@ -39,8 +39,7 @@ pub(crate) fn evaluate(
 /// Gives the contacts at an event parts that they can carry, if they have others, where the event is the end of a stick that
 /// they share: together they are loaded with just what friction can hold, or by rounding of the time with a little more, and
 /// the contact problem finds the slip that begins. Its forces are in the reservoirs and balance as well as the time is known,
-/// unless slip begins with another force: then the parts are those of shortly `before`, if there are any and they could be
-/// carried; otherwise they stay as they are. Modes and accelerations stay the same, and nothing is evaluated.
+/// unless slip begins with another force: then the parts are those of `before`, if there are any and they could be carried; otherwise they stay as they are. Modes and accelerations stay the same, and nothing is evaluated.
 pub(crate) fn share_at_event(
     dynamics: &mut Dynamics<'_>,
     state: &State,
@@ -61,7 +60,7 @@ pub(crate) fn share_at_event(
     }
     if found || can_carry(dynamics) {
         for (contact, share) in kept.iter_mut().zip(&dynamics.contacts) {
-            if contact.mode == Phase::Stick {
+            if contact.mode != Phase::Open {
                 (contact.force, contact.normal_force) = (share.force, share.normal_force);
             }
         }

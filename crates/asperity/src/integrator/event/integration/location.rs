@@ -28,44 +28,45 @@ pub(crate) enum Location {
     Early(f64),
 }
 
+/// Where an event function becomes positive.
+struct Crossing {
+    /// Time from the start of the step.
+    at: f64,
+    /// The value that was found last.
+    value: f64,
+    /// Where all steps are kept, the contacts with the last forces before it that all of them could carry, if any were found.
+    carried: Vec<ContactVariables>,
+}
+
 impl Integration<'_> {
     /// Goes to the first of the events.
     pub(crate) fn locate_event(&mut self, bracket: &Bracket) -> Result<Location, StateError> {
         let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
-        let mut first = (bracket.high, bracket.triggered[0].number);
-        let keeps_all = self.options.sample.is_none();
-        // The last forces on the way there that all contacts could carry, and their time.
-        let (mut carried, mut carried_at) = (Vec::new(), 0.0);
-        for (k, function) in bracket.triggered.iter().enumerate() {
+        let mut first: Option<(usize, Crossing)> = None;
+        for function in &bracket.triggered {
             let number = function.number;
             let low = Value { at: bracket.low, value: function.low.min(0.0) };
             let high = Value { at: bracket.high, value: function.high };
-            let mut value = high.value;
-            let mut at = root::zero(low, high, width, |h| {
-                value = self.event_function_at(number, h)?;
-                if keeps_all && h > carried_at && redundancy::can_carry(&self.dynamics) {
-                    carried.clone_from(&self.dynamics.contacts);
-                    carried_at = h;
-                }
-                Ok::<f64, StateError>(value)
-            })?;
+            let mut crossing = self.crossing(number, low, high, width)?;
             // At the low end the function was not yet positive in the whole step. A step that ends there may say that it is: the
             // end of a stick whose forces several contacts share, where the function jumps, was then before.
+            let Crossing { at, value, .. } = crossing;
             let late = low.at > 0.0 && at - low.at <= 2.0 * width && value > 0.0;
             if late && self.sticks_within_limit(number) {
                 let start = Value { at: 0.0, value: self.event_values[number] };
-                let high = Value { at, value };
-                match root::zero(start, high, width, |h| self.event_function_at(number, h)) {
-                    Ok(earlier) => at = earlier,
+                match self.crossing(number, start, Value { at, value }, width) {
+                    Ok(earlier) => crossing = earlier,
                     Err(StateError::Diverged) => {}
                     Err(error) => return Err(error),
                 }
             }
-            if k == 0 || at < first.0 {
-                first = (at, number);
+            if first.as_ref().is_none_or(|(_, first)| crossing.at < first.at) {
+                first = Some((number, crossing));
             }
         }
-        let (h, number) = first;
+        let Some((number, Crossing { at: h, carried, .. })) = first else {
+            return Err(StateError::Diverged);
+        };
         let early =
             self.motion.steps == 0 && h < EARLY_EVENT * self.step.h && !self.is_at_limit(number);
         if early && self.shortened < MOST_SHORTENED {
@@ -73,17 +74,19 @@ impl Integration<'_> {
             return Ok(Location::Early(h));
         }
         self.sample_before(self.state.t + h)?;
-        let recorded = keeps_all && h > 0.0;
+        let recorded = self.options.sample.is_none() && h > 0.0;
         self.solve_to(h)?;
         let mut before = Vec::new();
         if recorded && self.dynamics.is_indeterminate() {
             let shortly_before = self.solve_to(h * (1.0 - SHORTLY));
+            // A body may be jammed or slide, both being solutions: then one evaluation finds that it sticks, and the next one
+            // that it does not.
             if shortly_before.is_ok() && redundancy::can_carry(&self.dynamics) {
                 before.clone_from(&self.dynamics.contacts);
-            } else if carried_at < h && !carried.is_empty() {
-                // Where contacts may go on to stick or not, one evaluation finds that they do, and the next one that they do not.
+            } else if !carried.is_empty() {
                 before = carried;
-            } else {
+            } else if h <= 2.0 * width {
+                // It was let go at the start of the step, whose sample was the last.
                 before.clone_from(&self.dynamics.contacts);
                 self.motion.take_last_forces(&mut before);
             }
@@ -104,8 +107,8 @@ impl Integration<'_> {
         Ok(Location::Found(number))
     }
 
-    /// Keeps the state at the event, with forces that the contacts can carry; `before` are those of shortly before where they
-    /// are not determined.
+    /// Keeps the state at the event, with forces that the contacts can carry; `before` are the last ones of before, none where
+    /// forces are determined.
     fn record_event_state(&mut self, before: &[ContactVariables]) -> Result<(), EvaluationError> {
         let contacts = self.dynamics.contacts.clone();
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: self.state.t };
@@ -113,6 +116,26 @@ impl Integration<'_> {
         self.record();
         self.dynamics.contacts = contacts;
         Ok(())
+    }
+
+    /// Where an event function becomes positive between two times in the step.
+    fn crossing(
+        &mut self,
+        number: usize,
+        low: Value,
+        high: Value,
+        width: f64,
+    ) -> Result<Crossing, StateError> {
+        let keeps_all = self.options.sample.is_none();
+        let (mut last, mut carried) = (high.value, Vec::new());
+        let at = root::zero(low, high, width, |h| {
+            last = self.event_function_at(number, h)?;
+            if keeps_all && last <= 0.0 && redundancy::can_carry(&self.dynamics) {
+                carried.clone_from(&self.dynamics.contacts);
+            }
+            Ok::<f64, StateError>(last)
+        })?;
+        Ok(Crossing { at, value: last, carried })
     }
 
     /// The event function of a contact, or of the section, at the end of a step of this length.
