@@ -33,12 +33,17 @@ pub(super) fn onto_superellipsoid<const P: usize>(
         ((0.5 * excess * squares.min() / P as f64).ln(), (2.0 * excess * squares.sum()).ln());
     let mut log_beta = 0.5 * (low + high);
     let mut xi = scaled;
+    // What rounding leaves of the value: powers of numbers that are known to it.
+    let noise = 2.0 * f64::EPSILON * (1.0 + exponent);
     for _ in 0..200 {
         let beta = log_beta.exp();
         xi = Vector::from_fn(|i, _| coordinate(beta, i));
         let powers = xi.map(|x| x.powf(exponent));
         let sum = powers.sum();
         let value = sum.ln();
+        if value.abs() <= noise {
+            break;
+        }
         if value > 0.0 {
             low = log_beta
         } else {
