@@ -90,9 +90,9 @@ impl<const P: usize> ConvexSet<P> for MinkowskiSum<P> {
     }
 }
 
-/// Excess of the gauge up to which tangent planes are asked before support points. Of 100 random sums of round and flat sets
-/// support points missed more than a hundredth of the distance in 9 to 19 at an excess of 1e-8; tangent planes, asked for 400
-/// sums at 13 excesses each, never gave up.
+/// Excess of the gauge up to which tangent planes are asked before support points. Without them 0, 2, 47, 187 and 325 of 600
+/// points around the three sums of round and flat sets in `tests/space.rs`, at excesses of 1e-4, 1e-5 … 1e-8, are moved more than
+/// a hundredth too far; with them none is, down to 1e-13.
 const HARDLY_OUTSIDE: f64 = 1e-4;
 
 /// Projection onto a sum of sets in space; what support points find is improved by the projections onto the members.

@@ -33,7 +33,7 @@ pub(super) fn onto_superellipsoid<const P: usize>(
         ((0.5 * excess * squares.min() / P as f64).ln(), (2.0 * excess * squares.sum()).ln());
     let mut log_beta = 0.5 * (low + high);
     let mut xi = scaled;
-    // What rounding leaves of the value: powers of numbers that are known to it.
+    // The value is known to this at best: the relative rounding of ξ counts `exponent` times in its power.
     let noise = 2.0 * f64::EPSILON * (1.0 + exponent);
     for _ in 0..200 {
         let beta = log_beta.exp();
