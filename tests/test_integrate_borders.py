@@ -1428,6 +1428,51 @@ def test_contacts_with_nearly_parallel_normals_do_not_pull():
     assert errors[0] > 1.8 * errors[1] > 3.2 * errors[2]
 
 
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+def test_what_a_fast_belt_and_a_pad_hold_to_rounding_stays_at_rest(scale):
+    """A belt that presses and a pad that rests leave no direction free, the belt alone hardly one.
+
+    Forces of the pad between the ends of a segment hold the load; the accelerations and mobilities
+    that the belt leaves are small differences, of which rounding is a part. Before, the pad slipped
+    with 1e-14 m/s, its friction turned with the rounding, and a contact pulled.
+    """
+    mu = 0.186
+    pads = [
+        asp.Contact(
+            asp.FrictionLaw.isotropic(mu), direction=np.eye(2), normal_force=mu, velocity=[mu, mu]
+        ),
+        asp.Contact(
+            asp.FrictionLaw(asp.Ellipse(mu, 100.0), asp.Ellipse(mu, 100.0)),
+            direction=scale * np.array([[1.0, 1.0], [1.0, 0.994]]),
+            normal_force=1.0,
+        ),
+    ]
+    belt = asp.Contact(
+        asp.FrictionLaw.isotropic(4.7),
+        direction=np.eye(2),
+        velocity=[-86.5, -86.5],
+        normal=[0.9686, 1.0],
+    )
+    system = asp.LinearSystem(
+        mass=np.diag([100.0, 0.01]),
+        stiffness=193.5 * np.ones((2, 2)),
+        damping=np.eye(2),
+        force=[mu, -mu],
+        contacts=[*pads, belt],
+    )
+    motion = asp.integrate(system, t_end=1.0)
+    assert not motion.events
+    assert np.abs(motion.u).max() < 1e-25
+    assert np.all(motion.phase[:, 1] == asp.Phase.STICK)
+    friction = motion.force[-1]
+    normal = motion.normal_force[-1, 2] * np.array([0.9686, 1.0])
+    loads = np.array([mu, -mu]) + normal + friction[0] + friction[2]
+    loads += scale * np.array([[1.0, 1.0], [1.0, 0.994]]) @ friction[1]
+    assert np.abs(loads).max() < 1e-9
+    assert normal[1] > 0.0
+    assert (friction[1, 0] / mu) ** 2 + (friction[1, 1] / 100.0) ** 2 <= 1.0 + 1e-9
+
+
 @pytest.mark.parametrize("scale", [0.95, 1.0, 1.001])
 def test_no_body_goes_through_a_wall_where_percussions_cancel(scale):
     """A hinge jams a body that runs against a wall, and any percussions of 10¹⁰ N s nearly balance.

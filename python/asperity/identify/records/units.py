@@ -183,8 +183,10 @@ def _check_folding(run: Recording) -> None:
     """Refuse an angle over which friction repeats with the turns of another unit only."""
     stride = max(1, len(run) // _FOLDED)
     angle, signal = run.angle[::stride], run.readings[::stride, 0]
-    if np.ptp(signal) == 0.0:
+    largest = float(np.abs(signal).max())
+    if largest == 0.0 or np.ptp(signal / largest) == 0.0:
         return
+    signal = signal / largest  # squares of readings beyond 1e154 would overflow
     left, degree = 1.0 - _explained(angle, signal), math.pi / 180.0
     for factor, told in ((degree, "degrees"), (1.0 / degree, "radians"), (_TURN, "turns")):
         if np.ptp(angle) * factor < _TURNS * _TURN:

@@ -9,7 +9,7 @@ use crate::integrator::event::contact_problem::problem::{
 };
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, LIGHT, ROWS, SlidingForces};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
-use crate::integrator::event::state::{EvaluationError, State};
+use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
 use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load that counts as none.
@@ -292,6 +292,10 @@ fn adopt(
 
 /// Contacts that begin to slip or to open by rounding only stick: the others prevent it, the load is just what
 /// friction can hold, or other contacts carry all of it.
+///
+/// Where a slipping contact leaves hardly a direction free, accelerations and mobilities are small differences of what
+/// would be without it. Of a light degree of freedom (`events/held_but_for_rounding_1` of the corpus of the fuzzer)
+/// 1e-8 of the mobilities was rounding, and a contact at rest slipped with 1e-14 m/s and began to slip again and again.
 fn stick_at_limit(
     dynamics: &mut Dynamics<'_>,
     participants: &Participants,
@@ -304,17 +308,23 @@ fn stick_at_limit(
     let curved = |&i: &usize| dynamics.contacts[i].p > 1;
     let shared = participants.contacts.len() > 1 && participants.contacts.iter().any(curved);
     let at_rest = if shared { AT_REST_SHARED } else { AT_REST };
+    let sums = participants.largest_sum(dynamics, &found.percussion);
     for (k, (&i, rows)) in participants.contacts.iter().zip(problem.contacts()).enumerate() {
-        let contact = &mut dynamics.contacts[i];
         let own = rows.offset..rows.offset + rows.len();
-        let rests = norm(&accelerations[own.clone()]) <= at_rest * load;
+        let free = |row: &usize| dynamics.mobility(*row, *row, dynamics.response(*row));
+        let free: Vec<f64> = participants.rows[own.clone()].iter().map(free).collect();
+        let size = dynamics.largest_row(i);
+        let contact = &mut dynamics.contacts[i];
         let slips = contact.mode == Phase::Slip;
+        let rounding = if slips { ROUNDING * sums * size } else { 0.0 };
+        let rests = norm(&accelerations[own.clone()]) <= rounding.max(at_rest * load);
         let may_stick = slips || contact.prescribed.is_none();
         // Forces in stick are not those that are found here, but those that hold the contact. Where it is only asked whether
         // stick goes on, the ones that are found are kept.
         let keeps_force = !slips || force == 0.0 || question == Question::WhetherStickGoesOn;
-        let can_be_held =
-            || keeps_force || change_that_holds(problem, k, &accelerations[own]) <= HELD * force;
+        let can_be_held = || {
+            keeps_force || change_that_holds(problem, k, &accelerations[own], &free) <= HELD * force
+        };
         if rests && may_stick && can_be_held() {
             contact.mode = Phase::Stick;
             contact.slip = [0.0; 3];
@@ -323,8 +333,14 @@ fn stick_at_limit(
 }
 
 /// The least change of the force of a contact that takes its accelerations away, the forces of the others unchanged; zero
-/// where its mobility cannot be told. Forces are in units in which the mobilities along the rows are one.
-fn change_that_holds(problem: &ContactProblem, contact: usize, accelerations: &[f64]) -> f64 {
+/// where its mobility cannot be told. `free` are its mobilities without other contacts. Forces are in units in which the
+/// mobilities along the rows are one.
+fn change_that_holds(
+    problem: &ContactProblem,
+    contact: usize,
+    accelerations: &[f64],
+    free: &[f64],
+) -> f64 {
     let len = accelerations.len();
     let unit = |mobility: f64| if mobility > 0.0 { 1.0 / mobility.sqrt() } else { 1.0 };
     let units = DVector::from_fn(len, |a, _| unit(problem.delassus().own(contact, a, a)));
@@ -338,7 +354,8 @@ fn change_that_holds(problem: &ContactProblem, contact: usize, accelerations: &[
     let Some(factors) = scaled.try_svd(true, true, f64::EPSILON, SVD_ITERATIONS) else {
         return 0.0;
     };
-    let least = ROUNDED_MOBILITY * factors.singular_values.max();
+    let rounding = free.iter().zip(&units).map(|(free, unit)| ROUNDING * free * unit * unit);
+    let least = rounding.fold(ROUNDED_MOBILITY * factors.singular_values.max(), f64::max);
     factors.solve(&rates, least).map_or(0.0, |change| change.norm())
 }
 
