@@ -128,12 +128,6 @@ impl Participants {
         self.contacts.iter().copied().filter(|i| !mobile.contains(i)).collect()
     }
 
-    /// The largest of what accelerations are the sum of: the load, and the part of each of these forces as if it were alone.
-    pub(crate) fn largest_sum(&self, dynamics: &Dynamics<'_>, forces: &[f64]) -> f64 {
-        let part = |(&row, force): (&usize, &f64)| force.abs() * largest(dynamics.response(row));
-        self.rows.iter().zip(forces).map(part).fold(dynamics.load, f64::max)
-    }
-
     /// The contact problem with this load, `normal_force` being what is given of it.
     pub(crate) fn problem(
         &self,

@@ -158,12 +158,6 @@ impl<'a> Dynamics<'a> {
         self.mobility(ROWS * i, ROWS * j, self.response(ROWS * j))
     }
 
-    /// The largest sum of the entries of a row of a contact.
-    pub(crate) fn largest_row(&self, i: usize) -> f64 {
-        let size = |row: usize| self.row(row).iter().map(|w| w.abs()).sum::<f64>();
-        self.rows_of(i).map(size).fold(0.0, f64::max)
-    }
-
     /// `γ_N` or a component of γ at these velocities.
     pub(crate) fn velocity(&self, row: usize, u: &[f64]) -> f64 {
         self.along(row, u) + self.chi[row]
