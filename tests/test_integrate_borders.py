@@ -1473,6 +1473,49 @@ def test_what_a_fast_belt_and_a_pad_hold_to_rounding_stays_at_rest(scale):
     assert (friction[1, 0] / mu) ** 2 + (friction[1, 1] / 100.0) ** 2 <= 1.0 + 1e-9
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e-9])
+@pytest.mark.parametrize("light", [1.0, 1e-6, 1e-9, 1e-11])
+@pytest.mark.parametrize("excess", [1e-2, 1e-6])
+def test_what_a_contact_does_not_touch_does_not_hold_it(light, unit, excess):
+    """A block is pulled with a little more than friction holds; beside it, a light one is pushed.
+
+    Accelerations of the light one are up to 10²⁷ times those of the block, and so is their
+    rounding.
+    """
+    mass = np.diag([1.0, light * unit**2])
+    block = asp.Contact(line(1.0), direction=[1.0, 0.0], normal_force=10.0)
+    system = asp.LinearSystem(mass, force=[10.0 + excess, 10.0 * unit], contacts=[block])
+    motion = asp.integrate(system, t_end=1.0)
+    np.testing.assert_allclose(motion.u[-1], [excess, 10.0 / (light * unit)], rtol=1e-6)
+
+
+@pytest.mark.parametrize("excess", [1e-5, 1e-6])
+def test_a_light_tip_on_a_stiff_spring_does_not_hold_a_block(excess):
+    """The acceleration of the tip is 10¹⁴ times that of the block, and over in microseconds."""
+    block = asp.Contact(line(1.0), direction=[1.0, 0.0], normal_force=10.0)
+    system = asp.LinearSystem(
+        np.diag([1.0, 1e-6]),
+        stiffness=np.diag([0.0, 1e6]),
+        damping=np.diag([0.0, 2.0]),
+        force=[10.0 + excess, 0.0],
+        contacts=[block],
+    )
+    motion = asp.integrate(system, t_end=1e-2, q0=[0.0, 1e-3])
+    assert motion.u[-1, 0] == pytest.approx(1e-2 * excess, rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e6, 1e8])
+def test_a_small_slip_does_not_depend_on_the_unit_across(unit):
+    """A point on a plane, one coordinate in another unit, pulled with 10⁻⁷ more than holds it."""
+    excess = 1e-6
+    plane = asp.Contact(
+        asp.FrictionLaw.isotropic(1.0), direction=np.diag([1.0, unit]), normal_force=10.0
+    )
+    system = asp.LinearSystem(np.diag([1.0, unit**2]), force=[10.0 + excess, 0.0], contacts=[plane])
+    motion = asp.integrate(system, t_end=1.0)
+    np.testing.assert_allclose(motion.u[-1], [excess, 0.0], rtol=1e-6)
+
+
 @pytest.mark.parametrize("scale", [0.95, 1.0, 1.001])
 def test_no_body_goes_through_a_wall_where_percussions_cancel(scale):
     """A hinge jams a body that runs against a wall, and any percussions of 10¹⁰ N s nearly balance.
