@@ -337,6 +337,26 @@ impl BlockMatrix {
         self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
     }
 
+    /// `Σ_j |G_ij P_j|` in the first row of a contact, to the bit that of [`add_magnitudes`](Self::add_magnitudes).
+    #[inline]
+    pub(crate) fn first_magnitude(&self, i: usize, percussion: &[f64]) -> f64 {
+        let own = self.starts[i]..self.starts[i + 1];
+        if self.in_threes {
+            let blocks = &self.values.as_chunks::<9>().0[own.clone()];
+            let percussions = percussion.as_chunks::<3>().0;
+            let of_block = |(&j, g): (&usize, &[f64; 9])| {
+                let p = &percussions[j];
+                (g[0] * p[0]).abs() + (g[1] * p[1]).abs() + (g[2] * p[2]).abs()
+            };
+            return self.columns[own].iter().zip(blocks).map(of_block).sum();
+        }
+        let of_block = |(j, block): (usize, &[f64])| {
+            let own = &percussion[self.offsets[j]..self.offsets[j + 1]];
+            block.iter().zip(own).map(|(g, p)| (g * p).abs()).sum::<f64>()
+        };
+        self.row(i).map(of_block).sum()
+    }
+
     /// `Σ_j G_ij P_j` and `Σ_j |G_ij P_j|` in the `N` rows of a contact, to the bit those of [`add_row`](Self::add_row) and
     /// [`add_magnitudes`](Self::add_magnitudes): block by block.
     #[inline(always)]

@@ -370,20 +370,18 @@ impl Loads {
             // Without entries only their size is known.
             return (load, operator.norm() * largest(percussion));
         }
-        // The normal row is the first one.
         let blocks = problem.delassus().blocks();
         if self.prescribed {
             for (j, block) in blocks.row(i) {
                 let rows = &problem.contacts()[j];
                 if rows.normal != NormalForce::Unilateral {
+                    // The normal row is the first one of the block.
                     let terms = block.iter().zip(&percussion[rows.rows()]);
                     terms.for_each(|(g, p)| load += g * p);
                 }
             }
         }
-        let mut brought = [0.0; 4];
-        blocks.add_magnitudes(i, percussion, &mut brought);
-        (load, brought[0])
+        (load, blocks.first_magnitude(i, percussion))
     }
 }
 

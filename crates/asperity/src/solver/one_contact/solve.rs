@@ -90,6 +90,25 @@ impl<'a> OneContact<'a> {
         Self { problem, contact, block, held }
     }
 
+    /// The same from the velocities `γ_E` with all percussions, which are known: without those that its own bring.
+    pub(crate) fn within(
+        problem: &'a ContactProblem,
+        contact: usize,
+        block: &'a Block,
+        (percussion, velocity): (&[f64], &[f64]),
+    ) -> Self {
+        let rows = problem.contacts()[contact].rows();
+        let own = problem.delassus().blocks().diagonal(contact);
+        let (percussion, velocity) = (&percussion[rows.clone()], &velocity[rows.clone()]);
+        let restitution = &problem.restitution()[rows];
+        let mut held = [0.0; 4];
+        for (a, g) in own.chunks_exact(percussion.len()).enumerate() {
+            let brought = g.iter().zip(percussion).map(|(g, p)| g * p).sum::<f64>();
+            held[a] = velocity[a] + restitution[a] - brought;
+        }
+        Self { problem, contact, block, held }
+    }
+
     /// Contact `contact` that no other influences.
     #[inline(always)]
     pub(crate) fn alone(problem: &'a ContactProblem, contact: usize, block: &'a Block) -> Self {

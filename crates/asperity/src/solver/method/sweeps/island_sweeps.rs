@@ -67,7 +67,7 @@ impl Visitor<'_> {
             let is_early = own.ended == Ended::TimeLimit;
             if !is_early && !is_left && members.len() > 1 {
                 for &i in members {
-                    iterate.ambiguous[i] = self.is_ambiguous(task, iterate.percussion, i);
+                    iterate.ambiguous[i] = self.is_ambiguous(task, iterate, i);
                     own.ambiguous |= iterate.ambiguous[i];
                 }
             }

@@ -47,15 +47,17 @@ impl Visitor<'_> {
         found.is_some()
     }
 
-    /// Whether a contact has more than one solution with the percussions of the others held.
+    /// Whether a contact has more than one solution with the percussions of the others held; the velocities of the iterate
+    /// are those of its percussions.
     #[inline]
     pub(super) fn is_ambiguous(
         &mut self,
         task: &Task<'_>,
-        percussion: &[f64],
+        iterate: &Iterate<'_>,
         contact: usize,
     ) -> bool {
-        let one = OneContact::new(task.problem, contact, &self.blocks[contact], percussion);
+        let moved = (&*iterate.percussion, &*iterate.velocity);
+        let one = OneContact::within(task.problem, contact, &self.blocks[contact], moved);
         one.is_ambiguous(&task.history[contact], self.candidates)
     }
 }
