@@ -1,4 +1,4 @@
-//! Shortcuts for isotropic friction, the law of most contacts.
+//! Shortcuts for isotropic friction, the law of most contacts: stick, Newton's method, and that there is one slip only.
 
 use super::super::local::{Local, LocalSolution};
 use super::equation::{Slip, V, cross};
@@ -48,4 +48,37 @@ pub(super) fn newton(slip: &Slip<'_, '_>, mut n: V, mu: f64) -> Option<LocalSolu
         }
     }
     None
+}
+
+/// What the discriminant of a quartic whose largest coefficient is 1 is asked to be beyond zero: a hundred times what
+/// rounding makes of it, as long as that coefficient is no smaller against the terms that it is a sum of.
+const BEYOND: f64 = 1e-5;
+const CANCELLED: f64 = 1e-3;
+
+/// Whether there certainly is one slip only, where friction does not hold the contact.
+///
+/// With `n = (cos φ, sin φ)` the equation `n × (c₀ − μ A n) = 0` is a trigonometric polynomial of degree two, a quartic
+/// `a t⁴ + b t³ + c t² + d t + e` in `t = tan φ/2`. Of its invariants `I = 12ae − 3bd + c²` and
+/// `J = 72ace + 9bcd − 27ad² − 27b²e − 2c³` the discriminant is `(4I³ − J²)/27`: if it is negative, the slip velocity is
+/// along `n`, or against it, at two `n` in all. As `c₀ − A x` vanishes at the force of stick only, which is outside the disk, it
+/// does not turn round along the circle while `n` turns once: it is along `n` once at least, and once against it.
+pub(super) fn has_one_slip(slip: &Slip<'_, '_>, mu: f64) -> bool {
+    let (c0, m) = (slip.c0, slip.a * (0.5 * mu));
+    let (turn, along, across) = (m.m21 - m.m12, m.m21 + m.m12, m.m22 - m.m11);
+    let coefficients = [
+        -c0.y - turn - along,
+        4.0 * across - 2.0 * c0.x,
+        6.0 * along - 2.0 * turn,
+        -4.0 * across - 2.0 * c0.x,
+        c0.y - turn - along,
+    ];
+    let largest = coefficients.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    // The comparison also turns away what is not a number.
+    if !(largest > CANCELLED * (slip.norm_c + mu * slip.norm_a)) {
+        return false;
+    }
+    let [a, b, c, d, e] = coefficients.map(|value| value / largest);
+    let i = 12.0 * a * e - 3.0 * b * d + c * c;
+    let j = 72.0 * a * c * e + 9.0 * b * c * d - 27.0 * (a * d * d + b * b * e) - 2.0 * c * c * c;
+    j * j - 4.0 * i * i * i > BEYOND
 }

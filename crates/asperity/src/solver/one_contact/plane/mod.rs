@@ -143,9 +143,13 @@ fn is_only(local: &Local<'_, 2>) -> bool {
     Scan::new(&slip, local.law.walk().table).open().next().is_none()
 }
 
-/// Whether there is one slip only.
+/// Whether there is one slip only, where stick does not hold.
 #[inline(never)]
 fn has_one_root(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
+    let friction = local.law.isotropic_coefficient();
+    if friction.is_some_and(|mu| isotropic::has_one_slip(slip, mu)) {
+        return true;
+    }
     let table = local.law.walk().table;
     Scan::new(slip, table).has_one_root(slip, table)
 }

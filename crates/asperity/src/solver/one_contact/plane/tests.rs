@@ -643,6 +643,64 @@ fn isotropic_contacts_need_no_walk() {
     assert!(slips > 150 && far > 100, "{slips} {far}");
 }
 
+/// Where the discriminant says that an isotropic contact has one slip, a walk around the circle in small steps finds one,
+/// whatever the ratio of its mobilities; of the contacts that have one it is said of most.
+#[test]
+fn isotropic_contacts_with_one_slip_are_told_by_a_discriminant() {
+    const STEPS: usize = 3000;
+    let mut seed = 29_u64;
+    let mut unit = || crate::random::random(&mut seed);
+    let (mut one, mut known, mut several) = (0, 0, 0);
+    for k in 0..3000 {
+        let mu = [0.1, 0.5, 1.2][k % 3];
+        let stretch = 10f64.powf(1.5 * unit());
+        let skew = [0.0, 0.3, 3.0][k / 3 % 3] * unit();
+        let (a, shear) = (0.5 + 0.4 * unit(), 0.4 * unit());
+        let delassus = DMatrix::from_row_slice(2, 2, &[a * stretch, shear + skew, shear - skew, a]);
+        // Loads beyond what stick can hold by little and by much.
+        let x = Vector::<2>::new(unit(), unit()).normalize() * mu;
+        let beyond = 1.0 + 10f64.powf(1.5 * unit() - 1.0);
+        let free: Vec<f64> =
+            (0..2).map(|i| beyond * (delassus[(i, 0)] * x.x + delassus[(i, 1)] * x.y)).collect();
+        let law = FrictionLaw::<2>::isotropic(mu).unwrap();
+        let contacts = [(Law::from(law), NormalForce::Prescribed(1.0))];
+        let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+        let law = FrictionLaw::<2>::isotropic(mu).unwrap();
+        let block = Block::new(&problem, 0);
+        let local = Local::new(&law, &problem.contacts()[0], &block, &problem.load(0));
+        if !block.sound || local.stick_load().holds() {
+            continue;
+        }
+        let slip = Slip::new(&local, mu);
+        let at = |angle: f64| {
+            let n = Vector::<2>::new(angle.cos(), angle.sin());
+            let v = slip.velocity(&(n * mu));
+            (cross(&n, &v), n.dot(&v))
+        };
+        let step = std::f64::consts::TAU / STEPS as f64;
+        let found = (0..STEPS).filter(|&j| {
+            let (mut low, mut high) = (j as f64 * step, (j + 1) as f64 * step);
+            let below = at(low).0 >= 0.0;
+            if below == (at(high).0 >= 0.0) {
+                return false;
+            }
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                *if (at(middle).0 >= 0.0) == below { &mut low } else { &mut high } = middle;
+            }
+            at(low).1 > 0.0
+        });
+        let found = found.count();
+        let certain = isotropic::has_one_slip(&slip, mu);
+        assert!(!certain || found == 1, "{k}: {found}");
+        one += usize::from(found == 1);
+        several += usize::from(found > 1);
+        known += usize::from(certain);
+    }
+    assert!(one > 1000 && several > 20, "{one} {several}");
+    assert!(known * 100 >= one * 75, "{known} of {one}");
+}
+
 /// Beside a cusp of the caustic there are three slips near each other: none of them is called the only one.
 #[test]
 fn slips_beside_cusps_are_never_called_the_only_ones() {
