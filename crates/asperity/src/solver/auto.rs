@@ -24,7 +24,7 @@ use crate::solver::report::{Ended, Method};
 
 // Constants of this file and of `method/` were halved and doubled, those of a size of 1e-3 and less divided and multiplied
 // by ten, on the "stored problems": those of up to 765 contacts in the folder that `ASPERITY_CONTACT_PROBLEMS` names,
-// without the rock pile, 31 in all, by `asperity solve`. `Auto` solves all of them by the global measure with 2648
+// without the rock pile, 31 in all, by `asperity solve`. `Auto` solves all of them by the global measure with 2644
 // iterations and 1043 factorisations. When first attempts came, it took 1448 and 1073 of them, in 0.63 of the time
 // (geometric mean) of 2502 and 828 without. Numbers at constants that were there before are from then, or from before
 // islands were solved one by one, when it took 1787 and 621; it solved all of them with every value that this file

@@ -1,6 +1,6 @@
 //! How long sweeps are worth going on with, and when their defect is measured, which takes half as long as a sweep and more:
-//! from time to time, and where the rate between the last two defects says that the end is. Without the latter the stored
-//! problems of `auto.rs` take 37 iterations more.
+//! from time to time, when the rate is judged, and where the rate says that the end is. Without the latter the stored
+//! problems of `auto.rs` take 41 iterations more.
 
 /// Sweeps before the first judgement of their rate, and most sweeps at all: more of them may end what needs
 /// factorisations else, or be in vain. Of the first, half and double change the stored problems of `auto.rs` by two
@@ -19,9 +19,12 @@ const LEAST_SWEEPS: usize = 3;
 pub(crate) struct Rate {
     /// Further sweeps that are worth waiting for.
     worthwhile: f64,
+    /// The defect at the last judgement, and the sweeps by then and by the next one.
     last: f64,
     last_at: usize,
     next: usize,
+    /// Sweeps after which the defect is measured next: then, or before where the end is expected.
+    look: usize,
 }
 
 impl Default for Rate {
@@ -38,7 +41,8 @@ impl Rate {
 
     /// Of sweeps in place of something that takes as long as so many sweeps.
     pub(crate) fn new(instead: f64) -> Self {
-        Self { worthwhile: instead.min(Self::WORTHWHILE), last: f64::INFINITY, last_at: 0, next: 1 }
+        let worthwhile = instead.min(Self::WORTHWHILE);
+        Self { worthwhile, last: f64::INFINITY, last_at: 0, next: 1, look: 1 }
     }
 
     /// The same sweeps in place of something else.
@@ -46,29 +50,35 @@ impl Rate {
         self.worthwhile = instead.min(Self::WORTHWHILE);
     }
 
-    /// Whether it is judged after `k` sweeps.
+    /// Whether the defect is measured after `k` sweeps.
     pub(crate) fn is_due(&self, k: usize) -> bool {
-        k >= self.next
+        k >= self.look
     }
 
-    /// Whether a defect of `grade` after `k` sweeps promises that further ones lead to the tolerance.
+    /// Whether a defect of `grade` after `k` sweeps promises that further ones lead to the tolerance. Between judgements only
+    /// the end is looked for.
     pub(crate) fn promises(&mut self, k: usize, grade: f64, tolerance: f64) -> bool {
         let trial = ((TRIAL_PART * self.worthwhile) as usize).clamp(LEAST_SWEEPS, TRIAL_SWEEPS);
         let rate = (grade / self.last).ln() / (k - self.last_at) as f64;
         let left = (0.5 * tolerance / grade).ln() / rate;
         // The comparison also turns away NaN.
         let falls = rate < 0.0;
-        if k >= trial && !(falls && left <= self.worthwhile) {
-            return false;
+        let known = self.last.is_finite();
+        if k >= self.next {
+            if k >= trial && !(falls && left <= self.worthwhile) {
+                return false;
+            }
+            (self.last, self.last_at) = (grade, k);
+            let more = match k {
+                0..5 => 1,
+                5..20 => 5,
+                _ => k * 3 / 10,
+            };
+            self.next = MOST_SWEEPS.min(k + more);
         }
-        (self.last, self.last_at) = (grade, k);
-        let most = match k {
-            0..5 => 1,
-            5..20 => 5,
-            _ => k * 3 / 10,
-        };
-        let ahead = if falls { (left.ceil() as usize).clamp(1, most) } else { most };
-        self.next = MOST_SWEEPS.min(k + ahead);
+        let end =
+            if known && falls { k.saturating_add(1.max(left.ceil() as usize)) } else { usize::MAX };
+        self.look = self.next.min(end);
         k < MOST_SWEEPS
     }
 }

@@ -50,19 +50,26 @@ pub(super) fn newton(slip: &Slip<'_, '_>, mut n: V, mu: f64) -> Option<LocalSolu
     None
 }
 
+/// Gauge of the force of stick, far more than rounding beyond that of the border: nearer to it rounding decides which of the
+/// two roots is a slip.
+const OUTSIDE: f64 = 1.0 + 1e-6;
 /// What the discriminant of a quartic whose largest coefficient is 1 is asked to be beyond zero: a hundred times what
-/// rounding makes of it, as long as that coefficient is no smaller against the terms that it is a sum of.
+/// rounding makes of it, as long as that coefficient is no smaller against `c₀` and `μ A`.
 const BEYOND: f64 = 1e-5;
 const CANCELLED: f64 = 1e-3;
 
-/// Whether there certainly is one slip only, where friction does not hold the contact.
+/// Whether there certainly is one slip only, of a contact with a sound block that no friction pulls towards the surface.
 ///
 /// With `n = (cos φ, sin φ)` the equation `n × (c₀ − μ A n) = 0` is a trigonometric polynomial of degree two, a quartic
 /// `a t⁴ + b t³ + c t² + d t + e` in `t = tan φ/2`. Of its invariants `I = 12ae − 3bd + c²` and
 /// `J = 72ace + 9bcd − 27ad² − 27b²e − 2c³` the discriminant is `(4I³ − J²)/27`: if it is negative, the slip velocity is
-/// along `n`, or against it, at two `n` in all. As `c₀ − A x` vanishes at the force of stick only, which is outside the disk, it
-/// does not turn round along the circle while `n` turns once: it is along `n` once at least, and once against it.
+/// along `n`, or against it, at two `n` in all. `c₀ − A x` vanishes at the force of stick only: where that is outside the disk,
+/// it does not turn round along the circle while `n` turns once, and is along `n` once at least, and once against it.
 pub(super) fn has_one_slip(slip: &Slip<'_, '_>, mu: f64) -> bool {
+    // The comparison also turns away what is not a number.
+    if !(slip.local.stick_load().gauge > OUTSIDE) {
+        return false;
+    }
     let (c0, m) = (slip.c0, slip.a * (0.5 * mu));
     let (turn, along, across) = (m.m21 - m.m12, m.m21 + m.m12, m.m22 - m.m11);
     let coefficients = [

@@ -143,7 +143,7 @@ fn is_only(local: &Local<'_, 2>) -> bool {
     Scan::new(&slip, local.law.walk().table).open().next().is_none()
 }
 
-/// Whether there is one slip only, where stick does not hold.
+/// Whether there is one slip only.
 #[inline(never)]
 fn has_one_root(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
     let friction = local.law.isotropic_coefficient();

@@ -656,19 +656,33 @@ fn isotropic_contacts_with_one_slip_are_told_by_a_discriminant() {
         let stretch = 10f64.powf(1.5 * unit());
         let skew = [0.0, 0.3, 3.0][k / 3 % 3] * unit();
         let (a, shear) = (0.5 + 0.4 * unit(), 0.4 * unit());
-        let delassus = DMatrix::from_row_slice(2, 2, &[a * stretch, shear + skew, shear - skew, a]);
-        // Loads beyond what stick can hold by little and by much.
+        let tangential = [[a * stretch, shear + skew], [shear - skew, a]];
+        // Every second one is unilateral, its normal row coupled with the others.
+        let first = k % 2;
+        let mut delassus = DMatrix::from_fn(2 + first, 2 + first, |_, _| 0.2 * unit());
+        delassus[(0, 0)] += 1.0;
+        for (i, row) in tangential.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                delassus[(first + i, first + j)] = *value;
+            }
+        }
+        // Loads beyond what stick can hold by much, by little and by rounding.
         let x = Vector::<2>::new(unit(), unit()).normalize() * mu;
-        let beyond = 1.0 + 10f64.powf(1.5 * unit() - 1.0);
-        let free: Vec<f64> =
-            (0..2).map(|i| beyond * (delassus[(i, 0)] * x.x + delassus[(i, 1)] * x.y)).collect();
+        let beyond = match k % 5 {
+            0 => 1.0 + 1e-14 * unit(),
+            _ => 1.0 + 10f64.powf(1.5 * unit() - 1.0),
+        };
+        let held = [1.0, -beyond * x.x, -beyond * x.y];
+        let free = -&delassus * nalgebra::DVector::from_column_slice(&held[1 - first..]);
+        let normal = [NormalForce::Prescribed(1.0), NormalForce::Unilateral][first];
         let law = FrictionLaw::<2>::isotropic(mu).unwrap();
-        let contacts = [(Law::from(law), NormalForce::Prescribed(1.0))];
-        let problem = ContactProblem::new(delassus, free, contacts).unwrap();
+        let contacts = [(Law::from(law), normal)];
+        let problem = ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
         let law = FrictionLaw::<2>::isotropic(mu).unwrap();
         let block = Block::new(&problem, 0);
         let local = Local::new(&law, &problem.contacts()[0], &block, &problem.load(0));
-        if !block.sound || local.stick_load().holds() {
+        let pulled = first == 1 && !block.pressed;
+        if !block.sound || pulled || local.stick_load().holds() {
             continue;
         }
         let slip = Slip::new(&local, mu);
@@ -698,7 +712,7 @@ fn isotropic_contacts_with_one_slip_are_told_by_a_discriminant() {
         known += usize::from(certain);
     }
     assert!(one > 1000 && several > 20, "{one} {several}");
-    assert!(known * 100 >= one * 75, "{known} of {one}");
+    assert!(known * 100 >= one * 65, "{known} of {one}");
 }
 
 /// Beside a cusp of the caustic there are three slips near each other: none of them is called the only one.
