@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import sys
 from collections.abc import Iterable, Sequence
 from types import UnionType
 from typing import Any, TypeVar
@@ -165,6 +166,8 @@ def positive(value: Any, argument: str) -> float:
     """Return a finite float above zero."""
     if type(value) is float and 0.0 < value < math.inf:
         return value
+    if type(value) is int and 0 < value <= sys.float_info.max:
+        return float(value)
     converted = number(value, argument)
     if converted <= 0.0:
         raise ParameterError(argument, f"must be positive, got {converted!r}")

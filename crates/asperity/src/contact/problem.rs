@@ -350,7 +350,7 @@ impl ContactProblem {
 
     /// Velocities `ξ = G P + b + e γ_B` of a contact's rows with the percussions of the others only, or
     /// with all.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn contact_velocity(
         &self,
         i: usize,
@@ -435,7 +435,12 @@ impl ContactProblem {
     /// `velocity ← G P + b`.
     #[inline]
     pub(crate) fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
-        self.delassus.apply(percussion, velocity);
+        // Most solves begin without percussions.
+        if percussion.iter().all(|p| *p == 0.0) {
+            velocity.fill(0.0);
+        } else {
+            self.delassus.apply(percussion, velocity);
+        }
         for (value, free) in velocity.iter_mut().zip(&self.free_velocity) {
             *value += free;
         }

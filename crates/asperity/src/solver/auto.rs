@@ -16,7 +16,7 @@ use crate::solver::infeasibility::prove_one_contact;
 use crate::solver::measure::natural_residual::Residual;
 use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Limits,
-    Past, Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task,
+    Past, Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task, UNTIMED,
 };
 use crate::solver::neighbourhood::{Neighbourhood, Neighbourhoods};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -325,12 +325,14 @@ struct First {
 struct Sweeps {
     rate: Rate,
     count: usize,
+    /// Visits of contacts since the last look at the clock.
+    untimed: usize,
 }
 
 impl Sweeps {
     /// In place of something that takes as long as so many sweeps.
     fn new(instead: f64) -> Self {
-        Self { rate: Rate::new(instead), count: 0 }
+        Self { rate: Rate::new(instead), count: 0, untimed: 0 }
     }
 
     /// Records what was done after the first `before` sweeps, if it was anything, or also if it was nothing.
@@ -348,7 +350,7 @@ impl Sweeps {
             }
             progress.sweep();
             self.count += 1;
-            let ends = once || progress.task.stop.early();
+            let ends = once || self.is_late(progress.task);
             if !ends && !self.rate.is_due(self.count) {
                 continue;
             }
@@ -358,5 +360,15 @@ impl Sweeps {
             }
         }
         false
+    }
+
+    /// Whether the stop says, when it is asked, that nobody waits any longer.
+    fn is_late(&mut self, task: Task<'_>) -> bool {
+        self.untimed += task.problem.contacts().len();
+        if self.untimed < UNTIMED {
+            return false;
+        }
+        self.untimed = 0;
+        task.stop.early()
     }
 }

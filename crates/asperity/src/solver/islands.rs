@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::infeasibility::{Case, CaseState, Infeasibility};
 use super::measure::growth;
-use super::measure::natural_map::{Squares, map_of, own_squares};
+use super::measure::natural_map::{Scale, Squares, map_of, own_squares};
 use super::measure::natural_residual::{Measured, Residual, is_worse};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
@@ -214,9 +214,7 @@ impl<B: Buffers> OwnProblem<B> {
 struct Tally {
     /// Square of the measure that will do.
     goal: f64,
-    rho: f64,
-    /// Square of `ρ‖b‖` of the whole.
-    loads: f64,
+    scale: Scale,
     /// What the islands from each place on leave before they are solved.
     rest: Vec<Squares>,
     /// What those that were solved leave, and the sum of that at the first places, up to the first that was not, and of what
@@ -238,7 +236,7 @@ impl Tally {
         left: &mut [usize],
     ) -> Self {
         let problem = measured.problem;
-        let (goal, rho) = (0.5 * stop.tolerance, problem.global_rho());
+        let (goal, scale) = (0.5 * stop.tolerance, Scale::of(problem));
         let small = |island: usize| reports[island].residual <= stop.tolerance;
         let mut sizes = vec![None; islands.count()];
         for &island in &*left {
@@ -246,7 +244,7 @@ impl Tally {
         }
         let size = |island: usize| sizes[island].unwrap_or(0.0);
         let squares =
-            |island: usize| Squares::of(measured, islands.of(island).iter().copied(), rho);
+            |island: usize| Squares::of(measured, islands.of(island).iter().copied(), scale.rho);
         let solved = (0..islands.count()).filter(|&island| sizes[island].is_none());
         let sum = solved.fold(Squares::default(), |sum, island| sum.and(squares(island)));
         left.sort_by(|&one, &other| {
@@ -260,8 +258,7 @@ impl Tally {
         }
         Self {
             goal: goal * goal,
-            rho,
-            loads: (rho * problem.load_norm()).powi(2),
+            scale,
             rest,
             found: vec![None; left.len()],
             sum,
@@ -273,7 +270,7 @@ impl Tally {
     /// Whether the islands that follow those that were solved need not be solved.
     fn is_enough(&self) -> bool {
         let left = self.sum.and(self.rest[self.solved]);
-        self.solved >= self.always && left.relative(self.loads) <= self.goal
+        self.solved >= self.always && left.relative(self.scale.loads.powi(2)) <= self.goal
     }
 
     /// Takes in an island that was solved.
@@ -537,7 +534,7 @@ fn solve_all<B: Buffers>(
     let is_enough = || lock().is_some_and(|tally| tally.is_enough());
     let solve = |place: usize, own: &mut OwnProblem<B>, stop: Stop<'_>, threads: usize| {
         own.report = Some(solve(own.unsolved(), stop, threads));
-        if let Some(rho) = lock().map(|tally| tally.rho) {
+        if let Some(rho) = lock().map(|tally| tally.scale.rho) {
             let squares = own.squares(rho);
             lock().into_iter().for_each(|mut tally| tally.put(place, squares));
         }

@@ -222,12 +222,22 @@ impl BlockMatrix {
     pub(crate) fn copy_part(&self, contacts: &[usize], part: &mut Self) {
         let mut at = 0;
         for &i in contacts {
-            // The blocks of a row follow each other.
-            let first = self.places[self.starts[i]];
-            let past = self.places.get(self.starts[i + 1]).copied().unwrap_or(self.values.len());
-            part.values[at..at + past - first].copy_from_slice(&self.values[first..past]);
-            at += past - first;
+            let row = &self.values[self.places_of_row(i)];
+            part.values[at..at + row.len()].copy_from_slice(row);
+            at += row.len();
         }
+    }
+
+    /// Where the entries of a block row are, of which the blocks follow each other.
+    fn places_of_row(&self, i: usize) -> Range<usize> {
+        let past = self.places.get(self.starts[i + 1]).copied().unwrap_or(self.values.len());
+        self.places[self.starts[i]]..past
+    }
+
+    /// Number of entries of a block row.
+    #[inline]
+    pub(crate) fn entries_of(&self, i: usize) -> usize {
+        self.places_of_row(i).len()
     }
 
     /// Number of block rows.
@@ -326,15 +336,34 @@ impl BlockMatrix {
     }
 
     /// Adds `Σ_j G_ij P_j` to the first entries of `sum`, without `j = i` unless `with_own`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add_row(&self, i: usize, percussion: &[f64], with_own: bool, sum: &mut [f64; 4]) {
+        if self.in_threes {
+            self.add_terms_in_threes(i, percussion, with_own, sum, |g, p| g * p);
+        } else {
+            self.add_row_of_any_size(i, percussion, with_own, sum);
+        }
+    }
+
+    #[inline(never)]
+    fn add_row_of_any_size(
+        &self,
+        i: usize,
+        percussion: &[f64],
+        with_own: bool,
+        sum: &mut [f64; 4],
+    ) {
         self.add_terms(i, percussion, with_own, sum, |g, p| g * p);
     }
 
     /// Adds `Σ_j |G_ij P_j|` to the first entries of `sum`.
     #[inline]
     pub(crate) fn add_magnitudes(&self, i: usize, percussion: &[f64], sum: &mut [f64; 4]) {
-        self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
+        if self.in_threes {
+            self.add_terms_in_threes(i, percussion, true, sum, |g, p| (g * p).abs());
+        } else {
+            self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
+        }
     }
 
     /// `Σ_j |G_ij P_j|` in the first row of a contact, to the bit that of [`add_magnitudes`](Self::add_magnitudes).
@@ -402,9 +431,6 @@ impl BlockMatrix {
         sum: &mut [f64; 4],
         term: impl Fn(f64, f64) -> f64,
     ) {
-        if self.in_threes {
-            return self.add_terms_in_threes(i, percussion, with_own, sum, term);
-        }
         let size = self.size(i);
         for k in self.starts[i]..self.starts[i + 1] {
             let j = self.columns[k];
@@ -439,20 +465,35 @@ impl BlockMatrix {
         sum: &mut [f64; 4],
         term: impl Fn(f64, f64) -> f64,
     ) {
-        let own = self.starts[i]..self.starts[i + 1];
-        let (blocks, percussions) = (self.values.as_chunks::<9>().0, percussion.as_chunks::<3>().0);
+        let (first, own, past) = (self.starts[i], self.diagonal[i], self.starts[i + 1]);
         let mut sums = [sum[0], sum[1], sum[2]];
-        for (&j, g) in self.columns[own.clone()].iter().zip(&blocks[own]) {
-            if j == i && !with_own {
-                continue;
-            }
+        if with_own {
+            sums = self.add_blocks_of_nine(first..past, percussion, sums, term);
+        } else {
+            sums = self.add_blocks_of_nine(first..own, percussion, sums, &term);
+            sums = self.add_blocks_of_nine(own + 1..past, percussion, sums, &term);
+        }
+        sum[..3].copy_from_slice(&sums);
+    }
+
+    /// Adds the terms of some blocks, counted over all rows, to sums that stay in registers.
+    #[inline(always)]
+    fn add_blocks_of_nine(
+        &self,
+        places: Range<usize>,
+        percussion: &[f64],
+        mut sums: [f64; 3],
+        term: impl Fn(f64, f64) -> f64,
+    ) -> [f64; 3] {
+        let (blocks, percussions) = (self.values.as_chunks::<9>().0, percussion.as_chunks::<3>().0);
+        for (&j, g) in self.columns[places.clone()].iter().zip(&blocks[places]) {
             let p = &percussions[j];
             for a in 0..3 {
                 sums[a] +=
                     term(g[3 * a], p[0]) + term(g[3 * a + 1], p[1]) + term(g[3 * a + 2], p[2]);
             }
         }
-        sum[..3].copy_from_slice(&sums);
+        sums
     }
 
     /// `velocity ← velocity + Gᵀ P`.
@@ -472,6 +513,14 @@ impl BlockMatrix {
 
     /// `velocity ← G P`.
     pub(crate) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+        if self.in_threes {
+            let velocities = velocity.as_chunks_mut::<3>().0;
+            for (sums, own) in velocities.iter_mut().zip(self.starts.windows(2)) {
+                let places = own[0]..own[1];
+                *sums = self.add_blocks_of_nine(places, percussion, [0.0; 3], |g, p| g * p);
+            }
+            return;
+        }
         for i in 0..self.contacts() {
             let mut sum = [0.0; 4];
             self.add_row(i, percussion, true, &mut sum);

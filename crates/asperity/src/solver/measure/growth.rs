@@ -40,6 +40,8 @@ pub(crate) const UNRESOLVED: f64 = 1e10;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
+/// So much less than [`GROWN`] is less, however sums are rounded.
+const SURELY: f64 = 0.99;
 /// Normal loads below this part of all loads are rounding: growth is not measured by them.
 const NO_LOAD: f64 = 1e-12;
 /// Power relative to those that cancel in it which rounding explains: a velocity is a sum of some tens to hundreds of
@@ -99,8 +101,12 @@ impl Growth {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Groups {
     members: Components,
-    sums: Vec<Powers>,
+    /// `Σ_j |G_ij|` in the normal row of every contact; where only products are known, an estimate of the norm of `G`.
+    row_sums: Vec<f64>,
     known: bool,
+    sums: Vec<Powers>,
+    /// See [`are_bounded`](Self::are_bounded).
+    excess: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -177,25 +183,62 @@ impl Groups {
         self.known = false;
     }
 
-    /// Joins contacts that influence each other, and begins new sums.
-    fn begin(&mut self, problem: &ContactProblem) {
-        let contacts = problem.contacts().len();
-        self.sums.clear();
-        self.sums.resize(contacts, Powers::default());
+    /// Joins contacts that influence each other, and sums up their rows.
+    fn know(&mut self, problem: &ContactProblem) {
         if std::mem::replace(&mut self.known, true) {
             return;
         }
+        let contacts = problem.contacts().len();
         self.members.separate(contacts);
+        self.row_sums.clear();
         for i in 0..contacts {
-            if problem.delassus().is_matrix_free() {
+            if let Delassus::MatrixFree(operator) = problem.delassus() {
                 self.members.join(i, 0);
+                self.row_sums.push(operator.norm());
                 continue;
             }
+            let mut row_sum = 0.0;
             for (j, block) in problem.delassus().blocks().row(i) {
                 if block.iter().any(|g| *g != 0.0) {
                     self.members.join(i, j);
                 }
+                let normal_row = &block[..problem.contacts()[j].len()];
+                row_sum += normal_row.iter().map(|g| g.abs()).sum::<f64>();
             }
+            self.row_sums.push(row_sum);
+        }
+    }
+
+    /// Whether no group of contacts can have grown: `A ≤ max|P| Σ P_Ni Σ_j |G_ij|`, which takes no products with `G`.
+    ///
+    /// Percussions of most solutions that move are bounded by it.
+    fn are_bounded(&mut self, measured: &Measured<'_>) -> bool {
+        let Measured { problem, percussion, .. } = *measured;
+        let Self { members, row_sums, excess, .. } = self;
+        let largest = largest(percussion);
+        excess.clear();
+        excess.resize(problem.contacts().len(), 0.0);
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            if rows.normal != NormalForce::Unilateral {
+                // Its percussion is a load of the others, which takes products.
+                return false;
+            }
+            let (row, push) = (rows.offset, percussion[rows.offset]);
+            if push > 0.0 {
+                let load = (problem.free_velocity()[row] + problem.restitution()[row]).abs();
+                excess[members.first(i)] += push * (largest * row_sums[i] - SURELY * GROWN * load);
+            }
+        }
+        // The comparison also finds NaN.
+        excess.iter().all(|excess| *excess <= 0.0)
+    }
+
+    /// Begins new sums.
+    fn begin(&mut self, contacts: usize) {
+        self.sums.clear();
+        self.sums.resize(contacts, Powers::default());
+        for i in 0..contacts {
+            self.sums[self.members.first(i)].contacts += 1;
         }
     }
 }
@@ -215,15 +258,12 @@ pub(crate) fn of(
         let load = problem.free_velocity()[row] + problem.restitution()[row];
         measured.xi(row).abs() > APPROACHING * load.abs()
     };
-    let (mut any, mut moving) = (false, false);
-    for rows in problem.contacts().iter().filter(|rows| pushes(rows, percussion)) {
-        (any, moving) = (true, moving || moves(rows));
-    }
-    if any && (moving || is_large(problem, percussion)) {
-        of_groups(&measured, groups)
-    } else {
-        None
-    }
+    let mut pushing = problem.contacts().iter().filter(|rows| pushes(rows, percussion));
+    let looks_grown = match pushing.next() {
+        None => false,
+        Some(first) => moves(first) || pushing.any(moves) || is_large(problem, percussion),
+    };
+    if looks_grown { of_groups(&measured, groups) } else { None }
 }
 
 /// How the percussions of contacts have grown that influence each other and no others.
@@ -308,16 +348,19 @@ fn pushes(rows: &ContactRows, percussion: &[f64]) -> bool {
     rows.normal == NormalForce::Unilateral && percussion[rows.offset] > 0.0
 }
 
-/// The group of contacts with the worst growth.
+/// The worst growth of all groups.
 #[cold]
 fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
+    groups.know(measured.problem);
+    if groups.are_bounded(measured) { None } else { of_unbounded(measured, groups) }
+}
+
+/// The same from all products of `G`, where row sums have not told.
+fn of_unbounded(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     let Measured { problem, percussion, .. } = *measured;
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);
-    groups.begin(problem);
+    groups.begin(problem.contacts().len());
     let loads = Loads::of(problem, problem.contacts().iter());
-    for i in 0..problem.contacts().len() {
-        groups.sums[groups.members.first(i)].contacts += 1;
-    }
     for (i, _) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.members.first(i);
         groups.sums[group].add(measured, i, &loads);

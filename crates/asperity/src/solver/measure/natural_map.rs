@@ -3,7 +3,7 @@
 use super::natural_residual::{Measured, relative};
 use crate::argument::ArgumentError;
 use crate::contact::{ContactProblem, ContactRows, NormalForce};
-use crate::vectors::norm;
+use crate::vectors::{norm, unrolled};
 
 /// `‖P − prox(P − ρξ)‖ / max(‖P‖, ρ‖b‖)` with `ρ = rows/tr G` for the whole problem, independent of units.
 ///
@@ -24,10 +24,33 @@ pub fn natural_map(
 
 /// See [`natural_map`].
 pub(crate) fn map(measured: &Measured<'_>) -> f64 {
-    let problem = measured.problem;
-    let rho = problem.global_rho();
-    let all = Squares::of(measured, 0..problem.contacts().len(), rho);
-    all.relative((rho * problem.load_norm()).powi(2)).sqrt()
+    map_with(measured, Scale::of(measured.problem))
+}
+
+/// The same with the scale of the problem, which does not depend on percussions.
+pub(crate) fn map_with(measured: &Measured<'_>, scale: Scale) -> f64 {
+    let contacts = measured.problem.contacts().iter();
+    let defect = contacts.map(|contact| contact_defect(measured, contact, scale.rho)).sum();
+    let percussion = measured.percussion.iter().map(|p| p * p).sum();
+    let all = Squares { defect, percussion };
+    all.relative(scale.loads.powi(2)).sqrt()
+}
+
+/// What the natural map of a whole problem is measured with.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Scale {
+    /// `ρ = rows/tr G`.
+    pub(crate) rho: f64,
+    /// `ρ‖b + e γ_B‖`.
+    pub(crate) loads: f64,
+}
+
+impl Scale {
+    /// Of a problem.
+    pub(crate) fn of(problem: &ContactProblem) -> Self {
+        let rho = problem.global_rho();
+        Self { rho, loads: rho * problem.load_norm() }
+    }
 }
 
 /// The same of contacts that influence no others, as if there were only these, and what it is relative to, a percussion.
@@ -106,22 +129,28 @@ fn contact_defect(measured: &Measured<'_>, contact: &ContactRows, rho: f64) -> f
 
 /// `‖r − P_K(r − ρξ̃)‖²` with `ξ̃_N = ξ_N + μ‖ξ_T‖` and the friction cone `K`, for isotropic friction.
 fn cone_defect(measured: &Measured<'_>, contact: &ContactRows, mu: f64, rho: f64) -> f64 {
-    let (normal, slip) = (measured.percussion[contact.offset], measured.slip(contact));
-    let tangent = &measured.percussion[contact.tangential_rows()];
-    let z_n = normal - rho * (measured.xi(contact.offset) + mu * norm(&slip));
-    let mut z_t = [0.0; 3];
-    for ((z, p), xi) in z_t.iter_mut().zip(tangent).zip(&slip) {
-        *z = p - xi * rho;
-    }
-    let z_size = norm(&z_t);
-    let (p_n, part) = if z_size <= mu * z_n {
-        (z_n, 1.0)
-    } else if mu * z_size <= -z_n {
-        (0.0, 0.0)
-    } else {
-        let p_n = (z_n + mu * z_size) / (1.0 + mu * mu);
-        (p_n, mu * p_n / z_size)
-    };
-    let aside = tangent.iter().zip(&z_t).map(|(p, z)| (p - z * part) * (p - z * part));
-    (normal - p_n) * (normal - p_n) + aside.sum::<f64>()
+    let Measured { problem, percussion, velocity } = *measured;
+    let (normal, rows) = (percussion[contact.offset], contact.tangential_rows());
+    unrolled!(n = rows.len() => {
+        let tangent = &percussion[rows.clone()][..n];
+        let (velocity, restitution) =
+            (&velocity[rows.clone()][..n], &problem.restitution()[rows][..n]);
+        let (mut slip, mut z_t) = ([0.0; 3], [0.0; 3]);
+        for k in 0..n {
+            slip[k] = velocity[k] + restitution[k];
+            z_t[k] = tangent[k] - slip[k] * rho;
+        }
+        let z_n = normal - rho * (measured.xi(contact.offset) + mu * norm(&slip[..n]));
+        let z_size = norm(&z_t[..n]);
+        let (p_n, part) = if z_size <= mu * z_n {
+            (z_n, 1.0)
+        } else if mu * z_size <= -z_n {
+            (0.0, 0.0)
+        } else {
+            let p_n = (z_n + mu * z_size) / (1.0 + mu * mu);
+            (p_n, mu * p_n / z_size)
+        };
+        let aside = tangent.iter().zip(&z_t).map(|(p, z)| (p - z * part) * (p - z * part));
+        (normal - p_n) * (normal - p_n) + aside.sum::<f64>()
+    })
 }

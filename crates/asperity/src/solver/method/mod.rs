@@ -21,5 +21,7 @@ pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
 pub(crate) use proximal::{Limits, ProximalPoint};
 pub(crate) use standing::Standing;
-pub(crate) use sweeps::{Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, mark_ambiguous};
+pub(crate) use sweeps::{
+    Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, UNTIMED, mark_ambiguous,
+};
 pub(crate) use task::{Iterate, Past, Task};

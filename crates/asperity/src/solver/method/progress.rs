@@ -8,7 +8,7 @@ use super::task::{Iterate, Past, Task};
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
-use crate::solver::measure::natural_map;
+use crate::solver::measure::natural_map::{self, Scale};
 use crate::solver::measure::natural_residual::{self, Measured, Residual};
 use crate::solver::measure::stop::Measure;
 use crate::solver::one_contact::solve::Policy;
@@ -53,6 +53,7 @@ pub(crate) struct Progress<'a> {
     pub(crate) iterate: Iterate<'a>,
     sweeper: &'a mut Sweeper,
     buffers: &'a mut Buffers,
+    scale: Scale,
     first_grade: f64,
     /// Natural map of the best percussions.
     grade: f64,
@@ -88,6 +89,7 @@ impl<'a> Progress<'a> {
             iterate,
             sweeper,
             buffers,
+            scale: Scale::of(task.problem),
             first_grade: grade,
             grade,
             known: false,
@@ -112,7 +114,7 @@ impl<'a> Progress<'a> {
     /// Puts the best percussions back; iterations, why it ended, `limited` by the user's number of iterations or not, and
     /// the residual.
     pub(crate) fn finish(mut self, limited: bool) -> (usize, Ended, Residual) {
-        let early = self.task.stop.early();
+        let early = !self.solved && self.task.stop.early();
         if !self.solved && !early {
             self.is_infeasible();
         }
@@ -275,7 +277,7 @@ impl<'a> Progress<'a> {
         problem.velocity(percussion, &mut self.buffers.velocity);
         let velocity = &self.buffers.velocity;
         let measured = Measured { problem, percussion, velocity };
-        let grade = natural_map::map(&measured);
+        let grade = natural_map::map_with(&measured, self.scale);
         let goal = 0.5 * stop.tolerance;
         let small = match stop.measure {
             Measure::Global => grade <= goal,
@@ -331,8 +333,7 @@ impl<'a> Progress<'a> {
 
     /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.
     pub(crate) fn scale(&self, percussion: &[f64]) -> f64 {
-        let problem = self.task.problem;
-        f64::max(norm(percussion), problem.global_rho() * problem.load_norm())
+        f64::max(norm(percussion), self.scale.loads)
     }
 
     /// Smallest relative `‖F‖` that is asked for.

@@ -77,6 +77,13 @@ impl<const P: usize> LocalSolution<P> {
     /// Writes the percussions to the contact's own rows, of which the first may be a normal one.
     #[inline(always)]
     pub(crate) fn store(&self, percussion: &mut [f64]) {
+        // At once: the next contact reads the first two of them together, and would wait for one that is written alone.
+        if P == 2
+            && let Ok(all) = <&mut [f64; 3]>::try_from(&mut *percussion)
+        {
+            *all = [self.normal, self.tangent[0], self.tangent[1]];
+            return;
+        }
         let first = percussion.len() - P;
         if first == 1 {
             percussion[0] = self.normal;

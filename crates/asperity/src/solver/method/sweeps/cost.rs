@@ -37,7 +37,7 @@ impl Cost {
         for i in contacts {
             count += 1.0;
             rows += blocks.size(i);
-            entries += blocks.row(i).map(|(_, block)| block.len()).sum::<usize>();
+            entries += blocks.entries_of(i);
         }
         let entries = entries as f64;
         let (sweep, step) = (PRODUCT * entries + VISIT * count, STEP * entries + JET * count);

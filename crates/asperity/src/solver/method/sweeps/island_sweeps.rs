@@ -7,7 +7,7 @@
 use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
 use super::swept::Swept;
-use super::visitor::{BATCH, Visitor};
+use super::visitor::{UNTIMED, Visitor};
 use crate::contact::Members;
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_map::map_of;
@@ -139,8 +139,7 @@ impl Visitor<'_> {
                 swept.ended = stuck.map_or(Ended::Done, Ended::Stuck);
             }
             *visited += members.len();
-            // As often as if all contacts were swept together, but where they are many.
-            if *visited >= BATCH.min(task.problem.contacts().len()) {
+            if *visited >= UNTIMED {
                 *visited = 0;
                 if task.stop.early() {
                     if !is_measured {

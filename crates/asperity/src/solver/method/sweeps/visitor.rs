@@ -9,6 +9,9 @@ use crate::threads;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
 pub(super) const BATCH: usize = 8 * threads::LEAF;
+/// Visits between two looks at the clock in sweeps that go on and on: a visit takes some tenths of a microsecond, and a look
+/// a tenth of one, where few contacts are swept again and again.
+pub(crate) const UNTIMED: usize = threads::LEAF;
 
 /// Who visits contacts: prepared blocks, and what is left of the work on each of them.
 pub(super) struct Visitor<'a> {
@@ -19,7 +22,7 @@ pub(super) struct Visitor<'a> {
 
 impl Visitor<'_> {
     /// Solves a contact with the percussions of the others held; whether there is a solution.
-    #[inline]
+    #[inline(always)]
     pub(super) fn visit(
         &mut self,
         task: &Task<'_>,
