@@ -332,7 +332,7 @@ struct Sweeps {
 impl Sweeps {
     /// In place of something that takes as long as so many sweeps.
     fn new(instead: f64) -> Self {
-        Self { rate: Rate::new(instead), count: 0, untimed: 0 }
+        Self { rate: Rate::new(instead), count: 0, untimed: UNTIMED }
     }
 
     /// Records what was done after the first `before` sweeps, if it was anything, or also if it was nothing.

@@ -60,7 +60,7 @@ impl Visitor<'_> {
         (islands, numbers): (&Members, impl Iterator<Item = usize>),
         mut put: impl FnMut(Swept),
     ) {
-        let mut visited = 0;
+        let mut visited = UNTIMED;
         for members in numbers.map(|island| islands.of(island)) {
             let mut own = self.solve_island(task, iterate, plan, (members, &mut visited));
             let is_left = plan.leaves(&own, task.stop.tolerance);

@@ -9,8 +9,8 @@ use crate::threads;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
 pub(super) const BATCH: usize = 8 * threads::LEAF;
-/// Visits between two looks at the clock in sweeps that go on and on: a visit takes some tenths of a microsecond, and a look
-/// a tenth of one, where few contacts are swept again and again.
+/// Visits between two looks at the clock after the first sweep: where few contacts are swept again and again, a look takes
+/// as long as one of them.
 pub(crate) const UNTIMED: usize = threads::LEAF;
 
 /// Who visits contacts: prepared blocks, and what is left of the work on each of them.
