@@ -98,6 +98,9 @@ pub(super) trait Buffers: Default + Send {
     /// The operator of the problem has other entries.
     fn refresh(&mut self, problem: &ContactProblem);
 
+    /// The velocities of the percussions that a solve starts from, or of those that it has found.
+    fn velocity_mut(&mut self) -> &mut [f64];
+
     /// What was found at the last solve besides percussions and states.
     fn found(&self) -> Found<'_>;
 }
@@ -146,14 +149,15 @@ impl<B: Buffers> OwnProblem<B> {
     }
 
     /// Takes over what the island is given in this solve.
-    fn begin(&mut self, task: &Task<'_>, percussion: &[f64], swept: &Swept) {
+    fn begin(&mut self, task: &Task<'_>, iterate: &Iterate<'_>, swept: &Swept) {
         let Self { part, before, buffers, .. } = self;
         if std::mem::take(&mut self.stale) {
             part.copy_operator(task.problem);
             buffers.refresh(part.problem());
         }
         part.copy_velocities(task.problem);
-        take(part.rows(), percussion, &mut before.percussion);
+        take(part.rows(), iterate.percussion, &mut before.percussion);
+        take(part.rows(), iterate.velocity, buffers.velocity_mut());
         take(part.contacts(), task.history, &mut before.states);
         self.past = if swept.stuck { Past::Stuck } else { Past::Swept };
         (self.unused, self.report) = (0, None);
@@ -439,7 +443,7 @@ impl<B: Buffers> Parts<B> {
             for &island in &*left {
                 let make = || Box::new(OwnProblem::new(problem, islands.of(island)));
                 let mut own = own[island].take().unwrap_or_else(make);
-                own.begin(task, iterate.percussion, &swept[island]);
+                own.begin(task, iterate, &swept[island]);
                 work.push((island, own));
             }
             needed = solve_all(work, task, threads, tally.as_mut(), solve);

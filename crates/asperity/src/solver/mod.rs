@@ -286,6 +286,10 @@ impl Buffers for Workspace {
         self.refresh(problem);
     }
 
+    fn velocity_mut(&mut self) -> &mut [f64] {
+        &mut self.velocity
+    }
+
     fn found(&self) -> Found<'_> {
         let Self { velocity, ambiguous, stages, infeasibility, .. } = self;
         Found { velocity, ambiguous, stages, infeasibility: infeasibility.as_ref() }

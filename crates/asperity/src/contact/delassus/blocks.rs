@@ -357,7 +357,7 @@ impl BlockMatrix {
     }
 
     /// Adds `Σ_j |G_ij P_j|` to the first entries of `sum`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add_magnitudes(&self, i: usize, percussion: &[f64], sum: &mut [f64; 4]) {
         if self.in_threes {
             self.add_terms_in_threes(i, percussion, true, sum, |g, p| (g * p).abs());
@@ -367,7 +367,7 @@ impl BlockMatrix {
     }
 
     /// `Σ_j |G_ij P_j|` in the first row of a contact, to the bit that of [`add_magnitudes`](Self::add_magnitudes).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn first_magnitude(&self, i: usize, percussion: &[f64]) -> f64 {
         let own = self.starts[i]..self.starts[i + 1];
         if self.in_threes {
@@ -384,42 +384,6 @@ impl BlockMatrix {
             block.iter().zip(own).map(|(g, p)| (g * p).abs()).sum::<f64>()
         };
         self.row(i).map(of_block).sum()
-    }
-
-    /// `Σ_j G_ij P_j` and `Σ_j |G_ij P_j|` in the `N` rows of a contact, to the bit those of [`add_row`](Self::add_row) and
-    /// [`add_magnitudes`](Self::add_magnitudes): block by block.
-    #[inline(always)]
-    pub(crate) fn row_products<const N: usize>(
-        &self,
-        i: usize,
-        percussion: &[f64],
-    ) -> ([f64; N], [f64; N]) {
-        let (mut sums, mut magnitudes) = ([0.0; N], [0.0; N]);
-        for k in self.starts[i]..self.starts[i + 1] {
-            let j = self.columns[k];
-            let p = &percussion[self.offsets[j]..self.offsets[j + 1]];
-            let block = &self.values[self.places[k]..];
-            // Contacts of one size, the bulk of all, with loops that the compiler unrolls.
-            if let (Ok(p), Some((g, _))) = (<&[f64; N]>::try_from(p), block.split_at_checked(N * N))
-            {
-                for a in 0..N {
-                    let (mut sum, mut magnitude) = (g[N * a] * p[0], (g[N * a] * p[0]).abs());
-                    for b in 1..N {
-                        let term = g[N * a + b] * p[b];
-                        sum += term;
-                        magnitude += term.abs();
-                    }
-                    sums[a] += sum;
-                    magnitudes[a] += magnitude;
-                }
-                continue;
-            }
-            for (a, row) in block.chunks_exact(p.len()).take(N).enumerate() {
-                sums[a] += row.iter().zip(p).map(|(g, p)| g * p).sum::<f64>();
-                magnitudes[a] += row.iter().zip(p).map(|(g, p)| (g * p).abs()).sum::<f64>();
-            }
-        }
-        (sums, magnitudes)
     }
 
     #[inline(always)]

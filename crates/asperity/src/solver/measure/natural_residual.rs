@@ -151,9 +151,7 @@ impl Worst {
         let contact = &problem.contacts()[i];
         let defect = friction + measured.normal_defect(contact, problem.rho(i));
         let own = percussion[contact.rows()].iter().map(|p| p * p).sum::<f64>();
-        // Its scale is no less than that. The velocities that others bring take longer than all the rest: where the
-        // percussion alone tells that another contact is worse, they are not asked for.
-        if self.defect >= 0.0 && own < f64::INFINITY && defect <= SURELY * self.defect * own {
+        if is_surely_less(defect, own, self.defect) {
             return;
         }
         let defect = relative(defect, || scale(problem, i, percussion, velocity));
@@ -171,6 +169,14 @@ impl Worst {
 /// So much less than the largest defect is less, however squares and ratios are rounded.
 const SURELY: f64 = 0.99;
 
+/// Whether a defect relative to its scale is certainly less than that of another contact, `worst`, negative without one; `own` is
+/// the square of the contact's percussion, which its scale is no less than. The velocities that others bring take longer than
+/// all the rest: they need not be asked for then.
+#[inline(always)]
+pub(super) fn is_surely_less(defect: f64, own: f64, worst: f64) -> bool {
+    worst >= 0.0 && own < f64::INFINITY && defect <= SURELY * worst * own
+}
+
 /// Whether a defect is larger than another one; not-a-number is larger than all others.
 #[inline(always)]
 pub(crate) fn is_worse(defect: f64, than: f64) -> bool {
@@ -179,7 +185,7 @@ pub(crate) fn is_worse(defect: f64, than: f64) -> bool {
 
 /// A defect relative to its scale, both squared. Percussions whose squares are no numbers are no solution of anything:
 /// beside an infinite scale every defect would vanish.
-#[inline]
+#[inline(always)]
 pub(super) fn relative(defect: f64, scale: impl FnOnce() -> f64) -> f64 {
     if defect == 0.0 {
         return 0.0;

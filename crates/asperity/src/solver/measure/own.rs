@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::growth::Size;
-use super::natural_residual::{normal_defect, relative};
+use super::natural_residual::{is_surely_less, normal_defect, relative};
 use crate::contact::ContactProblem;
 use crate::contact::NormalForce::{Prescribed, Unilateral};
 use crate::law::{self, Friction, FrictionLaw, Law};
@@ -11,7 +11,7 @@ use crate::law::{self, Friction, FrictionLaw, Law};
 /// What is measured of one contact in its own rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OwnMeasure {
-    /// Square of the relative defect.
+    /// Square of the relative defect; where that is certainly less than the worst one, more, but less than that, too.
     pub(crate) defect: f64,
     /// How large its percussions are.
     pub(crate) size: Size,
@@ -53,14 +53,27 @@ pub(crate) fn measure_alone(
 }
 
 /// Measures a contact that others may influence, from the percussions in all rows; its velocities are found on the way.
-#[inline]
+/// `worst` is the square of the largest relative defect of other contacts, negative without any.
+#[inline(always)]
 pub(crate) fn measure_coupled(
     problem: &ContactProblem,
     contact: usize,
     percussion: &[f64],
     velocity: &mut [f64],
+    worst: f64,
 ) -> OwnMeasure {
-    by_rows!(problem, contact, coupled, percussion, velocity)
+    by_rows!(problem, contact, coupled, percussion, velocity, worst)
+}
+
+/// Velocities and size only.
+#[inline(always)]
+pub(crate) fn size_coupled(
+    problem: &ContactProblem,
+    contact: usize,
+    percussion: &[f64],
+    velocity: &mut [f64],
+) -> Size {
+    by_rows!(problem, contact, sized, percussion, velocity)
 }
 
 #[inline(always)]
@@ -80,7 +93,10 @@ fn alone<const N: usize, const P: usize>(
     let sums = block * p + SVector::from(*free);
     let brought = if only { SVector::zeros() } else { block.abs() * p.abs() };
     velocity[..N].copy_from_slice(sums.as_slice());
-    measure(own, percussion, &sums.into(), &brought.into())
+    let velocity = &sums.into();
+    let (size, squares) = size(&own, percussion, velocity);
+    let scale = scale(&own, squares, &brought.into());
+    OwnMeasure { defect: relative(defect(&own, percussion, velocity), || scale), size }
 }
 
 #[inline(always)]
@@ -88,28 +104,78 @@ fn coupled<const N: usize, const P: usize>(
     own: Own<'_, P>,
     percussion: &[f64],
     velocity: &mut [f64],
+    worst: f64,
 ) -> OwnMeasure {
-    let Own { problem, contact, .. } = own;
+    let (own_percussion, velocity) = moved::<N, P>(&own, percussion, velocity);
+    let (size, squares) = size(&own, own_percussion, &velocity);
+    let defect = defect(&own, own_percussion, &velocity);
+    if is_surely_less(defect, squares, worst) {
+        return OwnMeasure { defect: relative(defect, || squares), size };
+    }
+    let mut brought = [0.0; 4];
+    own.problem.delassus().blocks().add_magnitudes(own.contact, percussion, &mut brought);
+    let scale = scale(&own, squares, first::<N>(&brought));
+    OwnMeasure { defect: relative(defect, || scale), size }
+}
+
+#[inline(always)]
+fn sized<const N: usize, const P: usize>(
+    own: Own<'_, P>,
+    percussion: &[f64],
+    velocity: &mut [f64],
+) -> Size {
+    let (percussions, velocities) = moved::<N, P>(&own, percussion, velocity);
+    size(&own, percussions, &velocities).0
+}
+
+/// The percussions of a contact that others may influence, and its velocities `γ_E`, which are handed over, too.
+#[inline(always)]
+fn moved<'a, const N: usize, const P: usize>(
+    own: &Own<'_, P>,
+    percussion: &'a [f64],
+    velocity: &mut [f64],
+) -> (&'a [f64; N], [f64; N]) {
+    let Own { problem, contact, .. } = *own;
     let rows = problem.contacts()[contact].rows();
-    let (sums, brought) = problem.delassus().blocks().row_products::<N>(contact, percussion);
+    let mut sums = [0.0; 4];
+    problem.delassus().blocks().add_row(contact, percussion, true, &mut sums);
     let free = first::<N>(&problem.free_velocity()[rows.start..]);
     let sums = std::array::from_fn(|a| free[a] + sums[a]);
     velocity[rows.clone()].copy_from_slice(&sums);
-    measure(own, first::<N>(&percussion[rows.start..]), &sums, &brought)
+    (first::<N>(&percussion[rows.start..]), sums)
 }
 
-/// The measure of a contact with `N` rows, from its percussions, its velocities `γ_E` and `Σ_j |G_ij P_j|`.
+/// How large the percussions of a contact are, and the sum of their squares.
 #[inline(always)]
-fn measure<const N: usize, const P: usize>(
-    own: Own<'_, P>,
+fn size<const N: usize, const P: usize>(
+    own: &Own<'_, P>,
     percussion: &[f64; N],
     velocity: &[f64; N],
-    brought: &[f64; N],
-) -> OwnMeasure {
-    let Own { problem, contact, law } = own;
+) -> (Size, f64) {
+    let Own { problem, contact, .. } = *own;
+    let offset = problem.contacts()[contact].offset;
+    let free = first::<N>(&problem.free_velocity()[offset..]);
+    let restitution = first::<N>(&problem.restitution()[offset..]);
+    let (mut squares, mut loads) = (0.0, 0.0);
+    for a in 0..N {
+        squares += percussion[a] * percussion[a];
+        let load = free[a] + restitution[a];
+        loads += load * load;
+    }
+    let normal = (N - P == 1).then_some((velocity[0] + restitution[0], free[0] + restitution[0]));
+    (Size::of(percussion, normal, (squares, loads), problem.rho(contact)), squares)
+}
+
+/// Square of the defect of a contact with `N` rows, from its percussions and its velocities `γ_E`.
+#[inline(always)]
+fn defect<const N: usize, const P: usize>(
+    own: &Own<'_, P>,
+    percussion: &[f64; N],
+    velocity: &[f64; N],
+) -> f64 {
+    let Own { problem, contact, law } = *own;
     let rows = &problem.contacts()[contact];
     let rho = problem.rho(contact);
-    let free = first::<N>(&problem.free_velocity()[rows.offset..]);
     let restitution = first::<N>(&problem.restitution()[rows.offset..]);
     let normal_rows = N - P;
     let friction = Friction {
@@ -118,23 +184,31 @@ fn measure<const N: usize, const P: usize>(
         velocity: &velocity[normal_rows..],
         restitution: &restitution[normal_rows..],
     };
-    let mut defect = law::inclusion_defect(law, friction, rho);
-    let xi = velocity[0] + restitution[0];
-    if normal_rows == 1 {
-        defect += normal_defect(percussion[0], xi, rho).powi(2);
+    let friction = law::inclusion_defect(law, friction, rho);
+    if normal_rows == 0 {
+        return friction;
     }
-    let (mut squares, mut loads, mut all) = (0.0, 0.0, 0.0);
+    friction + normal_defect(percussion[0], velocity[0] + restitution[0], rho).powi(2)
+}
+
+/// Square of what that is compared with, from the square of the percussions and `Σ_j |G_ij P_j|`.
+#[inline(always)]
+fn scale<const N: usize, const P: usize>(
+    own: &Own<'_, P>,
+    squares: f64,
+    brought: &[f64; N],
+) -> f64 {
+    let Own { problem, contact, .. } = *own;
+    let (rows, rho) = (&problem.contacts()[contact], problem.rho(contact));
+    let free = first::<N>(&problem.free_velocity()[rows.offset..]);
+    let restitution = first::<N>(&problem.restitution()[rows.offset..]);
+    let mut all = 0.0;
     for a in 0..N {
-        squares += percussion[a] * percussion[a];
-        let load = free[a] + restitution[a];
-        loads += load * load;
         // In the order of `scale` of the natural residual: measures do not tell, to the bit, which way they were found.
         let sum = brought[a] + free[a].abs() + restitution[a].abs();
         all += sum * sum;
     }
-    let normal = (normal_rows == 1).then_some((xi, free[0] + restitution[0]));
-    let size = Size::of(percussion, normal, (squares, loads), rho);
-    OwnMeasure { defect: relative(defect, || f64::max(squares, rho * rho * all)), size }
+    f64::max(squares, rho * rho * all)
 }
 
 /// The first numbers of a list that has them.

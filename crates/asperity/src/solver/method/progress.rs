@@ -59,6 +59,8 @@ pub(crate) struct Progress<'a> {
     grade: f64,
     /// Whether the velocities in the buffers are those of the best percussions.
     known: bool,
+    /// The residual by the measure of contacts of the best percussions, where the stop asks for it and it was looked at.
+    residual: Option<Residual>,
     /// Whether they pass the measure of the stop.
     solved: bool,
     /// The contact of the last sweep that had no solution, the others held.
@@ -93,13 +95,21 @@ impl<'a> Progress<'a> {
             first_grade: grade,
             grade,
             known: false,
+            residual: None,
             solved,
             stuck,
             growth,
             suspicion,
             sweeps,
         };
-        progress.grade_sweeps();
+        if task.past == Past::Unswept {
+            progress.grade_sweeps();
+        } else {
+            progress.buffers.velocity.copy_from_slice(progress.iterate.velocity);
+            let percussion = std::mem::take(&mut progress.iterate.percussion);
+            progress.grade_moved(percussion);
+            progress.iterate.percussion = percussion;
+        }
         if progress.grade.is_infinite() {
             // Percussions that run away are no start for anything; none at all are.
             progress.iterate.percussion.fill(0.0);
@@ -122,12 +132,10 @@ impl<'a> Progress<'a> {
         iterate.percussion.copy_from_slice(&buffers.best);
         let residual = if self.known {
             iterate.velocity.copy_from_slice(&buffers.velocity);
-            task.stop.residual_with_map(
-                task.problem,
-                iterate.percussion,
-                iterate.velocity,
-                self.grade,
-            )
+            let Iterate { percussion, velocity, .. } = &iterate;
+            self.residual.unwrap_or_else(|| {
+                task.stop.residual_with_map(task.problem, percussion, velocity, self.grade)
+            })
         } else {
             iterate.measure(&task)
         };
@@ -259,6 +267,7 @@ impl<'a> Progress<'a> {
             self.sweeper.sweep(&self.task, &mut self.iterate, Policy::Prove, false);
         }
         (self.solved, self.known, self.grade, self.growth) = (true, false, grade, None);
+        self.residual = None;
         self.buffers.best.clone_from(&self.buffers.other);
     }
 
@@ -272,31 +281,36 @@ impl<'a> Progress<'a> {
 
     /// Natural map of percussions, kept if they are the best so far.
     pub(crate) fn grade(&mut self, percussion: &[f64]) -> f64 {
+        self.task.problem.velocity(percussion, &mut self.buffers.velocity);
+        self.grade_moved(percussion)
+    }
+
+    /// The same where the velocities in the buffers are those of the percussions.
+    fn grade_moved(&mut self, percussion: &[f64]) -> f64 {
         let Task { problem, stop, .. } = self.task;
         self.known = false;
-        problem.velocity(percussion, &mut self.buffers.velocity);
         let velocity = &self.buffers.velocity;
         let measured = Measured { problem, percussion, velocity };
         let grade = natural_map::map_with(&measured, self.scale);
         let goal = 0.5 * stop.tolerance;
+        // The measure of contacts is the dearer one; it is not looked at where the other is far off.
+        let near = grade <= 1e3 * goal * (problem.contacts().len() as f64).sqrt();
+        let by_contacts = stop.measure == Measure::Contact && near;
+        let residual = by_contacts.then(|| natural_residual::residual(&measured));
         let small = match stop.measure {
             Measure::Global => grade <= goal,
-            // The measure of contacts is the dearer one; it is not looked at where the other is far off.
-            Measure::Contact => {
-                grade <= 1e3 * goal * (problem.contacts().len() as f64).sqrt()
-                    && natural_residual::residual(&measured).value <= goal
-            }
+            Measure::Contact => residual.is_some_and(|residual| residual.value <= goal),
         };
         let better = small && !self.solved || grade < self.grade && small >= self.solved;
         if better {
-            self.keep(percussion, grade, small);
+            self.keep(percussion, (grade, residual), small);
         }
         grade
     }
 
     /// Keeps better percussions than before, unless they run away: such look better and better, and are no start
     /// for anything.
-    fn keep(&mut self, percussion: &[f64], grade: f64, small: bool) {
+    fn keep(&mut self, percussion: &[f64], measures: (f64, Option<Residual>), small: bool) {
         let Buffers { astray, velocity, groups, .. } = &mut *self.buffers;
         self.growth = growth::of(self.task.problem, percussion, velocity, groups);
         let kind = self.growth.map(|growth| growth.kind);
@@ -310,7 +324,8 @@ impl<'a> Progress<'a> {
         }
         let solved = small && kind != Some(GrowthKind::Separating);
         if solved || !self.solved {
-            (self.grade, self.known, self.solved, self.growth) = (grade, true, solved, None);
+            (self.grade, self.residual) = measures;
+            (self.known, self.solved, self.growth) = (true, solved, None);
             self.buffers.best.copy_from_slice(percussion);
         }
     }

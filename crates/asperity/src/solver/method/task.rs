@@ -8,7 +8,8 @@ use crate::solver::measure::stop::Stop;
 use crate::solver::report::Stage;
 use crate::threads::Threads;
 
-/// What sweeps have done to the percussions that a solve starts from.
+/// What sweeps have done to the percussions that a solve starts from; where they have done anything, the velocities of the
+/// iterate are those of its percussions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Past {
     /// Nothing.

@@ -8,11 +8,11 @@ use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
 use super::swept::Swept;
 use super::visitor::{UNTIMED, Visitor};
-use crate::contact::Members;
+use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_map::map_of;
-use crate::solver::measure::natural_residual::Measured;
-use crate::solver::measure::own::measure_coupled;
+use crate::solver::measure::natural_residual::{Measured, residual_of};
+use crate::solver::measure::own::{measure_coupled, size_coupled};
 use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::{Measure, Stop};
 use crate::solver::method::task::{Iterate, Task};
@@ -121,12 +121,7 @@ impl Visitor<'_> {
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
                 break;
             }
-            stuck = None;
-            for &i in members {
-                if !self.visit(task, iterate, policy, sweeps == 0, i) {
-                    stuck = Some(i);
-                }
-            }
+            stuck = self.visit_all(task, iterate, policy, sweeps == 0, members.iter().copied());
             sweeps += 1;
             // To measure takes half as long as to sweep.
             let is_due = policy == Policy::Prove || rate.is_due(sweeps);
@@ -145,10 +140,12 @@ impl Visitor<'_> {
                     if !is_measured {
                         swept = measure(task, iterate, members);
                     }
+                    let swept = with_worst_contact(task, iterate, members, swept);
                     return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
                 }
             }
         }
+        swept = with_worst_contact(task, iterate, members, swept);
         if policy == Policy::FirstFound {
             let Iterate { percussion, velocity, states, .. } = iterate;
             let measured = Measured { problem: task.problem, percussion, velocity };
@@ -161,19 +158,62 @@ impl Visitor<'_> {
     }
 }
 
-/// Velocities, residual by the measure of the stop and growth of an island.
-fn measure(task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
-    let problem = task.problem;
-    let Iterate { percussion, velocity, .. } = iterate;
-    let (mut swept, mut size) = (Swept::NOTHING, Size::default());
-    for &i in members {
-        let own = measure_coupled(problem, i, percussion, velocity);
-        swept = swept.and(Swept { defect: own.defect, worst_contact: i, ..Swept::NOTHING });
-        size.add(&own.size);
+/// The same with the contact that has the largest defect also where another measure decides.
+fn with_worst_contact(
+    task: &Task<'_>,
+    iterate: &Iterate<'_>,
+    members: &[usize],
+    swept: Swept,
+) -> Swept {
+    if task.stop.measure == Measure::Contact {
+        return swept;
     }
-    if task.stop.measure == Measure::Global {
+    let Iterate { percussion, velocity, .. } = iterate;
+    let measured = Measured { problem: task.problem, percussion, velocity };
+    let worst_contact = residual_of(&measured, members.iter().copied()).worst_contact;
+    Swept { worst_contact, ..swept }
+}
+
+/// Velocities, residual by the measure of the stop and growth of an island; the worst contact only where it decides.
+fn measure(task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
+    let (problem, by_contacts) = (task.problem, task.stop.measure == Measure::Contact);
+    let Iterate { percussion, velocity, .. } = iterate;
+    let measurement = Measurement { problem, percussion, velocity, members, by_contacts };
+    let mut swept = pulp::Arch::new().dispatch(measurement);
+    if !by_contacts {
         let (map, _) = map_of(&Measured { problem, percussion, velocity }, members);
         swept.defect = map * map;
     }
-    Swept { may_grow: size.may_have_grown(), ..swept }
+    swept
+}
+
+/// A call that the compiler copies into every set of instructions: it multiplies all rows of an island. Multiplications and
+/// additions stay apart, with the same bits in all of them.
+struct Measurement<'a> {
+    problem: &'a ContactProblem,
+    percussion: &'a [f64],
+    velocity: &'a mut [f64],
+    members: &'a [usize],
+    by_contacts: bool,
+}
+
+impl pulp::NullaryFnOnce for Measurement<'_> {
+    type Output = Swept;
+
+    #[inline(always)]
+    fn call(self) -> Swept {
+        let Self { problem, percussion, velocity, members, by_contacts } = self;
+        let (mut swept, mut size) = (Swept::NOTHING, Size::default());
+        for &i in members {
+            if by_contacts {
+                let own = measure_coupled(problem, i, percussion, velocity, swept.defect);
+                let (defect, worst_contact) = (own.defect, i);
+                swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
+                size.add(&own.size);
+            } else {
+                size.add(&size_coupled(problem, i, percussion, velocity));
+            }
+        }
+        Swept { may_grow: size.may_have_grown(), ..swept }
+    }
 }

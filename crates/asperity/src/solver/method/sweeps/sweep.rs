@@ -85,8 +85,8 @@ impl Sweeper {
         first: bool,
     ) -> Option<usize> {
         let Self { blocks, efforts, candidates, .. } = self;
-        let visitor = Visitor { blocks, efforts, candidates };
-        pulp::Arch::new().dispatch(Sweep { visitor, task, iterate, policy, first })
+        let mut visitor = Visitor { blocks, efforts, candidates };
+        visitor.visit_all(task, iterate, policy, first, 0..task.problem.contacts().len())
     }
 
     /// The same in the order of colours, in several threads if they are `free`.
@@ -107,13 +107,9 @@ impl Sweeper {
             return threads.run(|| colours.sweep_side_by_side(before, changed));
         }
         let mut visitor = Visitor { blocks, efforts, candidates };
-        let mut stuck = None;
-        for &i in (0..colours.count()).flat_map(|colour| colours.contacts(colour)) {
-            if !visitor.visit(task, iterate, Policy::FirstFound, first, i) {
-                stuck = Some(i);
-            }
-        }
-        stuck
+        let in_turn =
+            (0..colours.count()).flat_map(|colour| colours.contacts(colour).iter().copied());
+        visitor.visit_all(task, iterate, Policy::FirstFound, first, in_turn)
     }
 
     /// The islands of the problem.
@@ -204,33 +200,6 @@ impl Sweeper {
             }
         }
         swept.and(rest.run(task, blocks, candidates))
-    }
-}
-
-/// A call of [`Sweeper::sweep`] that the compiler copies into every set of instructions: one contact waits for the percussions
-/// of the one before, which are read faster in the newer ones. Multiplications and additions stay apart, with the same bits in all
-/// of them.
-struct Sweep<'a, 'b, 'c> {
-    visitor: Visitor<'a>,
-    task: &'a Task<'b>,
-    iterate: &'a mut Iterate<'c>,
-    policy: Policy,
-    first: bool,
-}
-
-impl pulp::NullaryFnOnce for Sweep<'_, '_, '_> {
-    type Output = Option<usize>;
-
-    #[inline(always)]
-    fn call(self) -> Option<usize> {
-        let Self { mut visitor, task, iterate, policy, first } = self;
-        let mut stuck = None;
-        for i in 0..task.problem.contacts().len() {
-            if !visitor.visit(task, iterate, policy, first, i) {
-                stuck = Some(i);
-            }
-        }
-        stuck
     }
 }
 
