@@ -18,7 +18,7 @@ use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Past, Plan, Sweeper, Swept, Task};
 use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
-use crate::contact::{ContactProblem, Members, Memory, Part, put, take};
+use crate::contact::{ContactProblem, ContactState, Members, Memory, Part, put, take};
 use crate::threads::Threads;
 
 /// Contacts that are worth a second thread: what sweeps leave takes some tens of microseconds per contact.
@@ -122,6 +122,16 @@ pub(super) struct Unsolved<'a, B> {
     pub(super) buffers: &'a mut B,
 }
 
+/// What islands are given in a solve: what sweeps have left of the whole.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    problem: &'a ContactProblem,
+    history: &'a [ContactState],
+    percussion: &'a [f64],
+    velocity: &'a [f64],
+    swept: &'a [Swept],
+}
+
 /// An island that sweeps have left, as a problem of its own, and its solution.
 #[derive(Debug, Clone)]
 struct OwnProblem<B> {
@@ -148,19 +158,19 @@ impl<B: Buffers> OwnProblem<B> {
         Self { part, stale: false, unused: 0, before, past, memory, buffers, report: None }
     }
 
-    /// Takes over what the island is given in this solve.
-    fn begin(&mut self, task: &Task<'_>, iterate: &Iterate<'_>, swept: &Swept) {
+    /// Takes over what the island, of this number, is given in this solve. It is solved at once, while its data are at hand.
+    fn begin(&mut self, island: usize, given: Given<'_>) {
+        let Given { problem, history, percussion, velocity, swept } = given;
         let Self { part, before, buffers, .. } = self;
         if std::mem::take(&mut self.stale) {
-            part.copy_operator(task.problem);
+            part.copy_operator(problem);
             buffers.refresh(part.problem());
         }
-        part.copy_velocities(task.problem);
-        take(part.rows(), iterate.percussion, &mut before.percussion);
-        take(part.rows(), iterate.velocity, buffers.velocity_mut());
-        take(part.contacts(), task.history, &mut before.states);
-        self.past = if swept.stuck { Past::Stuck } else { Past::Swept };
-        (self.unused, self.report) = (0, None);
+        part.copy_velocities(problem);
+        take(part.rows(), percussion, &mut before.percussion);
+        take(part.rows(), velocity, buffers.velocity_mut());
+        take(part.contacts(), history, &mut before.states);
+        self.past = if swept[island].stuck { Past::Stuck } else { Past::Swept };
     }
 
     /// What is needed to solve it.
@@ -443,10 +453,13 @@ impl<B: Buffers> Parts<B> {
             for &island in &*left {
                 let make = || Box::new(OwnProblem::new(problem, islands.of(island)));
                 let mut own = own[island].take().unwrap_or_else(make);
-                own.begin(task, iterate, &swept[island]);
+                (own.unused, own.report) = (0, None);
                 work.push((island, own));
             }
-            needed = solve_all(work, task, threads, tally.as_mut(), solve);
+            let Iterate { percussion, velocity, .. } = &*iterate;
+            let history = task.history;
+            let given = Given { problem, history, percussion, velocity, swept };
+            needed = solve_all(work, (task, given), threads, tally.as_mut(), solve);
         }
         // Others keep what sweeps have led to, also where another thread has solved them meanwhile.
         let enough = needed < left.len();
@@ -525,7 +538,7 @@ impl<B: Buffers> Parts<B> {
 /// Solves islands as problems of their own, side by side where that is worth it; the number of those that count.
 fn solve_all<B: Buffers>(
     work: &mut [Work<B>],
-    task: &Task<'_>,
+    (task, given): (&Task<'_>, Given<'_>),
     threads: usize,
     tally: Option<&mut Tally>,
     solve: impl Fn(Unsolved<'_, B>, Stop<'_>, usize) -> SolveReport + Sync,
@@ -536,7 +549,8 @@ fn solve_all<B: Buffers>(
     let tally = tally.map(Mutex::new);
     let lock = || tally.as_ref().and_then(|tally| tally.lock().ok());
     let is_enough = || lock().is_some_and(|tally| tally.is_enough());
-    let solve = |place: usize, own: &mut OwnProblem<B>, stop: Stop<'_>, threads: usize| {
+    let solve = |place: usize, (island, own): &mut Work<B>, stop: Stop<'_>, threads: usize| {
+        own.begin(*island, given);
         own.report = Some(solve(own.unsolved(), stop, threads));
         if let Some(rho) = lock().map(|tally| tally.scale.rho) {
             let squares = own.squares(rho);
@@ -544,13 +558,13 @@ fn solve_all<B: Buffers>(
         }
     };
     let given_up = AtomicBool::new(false);
-    let share = |(place, (_, own)): &mut (usize, &mut Work<B>)| {
+    let share = |(place, work): &mut (usize, &mut Work<B>)| {
         let cancelled = || given_up.load(Ordering::Relaxed);
         if cancelled() {
             return;
         }
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
-        solve(*place, own, stop, 1);
+        solve(*place, work, stop, 1);
     };
     let ask = || {
         if task.stop.early() || is_enough() {
@@ -566,11 +580,11 @@ fn solve_all<B: Buffers>(
         }
     }
     if !shared {
-        for (place, (_, own)) in work.iter_mut().enumerate() {
+        for (place, work) in work.iter_mut().enumerate() {
             if task.stop.early() || is_enough() {
                 break;
             }
-            solve(place, own, task.stop, threads);
+            solve(place, work, task.stop, threads);
         }
     }
     match lock() {
