@@ -101,6 +101,9 @@ pub(super) trait Buffers: Default + Send {
     /// The velocities of the percussions that a solve starts from, or of those that it has found.
     fn velocity_mut(&mut self) -> &mut [f64];
 
+    /// Whether what they keep of a problem is found as soon as it is looked up.
+    fn are_light(problem: &ContactProblem) -> bool;
+
     /// What was found at the last solve besides percussions and states.
     fn found(&self) -> Found<'_>;
 }
@@ -144,6 +147,12 @@ struct OwnProblem<B> {
     past: Past,
     memory: Memory,
     buffers: B,
+    /// Whether the buffers are those of another island.
+    foreign: bool,
+    velocity: Vec<f64>,
+    ambiguous: Vec<bool>,
+    stages: Vec<Stage>,
+    infeasibility: Option<Infeasibility>,
     report: Option<SolveReport>,
 }
 
@@ -154,17 +163,55 @@ impl<B: Buffers> OwnProblem<B> {
         let mut buffers = B::default();
         buffers.prepare(part.problem());
         let before = memory.clone();
-        let past = Past::Unswept;
-        Self { part, stale: false, unused: 0, before, past, memory, buffers, report: None }
+        Self {
+            velocity: vec![0.0; part.problem().rows()],
+            ambiguous: vec![false; contacts.len()],
+            part,
+            stale: false,
+            unused: 0,
+            before,
+            past: Past::Unswept,
+            memory,
+            buffers,
+            foreign: false,
+            stages: Vec::new(),
+            infeasibility: None,
+            report: None,
+        }
+    }
+
+    /// Takes the buffers of the island that was solved last, which are in the cache of the processor, where its own ones would
+    /// have to be prepared anew, too.
+    fn take_buffers(&mut self, last: &mut Self) {
+        let light = |own: &Self| B::are_light(own.part.problem());
+        if self.stale && light(self) && light(last) {
+            std::mem::swap(&mut self.buffers, &mut last.buffers);
+            (self.foreign, last.foreign) = (true, true);
+        }
+    }
+
+    /// Keeps what was found, while the buffers may go on to another island.
+    fn keep(&mut self) {
+        let Found { velocity, ambiguous, stages, infeasibility } = self.buffers.found();
+        self.velocity.copy_from_slice(velocity);
+        self.ambiguous.copy_from_slice(ambiguous);
+        self.stages.clear();
+        self.stages.extend_from_slice(stages);
+        self.infeasibility = infeasibility.cloned();
     }
 
     /// Takes over what the island, of this number, is given in this solve. It is solved at once, while its data are at hand.
     fn begin(&mut self, island: usize, given: Given<'_>) {
         let Given { problem, history, percussion, velocity, swept } = given;
         let Self { part, before, buffers, .. } = self;
-        if std::mem::take(&mut self.stale) {
+        let (stale, foreign) = (std::mem::take(&mut self.stale), std::mem::take(&mut self.foreign));
+        if stale {
             part.copy_operator(problem);
-            buffers.refresh(part.problem());
+        }
+        match (foreign, stale) {
+            (true, _) => buffers.prepare(part.problem()),
+            (false, true) => buffers.refresh(part.problem()),
+            (false, false) => {}
         }
         part.copy_velocities(problem);
         take(part.rows(), percussion, &mut before.percussion);
@@ -182,14 +229,13 @@ impl<B: Buffers> OwnProblem<B> {
     /// Squares of what is left, with the prox parameter of the whole.
     fn squares(&self, rho: f64) -> Squares {
         let (problem, percussion) = (self.part.problem(), &self.memory.percussion[..]);
-        let measured = Measured { problem, percussion, velocity: self.buffers.found().velocity };
+        let measured = Measured { problem, percussion, velocity: &self.velocity };
         Squares::of(&measured, 0..problem.contacts().len(), rho)
     }
 
     /// Hands over what was found; the first stages are those of all islands together.
     fn end(&self, iterate: &mut Iterate<'_>, first_stages: usize) {
-        let Self { part, memory, buffers, .. } = self;
-        let Found { velocity, ambiguous, stages, .. } = buffers.found();
+        let Self { part, memory, velocity, ambiguous, stages, .. } = self;
         put(part.rows(), &memory.percussion, iterate.percussion);
         put(part.rows(), velocity, iterate.velocity);
         put(part.contacts(), &memory.states, iterate.states);
@@ -199,7 +245,7 @@ impl<B: Buffers> OwnProblem<B> {
 
     /// The proof that there is no solution, said of the whole problem.
     fn infeasibility(&self, whole: &ContactProblem) -> Option<Infeasibility> {
-        let proof = self.buffers.found().infeasibility?;
+        let proof = self.infeasibility.as_ref()?;
         let Infeasibility { kind, contact, direction, cases, .. } = proof;
         let spread = |direction: &[f64]| {
             let mut out = vec![0.0; whole.rows()];
@@ -552,6 +598,7 @@ fn solve_all<B: Buffers>(
     let solve = |place: usize, (island, own): &mut Work<B>, stop: Stop<'_>, threads: usize| {
         own.begin(*island, given);
         own.report = Some(solve(own.unsolved(), stop, threads));
+        own.keep();
         if let Some(rho) = lock().map(|tally| tally.scale.rho) {
             let squares = own.squares(rho);
             lock().into_iter().for_each(|mut tally| tally.put(place, squares));
@@ -580,11 +627,16 @@ fn solve_all<B: Buffers>(
         }
     }
     if !shared {
+        let mut last: Option<&mut Work<B>> = None;
         for (place, work) in work.iter_mut().enumerate() {
             if task.stop.early() || is_enough() {
                 break;
             }
+            if let Some((_, last)) = last {
+                work.1.take_buffers(last);
+            }
             solve(place, work, task.stop, threads);
+            last = Some(work);
         }
     }
     match lock() {

@@ -52,6 +52,7 @@ use method::{
     Iterate, Order, Own, Past, Plan, ProxIteration, Sweeper, Swept, Task, mark_ambiguous,
 };
 use neighbourhood::Neighbourhood;
+use newton_matrix::NewtonMatrix;
 use one_contact::block::Block;
 use one_contact::solve::{OneContact, Settled};
 use report::{Ended, Findings};
@@ -284,6 +285,10 @@ impl Buffers for Workspace {
 
     fn refresh(&mut self, problem: &ContactProblem) {
         self.refresh(problem);
+    }
+
+    fn are_light(problem: &ContactProblem) -> bool {
+        NewtonMatrix::known_operations(problem.rows()).is_some()
     }
 
     fn velocity_mut(&mut self) -> &mut [f64] {
