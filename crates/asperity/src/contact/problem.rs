@@ -435,6 +435,7 @@ impl ContactProblem {
     /// `velocity ← G P + b`.
     #[inline]
     pub(crate) fn velocity(&self, percussion: &[f64], velocity: &mut [f64]) {
+        debug_assert_eq!(percussion.len(), self.rows());
         // Most solves begin without percussions.
         if percussion.iter().all(|p| *p == 0.0) {
             velocity.fill(0.0);

@@ -11,12 +11,13 @@
 //! earliest, it is made at once: a step costs as much as three to ten sweeps, but where bodies are wide or many some tens
 //! to hundreds (`method/sweeps/cost.rs`). If it fails, sweeps go on as long as they promise an end.
 
-use crate::contact::{ContactState, Phase};
+use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
 use crate::solver::measure::natural_residual::Residual;
 use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Limits,
     Past, Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task, UNTIMED,
+    untimed_visits,
 };
 use crate::solver::neighbourhood::{Neighbourhood, Neighbourhoods};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -241,7 +242,7 @@ fn first_attempts(
     let contacts = problem.contacts().len();
     let cost = Cost::of(problem, 0..contacts);
     let estimate = cost.first_estimate();
-    let mut sweeps = Sweeps::new(estimate);
+    let mut sweeps = Sweeps::new(estimate, problem);
     let mut first = First { tried: false, dear: false, resting: None };
     // Where sweeps were made before, as long as they were worth it, and a contact had no solution in the last of them, one more
     // tells which.
@@ -325,14 +326,17 @@ struct First {
 struct Sweeps {
     rate: Rate,
     count: usize,
-    /// Visits of contacts since the last look at the clock.
+    /// What a sweep counts for between two looks at the clock, and what has been counted since the last one: at first as much as
+    /// asks for one.
+    visits: usize,
     untimed: usize,
 }
 
 impl Sweeps {
     /// In place of something that takes as long as so many sweeps.
-    fn new(instead: f64) -> Self {
-        Self { rate: Rate::new(instead), count: 0, untimed: UNTIMED }
+    fn new(instead: f64, problem: &ContactProblem) -> Self {
+        let visits = untimed_visits(problem, 0..problem.contacts().len());
+        Self { rate: Rate::new(instead), count: 0, visits, untimed: UNTIMED }
     }
 
     /// Records what was done after the first `before` sweeps, if it was anything, or also if it was nothing.
@@ -364,7 +368,7 @@ impl Sweeps {
 
     /// Whether the stop says, when it is asked, that nobody waits any longer.
     fn is_late(&mut self, task: Task<'_>) -> bool {
-        self.untimed += task.problem.contacts().len();
+        self.untimed += self.visits;
         if self.untimed < UNTIMED {
             return false;
         }

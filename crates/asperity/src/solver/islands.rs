@@ -101,8 +101,8 @@ pub(super) trait Buffers: Default + Send {
     /// The velocities of the percussions that a solve starts from, or of those that it has found.
     fn velocity_mut(&mut self) -> &mut [f64];
 
-    /// Whether what they keep of a problem is found as soon as it is looked up.
-    fn are_light(problem: &ContactProblem) -> bool;
+    /// Whether they keep nothing of a problem that is dear to find again: no analysis of its pattern.
+    fn are_soon_prepared(problem: &ContactProblem) -> bool;
 
     /// What was found at the last solve besides percussions and states.
     fn found(&self) -> Found<'_>;
@@ -183,8 +183,8 @@ impl<B: Buffers> OwnProblem<B> {
     /// Takes the buffers of the island that was solved last, which are in the cache of the processor, where its own ones would
     /// have to be prepared anew, too.
     fn take_buffers(&mut self, last: &mut Self) {
-        let light = |own: &Self| B::are_light(own.part.problem());
-        if self.stale && light(self) && light(last) {
+        let soon = |own: &Self| B::are_soon_prepared(own.part.problem());
+        if self.stale && soon(self) && soon(last) {
             std::mem::swap(&mut self.buffers, &mut last.buffers);
             (self.foreign, last.foreign) = (true, true);
         }

@@ -287,7 +287,7 @@ impl Buffers for Workspace {
         self.refresh(problem);
     }
 
-    fn are_light(problem: &ContactProblem) -> bool {
+    fn are_soon_prepared(problem: &ContactProblem) -> bool {
         NewtonMatrix::known_operations(problem.rows()).is_some()
     }
 

@@ -345,6 +345,7 @@ impl BlockMatrix {
         }
     }
 
+    /// Apart, so that sweeps over contacts of three rows, the bulk of all, are not compiled together with what they do not need.
     #[inline(never)]
     fn add_row_of_any_size(
         &self,
@@ -477,6 +478,7 @@ impl BlockMatrix {
 
     /// `velocity ← G P`.
     pub(crate) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
+        debug_assert_eq!((percussion.len(), velocity.len()), (self.rows(), self.rows()));
         if self.in_threes {
             let velocities = velocity.as_chunks_mut::<3>().0;
             for (sums, own) in velocities.iter_mut().zip(self.starts.windows(2)) {

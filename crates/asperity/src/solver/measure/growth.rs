@@ -13,7 +13,7 @@
 //! percussions bring cancel: the growth. Ratios of powers do not depend on units nor on masses; `A` may change by
 //! up to √2 with the choice of tangential axes.
 
-use super::natural_residual::Measured;
+use super::natural_residual::{Measured, SURELY};
 use crate::contact::{Components, ContactProblem, ContactRows, Delassus, NormalForce};
 use crate::vectors::largest;
 
@@ -40,8 +40,6 @@ pub(crate) const UNRESOLVED: f64 = 1e10;
 /// Growth that stacks and vaults do not exceed without need, and beyond which a start is not taken where
 /// contacts approach.
 const GROWN: f64 = 1e2;
-/// So much less than [`GROWN`] is less, however sums are rounded.
-const SURELY: f64 = 0.99;
 /// Normal loads below this part of all loads are rounding: growth is not measured by them.
 const NO_LOAD: f64 = 1e-12;
 /// Power relative to those that cancel in it which rounding explains: a velocity is a sum of some tens to hundreds of
@@ -96,8 +94,8 @@ impl Growth {
 
 /// The groups of contacts, and `Q`, `L`, `A` of each.
 ///
-/// Who influences whom is found when it is first asked for, which may take longer than a sweep, and kept until
-/// [`forget`](Self::forget) is called.
+/// Who influences whom, and what the rows of the operator come to, is found when it is first asked for, which may take longer
+/// than a sweep, and kept until [`forget`](Self::forget) is called.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Groups {
     members: Components,
@@ -210,9 +208,8 @@ impl Groups {
         }
     }
 
-    /// Whether no group of contacts can have grown: `A ≤ max|P| Σ P_Ni Σ_j |G_ij|`, which takes no products with `G`.
-    ///
-    /// Percussions of most solutions that move are bounded by it.
+    /// Whether no group of contacts can have grown: `A ≤ max|P| Σ P_Ni Σ_j |G_ij|`, which takes no products with `G`, is no more
+    /// than [`GROWN`] times `L` in every group. This settles most solutions in which contacts move.
     fn are_bounded(&mut self, measured: &Measured<'_>) -> bool {
         let Measured { problem, percussion, .. } = *measured;
         let Self { members, row_sums, excess, .. } = self;
@@ -289,7 +286,7 @@ pub(crate) fn of_island(measured: &Measured<'_>, contacts: &[usize]) -> Option<G
     Some(Growth { kind, contact: worst?, factor: sums.brought / sums.load })
 }
 
-/// A call that the compiler copies into every set of instructions: it multiplies a third of the rows of an island.
+/// A call that the compiler copies into every set of instructions: it multiplies the normal row of every contact.
 /// Multiplications and additions stay apart, with the same bits in all of them.
 struct Sum<'a> {
     measured: &'a Measured<'a>,

@@ -166,8 +166,8 @@ impl Worst {
     }
 }
 
-/// So much less than the largest defect is less, however squares and ratios are rounded.
-const SURELY: f64 = 0.99;
+/// So much less is less, however squares, sums and ratios are rounded.
+pub(super) const SURELY: f64 = 0.99;
 
 /// Whether a defect relative to its scale is certainly less than that of another contact, `worst`, negative without one; `own` is
 /// the square of the contact's percussion, which its scale is no less than. The velocities that others bring take longer than

@@ -11,7 +11,8 @@ use crate::law::{self, Friction, FrictionLaw, Law};
 /// What is measured of one contact in its own rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OwnMeasure {
-    /// Square of the relative defect; where that is certainly less than the worst one, more, but less than that, too.
+    /// Square of the relative defect; of a contact that is certainly not the worst one, an upper bound that is less than that
+    /// of the worst.
     pub(crate) defect: f64,
     /// How large its percussions are.
     pub(crate) size: Size,
@@ -106,7 +107,7 @@ fn coupled<const N: usize, const P: usize>(
     velocity: &mut [f64],
     worst: f64,
 ) -> OwnMeasure {
-    let (own_percussion, velocity) = moved::<N, P>(&own, percussion, velocity);
+    let (own_percussion, velocity) = velocities::<N, P>(&own, percussion, velocity);
     let (size, squares) = size(&own, own_percussion, &velocity);
     let defect = defect(&own, own_percussion, &velocity);
     if is_surely_less(defect, squares, worst) {
@@ -124,13 +125,13 @@ fn sized<const N: usize, const P: usize>(
     percussion: &[f64],
     velocity: &mut [f64],
 ) -> Size {
-    let (percussions, velocities) = moved::<N, P>(&own, percussion, velocity);
-    size(&own, percussions, &velocities).0
+    let (percussion, velocity) = velocities::<N, P>(&own, percussion, velocity);
+    size(&own, percussion, &velocity).0
 }
 
 /// The percussions of a contact that others may influence, and its velocities `γ_E`, which are handed over, too.
 #[inline(always)]
-fn moved<'a, const N: usize, const P: usize>(
+fn velocities<'a, const N: usize, const P: usize>(
     own: &Own<'_, P>,
     percussion: &'a [f64],
     velocity: &mut [f64],

@@ -37,7 +37,8 @@ pub struct Stop<'a> {
     pub measure: Measure,
     /// Wall clock limit.
     pub deadline: Option<Instant>,
-    /// Asked between sweeps and on the way through factorisations; the solver gives up when it answers yes.
+    /// Asked after the first sweep, then after every few hundred visits of contacts, and on the way through factorisations; the
+    /// solver gives up when it answers yes.
     pub cancelled: Option<&'a dyn Fn() -> bool>,
 }
 

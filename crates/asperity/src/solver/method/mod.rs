@@ -22,6 +22,6 @@ pub(crate) use prox::{Order, ProxIteration};
 pub(crate) use proximal::{Limits, ProximalPoint};
 pub(crate) use standing::Standing;
 pub(crate) use sweeps::{
-    Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, UNTIMED, mark_ambiguous,
+    Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, UNTIMED, mark_ambiguous, untimed_visits,
 };
 pub(crate) use task::{Iterate, Past, Task};

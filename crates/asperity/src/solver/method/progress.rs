@@ -107,7 +107,7 @@ impl<'a> Progress<'a> {
         } else {
             progress.buffers.velocity.copy_from_slice(progress.iterate.velocity);
             let percussion = std::mem::take(&mut progress.iterate.percussion);
-            progress.grade_moved(percussion);
+            progress.grade_with_velocities(percussion);
             progress.iterate.percussion = percussion;
         }
         if progress.grade.is_infinite() {
@@ -282,11 +282,11 @@ impl<'a> Progress<'a> {
     /// Natural map of percussions, kept if they are the best so far.
     pub(crate) fn grade(&mut self, percussion: &[f64]) -> f64 {
         self.task.problem.velocity(percussion, &mut self.buffers.velocity);
-        self.grade_moved(percussion)
+        self.grade_with_velocities(percussion)
     }
 
     /// The same where the velocities in the buffers are those of the percussions.
-    fn grade_moved(&mut self, percussion: &[f64]) -> f64 {
+    fn grade_with_velocities(&mut self, percussion: &[f64]) -> f64 {
         let Task { problem, stop, .. } = self.task;
         self.known = false;
         let velocity = &self.buffers.velocity;

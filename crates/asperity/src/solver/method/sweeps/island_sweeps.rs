@@ -7,7 +7,7 @@
 use super::cost::Cost;
 use super::rate::{MOST_SWEEPS, Rate};
 use super::swept::Swept;
-use super::visitor::{UNTIMED, Visitor};
+use super::visitor::{UNTIMED, Visitor, untimed_visits};
 use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_map::map_of;
@@ -133,7 +133,7 @@ impl Visitor<'_> {
                 swept.ambiguous = iterate.ambiguous[members[0]];
                 swept.ended = stuck.map_or(Ended::Done, Ended::Stuck);
             }
-            *visited += members.len();
+            *visited += untimed_visits(task.problem, members.iter().copied());
             if *visited >= UNTIMED {
                 *visited = 0;
                 if task.stop.early() {

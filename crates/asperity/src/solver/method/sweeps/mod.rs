@@ -14,4 +14,4 @@ pub(crate) use island_sweeps::Plan;
 pub(crate) use rate::{Rate, TRIAL_SWEEPS};
 pub(crate) use sweep::{Own, Sweeper, mark_ambiguous};
 pub(crate) use swept::Swept;
-pub(crate) use visitor::UNTIMED;
+pub(crate) use visitor::{UNTIMED, untimed_visits};

@@ -13,7 +13,7 @@ pub(crate) struct Swept {
     /// Done, or why some contacts were left.
     pub(crate) ended: Ended,
     /// Square of the largest relative defect, negative without contacts, and the first contact that has it; of an island by
-    /// the global measure its natural map, and the contact that has the largest defect.
+    /// the global measure its natural map, and the contact that has the largest defect, which is looked for at the end.
     pub(super) defect: f64,
     pub(super) worst_contact: usize,
     /// Whether a contact had no solution in the last sweep.

@@ -1,6 +1,6 @@
 //! A visit to one contact: it is solved with the percussions of the others held.
 
-use crate::contact::{ContactState, Phase};
+use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
@@ -9,9 +9,19 @@ use crate::threads;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
 pub(super) const BATCH: usize = 8 * threads::LEAF;
-/// Visits between two looks at the clock after the first sweep: where few contacts are swept again and again, a look takes
-/// as long as one of them.
+/// Visits between two looks at the clock after the first sweep: a look takes as long as the visit of a contact that sticks.
 pub(crate) const UNTIMED: usize = threads::LEAF;
+
+/// What a sweep counts for between two looks at the clock: the number of its contacts, or as much as asks for a look where laws
+/// are not isotropic, of which a visit may take milliseconds.
+pub(crate) fn untimed_visits(
+    problem: &ContactProblem,
+    contacts: impl ExactSizeIterator<Item = usize>,
+) -> usize {
+    let count = contacts.len();
+    let is_quick = |i: usize| problem.contacts()[i].law.isotropic_coefficient().is_some();
+    if contacts.into_iter().all(is_quick) { count } else { UNTIMED }
+}
 
 /// Who visits contacts: prepared blocks, and what is left of the work on each of them.
 pub(super) struct Visitor<'a> {
