@@ -149,6 +149,7 @@ struct OwnProblem<B> {
     buffers: B,
     /// Whether the buffers are those of another island.
     foreign: bool,
+    /// What was found besides percussions and states, as in [`Found`]: the buffers may go on to another island.
     velocity: Vec<f64>,
     ambiguous: Vec<bool>,
     stages: Vec<Stage>,
@@ -190,7 +191,7 @@ impl<B: Buffers> OwnProblem<B> {
         }
     }
 
-    /// Keeps what was found, while the buffers may go on to another island.
+    /// Keeps what was found, which the buffers still hold.
     fn keep(&mut self) {
         let Found { velocity, ambiguous, stages, infeasibility } = self.buffers.found();
         self.velocity.copy_from_slice(velocity);

@@ -338,33 +338,13 @@ impl BlockMatrix {
     /// Adds `Σ_j G_ij P_j` to the first entries of `sum`, without `j = i` unless `with_own`.
     #[inline(always)]
     pub(crate) fn add_row(&self, i: usize, percussion: &[f64], with_own: bool, sum: &mut [f64; 4]) {
-        if self.in_threes {
-            self.add_terms_in_threes(i, percussion, with_own, sum, |g, p| g * p);
-        } else {
-            self.add_row_of_any_size(i, percussion, with_own, sum);
-        }
-    }
-
-    /// Apart, so that sweeps over contacts of three rows, the bulk of all, are not compiled together with what they do not need.
-    #[inline(never)]
-    fn add_row_of_any_size(
-        &self,
-        i: usize,
-        percussion: &[f64],
-        with_own: bool,
-        sum: &mut [f64; 4],
-    ) {
         self.add_terms(i, percussion, with_own, sum, |g, p| g * p);
     }
 
     /// Adds `Σ_j |G_ij P_j|` to the first entries of `sum`.
     #[inline(always)]
     pub(crate) fn add_magnitudes(&self, i: usize, percussion: &[f64], sum: &mut [f64; 4]) {
-        if self.in_threes {
-            self.add_terms_in_threes(i, percussion, true, sum, |g, p| (g * p).abs());
-        } else {
-            self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
-        }
+        self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
     }
 
     /// `Σ_j |G_ij P_j|` in the first row of a contact, to the bit that of [`add_magnitudes`](Self::add_magnitudes).
@@ -389,6 +369,23 @@ impl BlockMatrix {
 
     #[inline(always)]
     fn add_terms(
+        &self,
+        i: usize,
+        percussion: &[f64],
+        with_own: bool,
+        sum: &mut [f64; 4],
+        term: impl Fn(f64, f64) -> f64,
+    ) {
+        if self.in_threes {
+            self.add_terms_in_threes(i, percussion, with_own, sum, term);
+        } else {
+            self.add_terms_of_any_size(i, percussion, with_own, sum, term);
+        }
+    }
+
+    /// Apart, so that sweeps over contacts of three rows, the bulk of all, are not compiled together with what they do not need.
+    #[inline(never)]
+    fn add_terms_of_any_size(
         &self,
         i: usize,
         percussion: &[f64],

@@ -106,9 +106,7 @@ impl<'a> Progress<'a> {
             progress.grade_sweeps();
         } else {
             progress.buffers.velocity.copy_from_slice(progress.iterate.velocity);
-            let percussion = std::mem::take(&mut progress.iterate.percussion);
-            progress.grade_with_velocities(percussion);
-            progress.iterate.percussion = percussion;
+            progress.grade_iterate();
         }
         if progress.grade.is_infinite() {
             // Percussions that run away are no start for anything; none at all are.
@@ -273,8 +271,14 @@ impl<'a> Progress<'a> {
 
     /// Natural map of the percussions of the iterate, kept if they are the best so far.
     pub(crate) fn grade_sweeps(&mut self) -> f64 {
+        self.task.problem.velocity(self.iterate.percussion, &mut self.buffers.velocity);
+        self.grade_iterate()
+    }
+
+    /// The same where the velocities in the buffers are those of the iterate.
+    fn grade_iterate(&mut self) -> f64 {
         let percussion = std::mem::take(&mut self.iterate.percussion);
-        let grade = self.grade(percussion);
+        let grade = self.grade_with_velocities(percussion);
         self.iterate.percussion = percussion;
         grade
     }

@@ -16,11 +16,11 @@ pub(crate) const UNTIMED: usize = threads::LEAF;
 /// are not isotropic, of which a visit may take milliseconds.
 pub(crate) fn untimed_visits(
     problem: &ContactProblem,
-    contacts: impl ExactSizeIterator<Item = usize>,
+    mut contacts: impl ExactSizeIterator<Item = usize>,
 ) -> usize {
     let count = contacts.len();
     let is_quick = |i: usize| problem.contacts()[i].law.isotropic_coefficient().is_some();
-    if contacts.into_iter().all(is_quick) { count } else { UNTIMED }
+    if contacts.all(is_quick) { count } else { UNTIMED }
 }
 
 /// Who visits contacts: prepared blocks, and what is left of the work on each of them.
