@@ -144,7 +144,9 @@ def draw(paths: Sequence[SlidingPath]) -> Figure:
             chosen = [path for path in paths if path.angle == angle]
             for path in chosen:
                 motion = path.trajectory
-                asp.plot.plot_path(motion.replace(q=1e3 * motion.q), ax=ax, label=path.law)
+                # The first panel has the legend of both.
+                label = path.law if ax is panels[0] else None
+                asp.plot.plot_path(motion.replace(q=1e3 * motion.q), ax=ax, label=label)
             reach = max(np.hypot(*path.end) for path in chosen)
             direction = np.deg2rad(angle)
             ax.plot(
@@ -162,8 +164,6 @@ def draw(paths: Sequence[SlidingPath]) -> Figure:
             )
             ax.label_outer()
         figure.suptitle("Sliding path of a PVC disk on ground steel, $v_0$ = 1.52 m/s")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
 
 
