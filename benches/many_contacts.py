@@ -39,12 +39,19 @@ def wall(contacts: int):
     return problems.wall(side + (side == 1), columns=side, push=1.0)
 
 
+def columns(contacts: int, friction: float = 0.5):
+    """Return columns of ten spheres with about as many contacts."""
+    law = asp.FrictionLaw.isotropic(friction)
+    return problems.columns(max(1, round(contacts / 28)), height=10, law=law)
+
+
 SCENES = {
     "sliders": problems.sliders,
     "coupled sliders": lambda contacts: problems.sliders(contacts, coupled=True),
     "stack": lambda contacts: problems.stack(max(1, contacts // 4)),
     "wall": wall,
-    "columns of 10": lambda contacts: problems.columns(max(1, round(contacts / 28)), height=10),
+    "columns of 10": columns,
+    "slippery columns": lambda contacts: columns(contacts, friction=0.2),
     "arch": lambda contacts: problems.arch(max(1, contacts // 4 - 1)),
 }
 

@@ -83,6 +83,12 @@ impl Schedule {
         self.hold = self.patience;
     }
 
+    /// Whether the next new start is where many sweeps lead, not at no percussions: in turn, and the other one of the two where
+    /// parameters are taken for the second time.
+    fn starts_after_sweeps(&self) -> bool {
+        (self.restarts + self.restarts / FACTORS.len()).is_multiple_of(2)
+    }
+
     /// A new start, with the next parameters in turn.
     fn restart(&mut self) {
         let turn = self.restarts % FACTORS.len();
@@ -278,7 +284,7 @@ impl ProximalPoint {
         if progress.is_over() {
             return false;
         }
-        self.new_start(progress, outer.schedule.restarts);
+        self.new_start(progress, outer.schedule.starts_after_sweeps());
         outer.schedule.restart();
         self.newton.scale_rho(progress.task.problem, outer.schedule.factor());
         outer.grade = 1.0;
@@ -455,11 +461,10 @@ impl ProximalPoint {
         progress.is_over()
     }
 
-    /// Puts the centre where the iteration has not been led astray: in turn where many sweeps lead and at
-    /// no percussions.
-    fn new_start(&mut self, progress: &mut Progress<'_>, restarts: usize) {
+    /// Puts the centre where the iteration has not been led astray: where many sweeps lead or at no percussions.
+    fn new_start(&mut self, progress: &mut Progress<'_>, after_sweeps: bool) {
         progress.iterate.percussion.fill(0.0);
-        if restarts.is_multiple_of(2) {
+        if after_sweeps {
             for k in 1..=LONG_SWEEPS {
                 progress.sweep();
                 if k % SWEEPS == 0 {
@@ -509,5 +514,23 @@ impl ProximalPoint {
             return found;
         }
         grade
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The iteration is deterministic: a start that was lost would be lost again.
+    #[test]
+    fn no_start_is_made_twice() {
+        let (mut schedule, mut seen) = (Schedule::new(1.0), Vec::new());
+        for _ in 0..STARTS {
+            let after_sweeps = schedule.starts_after_sweeps();
+            schedule.restart();
+            let start = (schedule.turn, after_sweeps);
+            assert!(!seen.contains(&start), "{start:?} after {seen:?}");
+            seen.push(start);
+        }
     }
 }
