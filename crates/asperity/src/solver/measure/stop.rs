@@ -37,8 +37,8 @@ pub struct Stop<'a> {
     pub measure: Measure,
     /// Wall clock limit.
     pub deadline: Option<Instant>,
-    /// Asked after the first sweep, then after every few hundred visits of contacts, and on the way through factorisations; the
-    /// solver gives up when it answers yes.
+    /// Asked between sweeps, after the first one and then as soon as some hundred contacts were visited, with laws that are not
+    /// isotropic after every one, and on the way through factorisations; the solver gives up when it answers yes.
     pub cancelled: Option<&'a dyn Fn() -> bool>,
 }
 

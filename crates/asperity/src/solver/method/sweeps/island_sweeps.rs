@@ -103,7 +103,7 @@ impl Visitor<'_> {
             }
             _ => measure(task, iterate, members),
         };
-        let (mut sweeps, mut stuck) = (0, None);
+        let (mut sweeps, mut stuck, mut visits) = (0, None, None);
         // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
         let instead = || Cost::of(task.problem, members.iter().copied()).first_estimate();
         let mut rate = match policy {
@@ -133,7 +133,8 @@ impl Visitor<'_> {
                 swept.ambiguous = iterate.ambiguous[members[0]];
                 swept.ended = stuck.map_or(Ended::Done, Ended::Stuck);
             }
-            *visited += untimed_visits(task.problem, members.iter().copied());
+            let all = || untimed_visits(task.problem, members.iter().copied());
+            *visited += *visits.get_or_insert_with(all);
             if *visited >= UNTIMED {
                 *visited = 0;
                 if task.stop.early() {
