@@ -1,6 +1,6 @@
 """Time and memory of the default solver per contact, from 10 to 10⁵ contacts.
 
-    python benches/many_contacts.py [--scenes sliders,wall] [--largest 100000] [--time-limit 60]
+    python benches/many_contacts.py [--scenes sliders,wall] [--sizes 10,1000] [--time-limit 60]
 
 Every size runs in a process of its own. The solve is done by a fork of it, whose largest resident
 memory starts at that of the finished problem: the growth is what the solver needs, and a fork's own
@@ -39,10 +39,10 @@ def wall(contacts: int):
     return problems.wall(side + (side == 1), columns=side, push=1.0)
 
 
-def columns(contacts: int, friction: float = 0.5):
+def columns(contacts: int, friction: float = 0.5, seed: int = 0):
     """Return columns of ten spheres with about as many contacts."""
     law = asp.FrictionLaw.isotropic(friction)
-    return problems.columns(max(1, round(contacts / 28)), height=10, law=law)
+    return problems.columns(max(1, round(contacts / 28)), height=10, law=law, seed=seed)
 
 
 SCENES = {
@@ -51,16 +51,24 @@ SCENES = {
     "stack": lambda contacts: problems.stack(max(1, contacts // 4)),
     "wall": wall,
     "columns of 10": columns,
-    "slippery columns": lambda contacts: columns(contacts, friction=0.2),
+    "slippery columns": lambda contacts, seed=0: columns(contacts, friction=0.2, seed=seed),
     "arch": lambda contacts: problems.arch(max(1, contacts // 4 - 1)),
 }
+RANDOM = ("columns of 10", "slippery columns")
+"""Scenes whose bodies move at random before the step."""
+
+
+def numbers(text: str) -> list[int]:
+    """Return the numbers of a list with commas."""
+    return [int(number) for number in text.split(",")]
 
 
 def main() -> None:
     """Print a line per scene and size."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", default=",".join(SCENES))
-    parser.add_argument("--largest", type=int, default=SIZES[-1])
+    parser.add_argument("--sizes", type=numbers, default=SIZES, help="of contacts, with commas")
+    parser.add_argument("--seed", type=int, default=0, help="of the scenes that move at random")
     parser.add_argument("--time-limit", type=float, default=60.0, help="s per solve")
     parser.add_argument("--tolerance", type=float, default=1e-8)
     parser.add_argument("--repeat", type=int, default=5)
@@ -75,7 +83,7 @@ def main() -> None:
         sys.exit("the extension module is a debug build: install with `make .venv/.installed`")
     print(HEAD)
     for scene in options.scenes.split(","):
-        for size in (size for size in SIZES if size <= options.largest):
+        for size in options.sizes:
             if not line(scene, size):
                 break
 
@@ -103,7 +111,8 @@ def measure(scene: str, size: int, options: argparse.Namespace) -> None:
     """Make a problem, solve it in a fork and print what was measured."""
     bare = forked(peak)
     start = time.perf_counter()
-    problem = SCENES[scene](size)
+    seed = {"seed": options.seed} if scene in RANDOM else {}
+    problem = SCENES[scene](size, **seed)
     make = time.perf_counter() - start
     found = {"contacts": len(problem.laws), "make": make}
     found |= forked(lambda: solved(problem, options, options.repeat))
