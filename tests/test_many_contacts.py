@@ -136,17 +136,19 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
-@pytest.mark.parametrize("seed", [3, 9])
-def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact(seed):
-    contacts = {3: 400, 9: 520}[seed]
-    problem = pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4)
-    solution = solve_and_check(problem)
-    assert solution.converged
-    assert "neighbourhood" in [stage.method for stage in solution.stages]
-    # The buffers of the first solve are used, and two threads.
-    again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
-    assert np.array_equal(again.percussion, solution.percussion)
-    assert again.stages == solution.stages
+def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact():
+    # Which of these problems need one is a matter of rounding, which differs among processors.
+    begun = False
+    for contacts, seed in ((400, 3), (450, 14), (520, 9)):
+        problem = pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4)
+        solution = solve_and_check(problem)
+        assert solution.converged
+        begun |= "neighbourhood" in [stage.method for stage in solution.stages]
+        # The buffers of the first solve are used, and two threads.
+        again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
+        assert np.array_equal(again.percussion, solution.percussion)
+        assert again.stages == solution.stages
+    assert begun
 
 
 @pytest.mark.long
