@@ -17,6 +17,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 
 import asperity as asp
 import numpy as np
@@ -51,7 +52,7 @@ SCENES = {
     "stack": lambda contacts: problems.stack(max(1, contacts // 4)),
     "wall": wall,
     "columns of 10": columns,
-    "slippery columns": lambda contacts, seed=0: columns(contacts, friction=0.2, seed=seed),
+    "slippery columns": partial(columns, friction=0.2),
     "arch": lambda contacts: problems.arch(max(1, contacts // 4 - 1)),
 }
 RANDOM = ("columns of 10", "slippery columns")

@@ -80,6 +80,21 @@ def pile(rng, laws, contacts, per_pair, unilateral=0.8):
     )
 
 
+def with_decimals(problem, decimals):
+    """Return the problem with rounded numbers, which are the same on every processor.
+
+    The BLAS of another processor sums the products of numpy in another order, and where a solve is
+    long, that decides which methods it takes.
+    """
+    return asp.ContactProblem.from_bodies(
+        csr_array(problem.mass.toarray().round(decimals)),
+        directions=csr_array(problem.directions.toarray().round(decimals)),
+        free_velocity=problem.free_velocity.round(decimals),
+        laws=problem.laws,
+        normal_force=problem.normal_force,
+    )
+
+
 def solve_and_check(problem, time_limit=20.0):
     solution = problem.solve(tolerance=TOLERANCE, time_limit=time_limit, on_failure="record")
     if solution.converged:
@@ -136,19 +151,17 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
-def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact():
-    # Which of these problems need one is a matter of rounding, which differs among processors.
-    begun = False
-    for contacts, seed in ((400, 3), (450, 14), (520, 9)):
-        problem = pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4)
-        solution = solve_and_check(problem)
-        assert solution.converged
-        begun |= "neighbourhood" in [stage.method for stage in solution.stages]
-        # The buffers of the first solve are used, and two threads.
-        again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
-        assert np.array_equal(again.percussion, solution.percussion)
-        assert again.stages == solution.stages
-    assert begun
+@pytest.mark.parametrize("seed", [3, 9])
+def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact(seed):
+    contacts = {3: 400, 9: 520}[seed]
+    problem = with_decimals(pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4), 12)
+    solution = solve_and_check(problem)
+    assert solution.converged
+    assert "neighbourhood" in [stage.method for stage in solution.stages]
+    # The buffers of the first solve are used, and two threads.
+    again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
+    assert np.array_equal(again.percussion, solution.percussion)
+    assert again.stages == solution.stages
 
 
 @pytest.mark.long
