@@ -16,7 +16,8 @@ use crate::contact::{ContactProblem, Memory, Part, put, take};
 // Constants were changed on 14 random problems: `pile` of `tests/test_many_contacts.py` with four contacts between the same two
 // bodies, hard ones among 360 of 400 to 600 contacts: those of 400 (seed 3), 450 (14), 480 (12), 500 (0, 19, 30),
 // 520 (9, 10, 15, 27, 35), 560 (7, 23) and 600 contacts (28). Without neighbourhoods six of them are not solved in 10 s. It is
-// chance in part which ones a value solves.
+// chance in part which ones a value solves: numpy's products, and with them the problems, differ in rounding among processors.
+// What is said below holds with `OPENBLAS_CORETYPE=Haswell`; with `SkylakeX` the problem of 480 contacts stalls at 9e-8.
 
 /// Contacts of the neighbourhoods that follow each other until one halves the natural map; after the last one another start is
 /// looked for.
