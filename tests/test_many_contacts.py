@@ -151,13 +151,17 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
-@pytest.mark.parametrize("seed", [3, 9])
+@pytest.mark.parametrize("seed", [3, 9, 10])
 def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact(seed):
-    contacts = {3: 400, 9: 520}[seed]
+    contacts = {3: 400, 9: 520, 10: 520}[seed]
     problem = with_decimals(pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4), 12)
     solution = solve_and_check(problem)
     assert solution.converged
-    assert "neighbourhood" in [stage.method for stage in solution.stages]
+    neighbourhoods = [stage for stage in solution.stages if stage.method == "neighbourhood"]
+    assert neighbourhoods
+    if seed == 10:
+        # Three are around the best percussions of the first start, others around those of the next.
+        assert len(neighbourhoods) > 3
     # The buffers of the first solve are used, and two threads.
     again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
     assert np.array_equal(again.percussion, solution.percussion)

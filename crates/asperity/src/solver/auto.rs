@@ -69,9 +69,9 @@ const FROM_SWEEPS: usize = 30;
 /// of `tests/test_many_contacts.py`) one is not solved in a minute with 700, the other with 200. Where factorisations are
 /// cheap, walls of other engines go on for a thousand of them, and end.
 const PATIENCE: usize = 400;
-/// The same in a neighbourhood, and new starts there: what is found is only a start for the whole. Of the 14 problems of
-/// `neighbourhood.rs` three are not solved in 20 s with half of the one and neighbourhoods of 120 contacts; with 8 in place of
-/// 2 new starts and 200 contacts they take 91 s in place of 81.
+/// The same in a neighbourhood, and new starts there: what is found is only a start for the whole. The 18 problems of
+/// `neighbourhood.rs` take 73 s; with half and twice of the one 109 and 79 s, with eight of the other 108 s, and one is not solved
+/// with half of the one and with eight of the other.
 const NEAR_PATIENCE: usize = 100;
 const NEAR_STARTS: usize = 3;
 /// Fewest contacts of what may stand by itself: fewer are as soon solved by Newton's method.

@@ -33,6 +33,8 @@ pub(crate) struct Buffers {
     best: Vec<f64>,
     /// The best percussions while others that continue the states of contacts are looked for.
     other: Vec<f64>,
+    /// Best percussions since an iteration began anew.
+    latest: Vec<f64>,
     velocity: Vec<f64>,
     /// The last percussions that ran away.
     astray: Vec<f64>,
@@ -57,6 +59,8 @@ pub(crate) struct Progress<'a> {
     first_grade: f64,
     /// Natural map of the best percussions.
     grade: f64,
+    /// That of the best ones since an iteration began anew, if one has.
+    latest_grade: Option<f64>,
     /// Whether the velocities in the buffers are those of the best percussions.
     known: bool,
     /// The residual by the measure of contacts of the best percussions, where the stop asks for it and it was looked at.
@@ -94,6 +98,7 @@ impl<'a> Progress<'a> {
             scale: Scale::of(task.problem),
             first_grade: grade,
             grade,
+            latest_grade: None,
             known: false,
             residual: None,
             solved,
@@ -305,6 +310,9 @@ impl<'a> Progress<'a> {
             Measure::Global => grade <= goal,
             Measure::Contact => residual.is_some_and(|residual| residual.value <= goal),
         };
+        if self.latest_grade.is_some_and(|latest| grade < latest) {
+            self.keep_latest(percussion, grade);
+        }
         let better = small && !self.solved || grade < self.grade && small >= self.solved;
         if better {
             self.keep(percussion, (grade, residual), small);
@@ -334,6 +342,18 @@ impl<'a> Progress<'a> {
         }
     }
 
+    /// Keeps percussions that are better than others since an iteration began anew, unless they run away.
+    #[cold]
+    fn keep_latest(&mut self, percussion: &[f64], grade: f64) {
+        let Buffers { latest, velocity, groups, .. } = &mut *self.buffers;
+        let growth = growth::of(self.task.problem, percussion, velocity, groups);
+        if growth.is_none_or(|growth| growth.kind < GrowthKind::Boundless) {
+            self.latest_grade = Some(grade);
+            latest.clear();
+            latest.extend_from_slice(percussion);
+        }
+    }
+
     /// Natural map of the percussions that the solve began with.
     pub(crate) fn first_grade(&self) -> f64 {
         self.first_grade
@@ -348,6 +368,22 @@ impl<'a> Progress<'a> {
     pub(crate) fn start_from_best(&self, percussion: &mut Vec<f64>) -> f64 {
         percussion.clone_from(&self.buffers.best);
         self.grade
+    }
+
+    /// An iteration begins anew, from percussions that need not be better than those that were found before.
+    pub(crate) fn begin_anew(&mut self) {
+        self.latest_grade = Some(f64::INFINITY);
+    }
+
+    /// Copies the best percussions since an iteration began anew, and returns their grade.
+    pub(crate) fn start_from_latest(&self, percussion: &mut Vec<f64>) -> f64 {
+        match self.latest_grade {
+            Some(grade) if grade.is_finite() => {
+                percussion.clone_from(&self.buffers.latest);
+                grade
+            }
+            _ => self.start_from_best(percussion),
+        }
     }
 
     /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.

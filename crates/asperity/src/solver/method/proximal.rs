@@ -284,6 +284,7 @@ impl ProximalPoint {
         if progress.is_over() {
             return false;
         }
+        progress.begin_anew();
         self.new_start(progress, outer.schedule.starts_after_sweeps());
         outer.schedule.restart();
         self.newton.scale_rho(progress.task.problem, outer.schedule.factor());
