@@ -81,7 +81,7 @@ def pile(rng, laws, contacts, per_pair, unilateral=0.8):
 
 
 def with_decimals(problem, decimals):
-    """Return the problem with rounded numbers, which are the same on every processor.
+    """Return the problem with rounded numbers, which are hardly ever others on another processor.
 
     The BLAS of another processor sums the products of numpy in another order, and where a solve is
     long, that decides which methods it takes.
@@ -151,21 +151,25 @@ def test_a_thousand_mixed_problems_are_solved(first):
     assert unsolved == []
 
 
-@pytest.mark.parametrize("seed", [3, 9, 10])
+@pytest.mark.parametrize("seed", [3, 9])
 def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact(seed):
-    contacts = {3: 400, 9: 520, 10: 520}[seed]
+    contacts = {3: 400, 9: 520}[seed]
     problem = with_decimals(pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4), 12)
-    solution = solve_and_check(problem)
+    solution = solve_and_check(problem, time_limit=120.0)
     assert solution.converged
-    neighbourhoods = [stage for stage in solution.stages if stage.method == "neighbourhood"]
-    assert neighbourhoods
-    if seed == 10:
-        # Three are around the best percussions of the first start, others around those of the next.
-        assert len(neighbourhoods) > 3
+    assert "neighbourhood" in [stage.method for stage in solution.stages]
     # The buffers of the first solve are used, and two threads.
     again = problem.solve(asp.Auto(threads=2), tolerance=TOLERANCE)
     assert np.array_equal(again.percussion, solution.percussion)
     assert again.stages == solution.stages
+
+
+def test_every_start_of_the_iteration_has_neighbourhoods():
+    problem = with_decimals(pile(np.random.default_rng(10), LAWS, 520, per_pair=4), 12)
+    solution = solve_and_check(problem, time_limit=120.0)
+    assert solution.converged
+    # Three are around the best percussions of the first start, others around those of the next.
+    assert [stage.method for stage in solution.stages].count("neighbourhood") > 3
 
 
 @pytest.mark.long

@@ -9,7 +9,7 @@
 
 use super::measure::natural_residual::{Measured, residual_of};
 use super::measure::stop::{Measure, Stop};
-use super::method::Progress;
+use super::method::{Progress, Task};
 use super::report::Method;
 use crate::contact::{ContactProblem, Memory, Part, put, take};
 
@@ -49,7 +49,8 @@ pub(super) struct Neighbourhood<'a> {
 /// Neighbourhoods of a problem.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Neighbourhoods {
-    /// Natural map of the best percussions when the first of those was begun that have not helped, and their number.
+    /// Natural map of the best percussions since the start when the first of those was begun that have not helped, and their
+    /// number.
     grade: f64,
     in_vain: usize,
     /// Contacts near which they were.
@@ -62,7 +63,12 @@ pub(super) struct Neighbourhoods {
 }
 
 impl Neighbourhoods {
-    /// Begins with another problem.
+    /// Whether the problem is large enough to have some, and no neighbourhood itself.
+    pub(super) fn are_made(task: Task<'_>) -> bool {
+        !task.within_another && task.problem.contacts().len() >= FEWEST
+    }
+
+    /// Begins with another problem or from another start, or goes on where one has helped.
     pub(super) fn prepare(&mut self, problem: &ContactProblem) {
         (self.grade, self.in_vain) = (f64::INFINITY, 0);
         self.tried.clear();
@@ -79,7 +85,7 @@ impl Neighbourhoods {
     ) -> Option<&[f64]> {
         let task = progress.task;
         let problem = task.problem;
-        if task.within_another || problem.contacts().len() < FEWEST {
+        if !Self::are_made(task) {
             return None;
         }
         let grade = progress.start_from_latest(&mut self.percussion);

@@ -375,7 +375,8 @@ impl<'a> Progress<'a> {
         self.latest_grade = Some(f64::INFINITY);
     }
 
-    /// Copies the best percussions since an iteration began anew, and returns their grade.
+    /// Copies the best percussions since an iteration began anew, or of all where none has or all have run away since, and returns
+    /// their grade.
     pub(crate) fn start_from_latest(&self, percussion: &mut Vec<f64>) -> f64 {
         match self.latest_grade {
             Some(grade) if grade.is_finite() => {
