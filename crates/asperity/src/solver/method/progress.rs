@@ -160,7 +160,10 @@ impl<'a> Progress<'a> {
     pub(crate) fn may_stand(&mut self) -> bool {
         let problem = self.task.problem;
         let Buffers { best, velocity, .. } = &mut *self.buffers;
-        problem.velocity(best, velocity);
+        if !self.known {
+            problem.velocity(best, velocity);
+            self.known = self.grade.is_finite();
+        }
         let loads = problem.free_velocity().iter().zip(problem.restitution());
         let largest = loads.fold(0.0, |m: f64, (b, e)| m.max((b + e).abs()));
         let measured = Measured { problem, percussion: best, velocity };
@@ -290,12 +293,19 @@ impl<'a> Progress<'a> {
 
     /// Natural map of percussions, kept if they are the best so far.
     pub(crate) fn grade(&mut self, percussion: &[f64]) -> f64 {
-        self.task.problem.velocity(percussion, &mut self.buffers.velocity);
+        self.velocity(percussion);
         self.grade_with_velocities(percussion)
     }
 
-    /// The same where the velocities in the buffers are those of the percussions.
-    fn grade_with_velocities(&mut self, percussion: &[f64]) -> f64 {
+    /// Velocities `γ_E` of percussions, in the buffers.
+    pub(crate) fn velocity(&mut self, percussion: &[f64]) -> &[f64] {
+        self.known = false;
+        self.task.problem.velocity(percussion, &mut self.buffers.velocity);
+        &self.buffers.velocity
+    }
+
+    /// The same as [`grade`](Self::grade) where the velocities in the buffers are those of the percussions.
+    pub(crate) fn grade_with_velocities(&mut self, percussion: &[f64]) -> f64 {
         let Task { problem, stop, .. } = self.task;
         self.known = false;
         let velocity = &self.buffers.velocity;

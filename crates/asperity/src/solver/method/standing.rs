@@ -52,14 +52,15 @@ impl Standing {
         let (mut steps, mut last) = (0, f64::INFINITY);
         let execution = Execution { threads, given_up: &|| stop.early() };
         if matrix.factor(problem, &self.a, &self.b, execution) {
-            while steps < STEPS {
-                problem.velocity(&self.percussion, &mut self.step);
-                for (step, restitution) in self.step.iter_mut().zip(problem.restitution()) {
-                    *step = -(*step + restitution);
+            loop {
+                let velocity = progress.velocity(&self.percussion);
+                let velocities = velocity.iter().zip(problem.restitution());
+                for (step, (velocity, restitution)) in self.step.iter_mut().zip(velocities) {
+                    *step = -(velocity + restitution);
                 }
                 let left = norm(&self.step);
                 // Rounding ends it, or velocities that no percussions bring about; the comparison also finds NaN.
-                if !(left < 0.5 * last) {
+                if steps == STEPS || !(left < 0.5 * last) {
                     break;
                 }
                 last = left;
@@ -69,7 +70,7 @@ impl Standing {
                 }
                 steps += 1;
             }
-            progress.grade(&self.percussion);
+            progress.grade_with_velocities(&self.percussion);
         }
         progress.record(Method::Newton, steps, 1);
         (last <= AT_REST * problem.load_norm())
