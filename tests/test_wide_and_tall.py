@@ -47,6 +47,19 @@ def test_what_stands_is_asked_early_where_contacts_are_many(measure):
     assert shared.percussion.tobytes() == solution.percussion.tobytes()
 
 
+@pytest.mark.parametrize("measure", ["contact", "global"])
+def test_what_stands_is_found_as_exactly_as_is_asked_for(measure):
+    wall = problems.wall(35, columns=35, push=1.0)
+    steps = []
+    for tolerance in (1e-5, 1e-8, 1e-13):
+        solution = wall.solve(tolerance=tolerance, measure=measure)
+        found = {"contact": wall.residual, "global": wall.natural_map}[measure]
+        assert found(solution.percussion) <= tolerance
+        assert solution.stages[-1].method == "newton"
+        steps.append(solution.stages[-1].iterations)
+    assert steps[0] < steps[1] < steps[2]
+
+
 def test_a_factorisation_that_is_dear_is_not_tried_early():
     """Every contact influences every other one: a factorisation takes as long as 600 sweeps."""
     rng = np.random.default_rng(0)
