@@ -476,11 +476,6 @@ impl BlockMatrix {
     /// `velocity ← G P`.
     pub(crate) fn apply(&self, percussion: &[f64], velocity: &mut [f64]) {
         debug_assert_eq!((percussion.len(), velocity.len()), (self.rows(), self.rows()));
-        // Many a solve begins without percussions.
-        if percussion.iter().all(|p| *p == 0.0) {
-            velocity.fill(0.0);
-            return;
-        }
         if self.in_threes {
             let velocities = velocity.as_chunks_mut::<3>().0;
             for (sums, own) in velocities.iter_mut().zip(self.starts.windows(2)) {
