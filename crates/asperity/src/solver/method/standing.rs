@@ -20,7 +20,7 @@ const REGULARIZED: f64 = 1e-11;
 /// Velocities relative to the loads, in tolerances, from which on percussions are measured although further steps would bring
 /// them nearer. With a tolerance of 1e-8 stacks and walls of `benches/many_contacts.py` are solved after three steps, where
 /// rounding ends them after four or five; only the stack of 10⁵ contacts is not. A tenth of it takes walls of 10⁴ contacts and
-/// more a fourth step, ten times as much spares the smallest and the largest stack one.
+/// more a fourth step, ten times as much spares the stacks of 10² and of 10⁵ contacts one.
 const CLOSE: f64 = 1e-2;
 /// Most steps with one factorisation: no scene of that bench takes more than five.
 const STEPS: usize = 12;
