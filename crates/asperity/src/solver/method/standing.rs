@@ -66,14 +66,11 @@ impl Standing {
                 }
                 let left = norm(&self.step);
                 // Rounding ends it, or velocities that no percussions bring about; the comparison also finds NaN.
-                if steps == STEPS || !(left < 0.5 * last) {
-                    progress.grade_with_velocities(&self.percussion);
-                    break;
-                }
+                let ends = steps == STEPS || !(left < 0.5 * last);
                 // Percussions that do not pass the measure may be kept as the best ones: those at the end hardly differ.
-                if left <= close && !std::mem::replace(&mut is_measured, true) {
+                if ends || left <= close && !std::mem::replace(&mut is_measured, true) {
                     progress.grade_with_velocities(&self.percussion);
-                    if progress.is_solved() {
+                    if ends || progress.is_solved() {
                         break;
                     }
                 }
