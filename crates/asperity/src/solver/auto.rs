@@ -13,10 +13,9 @@
 
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::solver::infeasibility::prove_one_contact;
-use crate::solver::measure::natural_residual::Residual;
 use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, Buffers, Cones, Cost, Course, Interior, Iterate, Limits,
-    Past, Progress, ProximalPoint, Rate, Standing, Sweeper, TRIAL_SWEEPS, Task, UNTIMED,
+    Past, Progress, ProximalPoint, Rate, Reached, Standing, Sweeper, TRIAL_SWEEPS, Task, UNTIMED,
     untimed_visits,
 };
 use crate::solver::neighbourhood::{Neighbourhood, Neighbourhoods};
@@ -118,7 +117,7 @@ impl Methods {
         sweeper: &mut Sweeper,
         with_interior: bool,
         mut solve: impl FnMut(Neighbourhood<'_>) -> usize,
-    ) -> (usize, Ended, Residual) {
+    ) -> Reached {
         let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
         let Self { standing, accelerated, neighbourhoods, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
@@ -187,7 +186,7 @@ impl Methods {
         iterate: Iterate<'_>,
         sweeper: &mut Sweeper,
         start: &[f64],
-    ) -> (usize, Ended, Residual) {
+    ) -> Reached {
         let Self { buffers, matrix, proximal, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         proximal.prepare(task.problem);
@@ -204,13 +203,13 @@ impl Methods {
         sweeper: &mut Sweeper,
         method: Method,
         max_iterations: usize,
-    ) -> (usize, Ended, Residual) {
+    ) -> Reached {
         let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         let conic = matches!(method, Method::InteriorPoint | Method::Admm);
         if conic && !cones.read(task.problem) {
-            let (_, _, residual) = progress.finish(false);
-            return (0, Ended::NotApplicable, residual);
+            let ended = Ended::NotApplicable;
+            return Reached { iterations: 0, ended, ..progress.finish(false) };
         }
         proximal.prepare(task.problem);
         matrix.prepare(task.problem);

@@ -1,23 +1,17 @@
 //! What is found out about the percussions in which a method ended.
 
 use super::infeasibility::{ByCases, prove_closing, prove_one_contact, search_cases};
-use super::measure::growth::{self, Groups, GrowthKind};
-use super::measure::natural_residual::{ROUNDED, Residual};
-use super::method::{Iterate, Task};
+use super::measure::growth::GrowthKind;
+use super::measure::natural_residual::ROUNDED;
+use super::method::{Iterate, Reached, Task};
 use super::report::{Ended, Findings};
 
 /// What the percussions in which a method ended say, and the proof if there is no solution.
 #[inline]
-pub(crate) fn judge(
-    task: &Task<'_>,
-    ended: Ended,
-    residual: Residual,
-    iterate: &mut Iterate<'_>,
-    groups: &mut Groups,
-) -> Findings {
+pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_>) -> Findings {
     let Task { problem, stop, .. } = *task;
-    let Iterate { percussion, velocity, infeasibility, .. } = iterate;
-    let growth = growth::of(problem, percussion, velocity, groups);
+    let Reached { ended, residual, growth, .. } = *reached;
+    let Iterate { percussion, infeasibility, .. } = iterate;
     let running = growth.and_then(|growth| growth.running());
     // Velocities are as far off as the residual, relative to what percussions bring.
     let hides = growth.is_some_and(|growth| growth.hides(residual.value));

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::infeasibility::{Case, CaseState, Infeasibility};
 use super::measure::growth;
 use super::measure::natural_map::{Scale, Squares, map_of, own_squares};
-use super::measure::natural_residual::{Measured, Residual, is_worse};
+use super::measure::natural_residual::{Measured, Residual, is_worse, residual_of};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Past, Plan, Sweeper, Swept, Task};
@@ -528,10 +528,17 @@ impl<B: Buffers> Parts<B> {
                 let worst_contact = solved.part.contacts()[found.worst_contact];
                 let iterations = report.iterations + found.iterations;
                 *report = SolveReport { worst_contact, iterations, ..found };
-            } else if !enough {
+            } else if enough {
+                name_worst(&mut reports[island], problem, iterate, islands.of(island));
+            } else {
                 left_over = true;
             }
             own[island] = Some(solved);
+        }
+        if enough && needed == 0 {
+            for &island in &*left {
+                name_worst(&mut reports[island], problem, iterate, islands.of(island));
+            }
         }
         if left_over {
             problem.velocity(iterate.percussion, iterate.velocity);
@@ -666,9 +673,21 @@ fn graded(
     SolveReport { status, residual: value, worst_contact, ..ended }
 }
 
+/// Names the contact with the largest defect of an island that is left as sweeps have left it, which do not look for it.
+fn name_worst(
+    report: &mut SolveReport,
+    problem: &ContactProblem,
+    iterate: &Iterate<'_>,
+    contacts: &[usize],
+) {
+    let Iterate { percussion, velocity, .. } = iterate;
+    let measured = Measured { problem, percussion, velocity };
+    report.worst_contact = residual_of(&measured, contacts.iter().copied()).worst_contact;
+}
+
 /// The contact of an island that percussions run away from.
 fn running(measured: &Measured<'_>, contacts: &[usize]) -> Option<usize> {
-    growth::of_island(measured, contacts).and_then(|growth| growth.running())
+    growth::of_island(measured, contacts, &[]).and_then(|growth| growth.running())
 }
 
 /// The report on all islands; `None` where each of them is solved, but not the whole by its measure.

@@ -49,7 +49,7 @@ use islands::{Buffers, Found, Parts, Unsolved};
 use measure::growth::{self, Groups};
 use measure::natural_residual::Measured;
 use method::{
-    Iterate, Order, Own, Past, Plan, ProxIteration, Sweeper, Swept, Task, mark_ambiguous,
+    Iterate, Order, Own, Past, Plan, ProxIteration, Reached, Sweeper, Swept, Task, mark_ambiguous,
 };
 use neighbourhood::Neighbourhood;
 use newton_matrix::NewtonMatrix;
@@ -433,13 +433,13 @@ impl Solver {
             if swept.is_clear() && residual.value <= stop.tolerance {
                 return workspace.solved(residual, 1, swept.ambiguous);
             }
-            found = Some((1, swept.ended, residual));
+            found = Some(Reached::of(&task, &iterate, (1, swept.ended), residual, groups));
         } else {
             if forget_runaways(&task, &mut iterate, sweeper.islands()) {
                 task.past = Past::Unswept;
             }
         }
-        let ends_early = matches!(found, Some((_, Ended::TimeLimit, _)));
+        let ends_early = found.is_some_and(|found| found.ended == Ended::TimeLimit);
         let goes_on = matches!(self, Self::Auto { .. }) && !ends_early;
         let by_islands = goes_on && sweeper.islands().count() > 1;
         // With drilling friction the search of a contact is not complete: other methods may find what it has missed.
@@ -472,26 +472,27 @@ impl Solver {
                 if swept.is_clear() && residual.value <= stop.tolerance {
                     return workspace.solved(residual, swept.sweeps, swept.ambiguous);
                 }
-                found = Some((swept.sweeps, swept.ended, residual));
+                let ended = (swept.sweeps, swept.ended);
+                found = Some(Reached::of(&task, &iterate, ended, residual, groups));
             }
             _ => {}
         }
-        let (mut iterations, mut ended, mut residual) = match found {
+        let mut reached = match found {
             Some(found) => found,
-            None => self.run(&task, &mut iterate, sweeper, methods, nearby, next),
+            None => self.run(&task, &mut iterate, (sweeper, groups), methods, nearby, next),
         };
-        let mut findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+        let mut findings = findings::judge(&task, &reached, &mut iterate);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
             let methods = methods.get_or_insert_default();
-            (iterations, ended, residual) =
-                methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
-            if residual.value <= stop.tolerance {
-                findings = findings::judge(&task, ended, residual, &mut iterate, groups);
+            reached = methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
+            if reached.residual.value <= stop.tolerance {
+                findings = findings::judge(&task, &reached, &mut iterate);
             } else {
                 // The attempt may have ended with a proof of its own.
                 findings.without_solution = iterate.infeasibility.as_ref().map(|p| p.contact);
             }
         }
+        let Reached { iterations, ended, residual, .. } = reached;
         // Who has cancelled does not wait for a search of all contacts.
         let left = residual.value > stop.tolerance && stop.early();
         if left || problem.delassus().is_matrix_free() {
@@ -529,22 +530,22 @@ impl Solver {
         }
     }
 
-    /// Runs the method; iterations, why it ended, and the residual.
+    /// Runs the method.
     #[inline(never)]
     fn run(
         &self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
-        sweeper: &mut Sweeper,
+        (sweeper, groups): (&mut Sweeper, &mut Groups),
         methods: &mut Option<Box<Methods>>,
         nearby: &mut Option<Box<Workspace>>,
         next: &mut Vec<f64>,
-    ) -> (usize, Ended, Residual) {
+    ) -> Reached {
         let mut single = |method, max_iterations| {
             let methods = methods.get_or_insert_default();
             methods.single(*task, iterate.reborrow(), sweeper, method, max_iterations)
         };
-        let (iterations, ended) = match *self {
+        let ended = match *self {
             Self::Exact { max_sweeps } => {
                 sweeper.solve_together(task, iterate, Plan::exact(&task.stop, max_sweeps))
             }
@@ -579,7 +580,8 @@ impl Solver {
             }
             Self::Admm { max_iterations } => return single(Method::Admm, max_iterations),
         };
-        (iterations, ended, iterate.measure(task))
+        let residual = iterate.measure(task);
+        Reached::of(task, iterate, ended, residual, groups)
     }
 }
 
@@ -656,7 +658,7 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
         let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
         let finite = rows().all(|row| percussion[row].is_finite());
         let runs = |growth: growth::Growth| growth.running().is_some();
-        if !finite || growth::of_island(&measured, contacts).is_some_and(runs) {
+        if !finite || growth::of_island(&measured, contacts, &[]).is_some_and(runs) {
             rows().for_each(|row| percussion[row] = 0.0);
             forgotten = true;
         }

@@ -101,6 +101,8 @@ pub(crate) struct Groups {
     members: Components,
     /// `Σ_j |G_ij|` in the normal row of every contact; where only products are known, an estimate of the norm of `G`.
     row_sums: Vec<f64>,
+    /// `Σ_i |G_ij|` over the normal rows of all contacts, in every column.
+    column_sums: Vec<f64>,
     known: bool,
     sums: Vec<Powers>,
     /// See [`are_bounded`](Self::are_bounded).
@@ -122,13 +124,20 @@ struct Powers {
 }
 
 impl Powers {
-    /// Takes in a contact that pushes, under the loads of all.
+    /// Takes in a contact that pushes, under the loads of all; what is brought to its normal row may be known.
     #[inline(always)]
-    fn add(&mut self, measured: &Measured<'_>, contact: usize, loads: &Loads) {
+    fn add(
+        &mut self,
+        measured: &Measured<'_>,
+        contact: usize,
+        loads: &Loads,
+        brought: Option<f64>,
+    ) {
         let Measured { problem, percussion, .. } = *measured;
         let row = problem.contacts()[contact].offset;
         let (push, xi) = (percussion[row], measured.xi(row));
-        let (load, brought) = loads.velocities(problem, contact, percussion);
+        let load = loads.of_normal_row(problem, contact, percussion);
+        let brought = brought.unwrap_or_else(|| brought_to(problem, contact, percussion));
         let rows = problem.contacts()[contact].rows().take(PLANAR);
         let own = |row: usize| (problem.free_velocity()[row] + problem.restitution()[row]).abs();
         self.own = rows.map(own).fold(load.abs(), f64::max) * push;
@@ -182,7 +191,7 @@ impl Groups {
         self.known = false;
     }
 
-    /// Joins contacts that influence each other, and sums up their rows.
+    /// Joins contacts that influence each other, and sums up their rows and columns.
     fn know(&mut self, problem: &ContactProblem) {
         if std::mem::replace(&mut self.known, true) {
             return;
@@ -190,6 +199,8 @@ impl Groups {
         let contacts = problem.contacts().len();
         self.members.separate(contacts);
         self.row_sums.clear();
+        self.column_sums.clear();
+        self.column_sums.resize(problem.rows(), 0.0);
         for i in 0..contacts {
             if let Delassus::MatrixFree(operator) = problem.delassus() {
                 self.members.join(i, 0);
@@ -201,19 +212,27 @@ impl Groups {
                 if block.iter().any(|g| *g != 0.0) {
                     self.members.join(i, j);
                 }
-                let normal_row = &block[..problem.contacts()[j].len()];
-                row_sum += normal_row.iter().map(|g| g.abs()).sum::<f64>();
+                // The normal row is the first one of the block.
+                let columns = &mut self.column_sums[problem.contacts()[j].rows()];
+                for (column_sum, g) in columns.iter_mut().zip(block) {
+                    row_sum += g.abs();
+                    *column_sum += g.abs();
+                }
             }
             self.row_sums.push(row_sum);
         }
     }
 
-    /// Whether no group of contacts can have grown: `A ≤ max|P| Σ P_Ni Σ_j |G_ij|`, which takes no products with `G`, is no more
-    /// than [`GROWN`] times `L` in every group. This settles most solutions in which contacts move.
+    /// Whether no group of contacts can have grown, without products with `G`: whether a bound of `A` is no more than [`GROWN`]
+    /// times `L` in every group. By `P_Ni |P_j| ≤ (P_Ni² + P_j²)/2` it is
+    ///
+    /// `A ≤ ½ (Σ_i P_Ni² Σ_j |G_ij| + Σ_j P_j² Σ_i |G_ij|)`, or, where only products are known, `max|P| ‖G‖ Σ_i P_Ni`.
+    ///
+    /// This settles most solutions in which contacts move, and what sweeps find on the way to those of stacks and walls.
     fn are_bounded(&mut self, measured: &Measured<'_>) -> bool {
         let Measured { problem, percussion, .. } = *measured;
-        let Self { members, row_sums, excess, .. } = self;
-        let largest = largest(percussion);
+        let Self { members, row_sums, column_sums, excess, .. } = self;
+        let largest = problem.delassus().is_matrix_free().then(|| largest(percussion));
         excess.clear();
         excess.resize(problem.contacts().len(), 0.0);
         for (i, rows) in problem.contacts().iter().enumerate() {
@@ -222,10 +241,15 @@ impl Groups {
                 return false;
             }
             let (row, push) = (rows.offset, percussion[rows.offset]);
+            let mut own = 0.0;
             if push > 0.0 {
                 let load = (problem.free_velocity()[row] + problem.restitution()[row]).abs();
-                excess[members.first(i)] += push * (largest * row_sums[i] - SURELY * GROWN * load);
+                let brought = row_sums[i] * largest.unwrap_or(0.5 * push);
+                own += push * (brought - SURELY * GROWN * load);
             }
+            let columns = percussion[rows.rows()].iter().zip(&column_sums[rows.rows()]);
+            own += columns.map(|(p, column_sum)| 0.5 * p * p * column_sum).sum::<f64>();
+            excess[members.first(i)] += own;
         }
         // The comparison also finds NaN.
         excess.iter().all(|excess| *excess <= 0.0)
@@ -264,13 +288,18 @@ pub(crate) fn of(
     if looks_grown { of_groups(&measured, groups) } else { None }
 }
 
-/// How the percussions of contacts have grown that influence each other and no others.
+/// How the percussions of contacts have grown that influence each other and no others; `brought` holds `Σ_j |G_ij P_j|` of the
+/// normal rows of the first of them where it is known, else not-a-number.
 #[cold]
-pub(crate) fn of_island(measured: &Measured<'_>, contacts: &[usize]) -> Option<Growth> {
+pub(crate) fn of_island(
+    measured: &Measured<'_>,
+    contacts: &[usize],
+    brought: &[f64],
+) -> Option<Growth> {
     let Measured { problem, percussion, .. } = *measured;
     let loads = Loads::of(problem, contacts.iter().map(|&i| &problem.contacts()[i]));
     let pushing = |i: &&usize| pushes(&problem.contacts()[**i], percussion);
-    let sums = pulp::Arch::new().dispatch(Sum { measured, contacts, loads: &loads });
+    let sums = pulp::Arch::new().dispatch(Sum { measured, contacts, loads: &loads, brought });
     let kind = sums.kind()?;
     let sign = if kind == GrowthKind::Separating { 1.0 } else { -1.0 };
     let power = |i: usize| {
@@ -292,6 +321,7 @@ struct Sum<'a> {
     measured: &'a Measured<'a>,
     contacts: &'a [usize],
     loads: &'a Loads,
+    brought: &'a [f64],
 }
 
 impl pulp::NullaryFnOnce for Sum<'_> {
@@ -299,12 +329,13 @@ impl pulp::NullaryFnOnce for Sum<'_> {
 
     #[inline(always)]
     fn call(self) -> Powers {
-        let Self { measured, contacts, loads } = self;
+        let Self { measured, contacts, loads, brought } = self;
         let Measured { problem, percussion, .. } = *measured;
         let mut sums = Powers { contacts: contacts.len(), ..Powers::default() };
-        for &i in contacts {
+        for (k, &i) in contacts.iter().enumerate() {
             if pushes(&problem.contacts()[i], percussion) {
-                sums.add(measured, i, loads);
+                let known = brought.get(k).copied().filter(|brought| !brought.is_nan());
+                sums.add(measured, i, loads, known);
             }
         }
         sums
@@ -385,7 +416,7 @@ fn of_unbounded(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> 
     let loads = Loads::of(problem, problem.contacts().iter());
     for (i, _) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
         let group = groups.members.first(i);
-        groups.sums[group].add(measured, i, &loads);
+        groups.sums[group].add(measured, i, &loads, None);
     }
     let mut worst: Option<(GrowthKind, f64, usize)> = None;
     for (i, rows) in problem.contacts().iter().enumerate().filter(|(_, rows)| pushing(rows)) {
@@ -427,18 +458,14 @@ impl Loads {
         loads
     }
 
-    /// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring, and `Σ_j |G_ij P_j|`.
+    /// `l` of the normal row of a contact, with what contacts of prescribed normal percussion bring.
     #[inline(always)]
-    fn velocities(&self, problem: &ContactProblem, i: usize, percussion: &[f64]) -> (f64, f64) {
+    fn of_normal_row(&self, problem: &ContactProblem, i: usize, percussion: &[f64]) -> f64 {
         let row = problem.contacts()[i].offset;
         let mut load = problem.free_velocity()[row] + problem.restitution()[row];
-        if let Delassus::MatrixFree(operator) = problem.delassus() {
-            // Without entries only their size is known.
-            return (load, operator.norm() * largest(percussion));
-        }
-        let blocks = problem.delassus().blocks();
-        if self.prescribed {
-            for (j, block) in blocks.row(i) {
+        // Without entries it is not known what they bring.
+        if self.prescribed && !problem.delassus().is_matrix_free() {
+            for (j, block) in problem.delassus().blocks().row(i) {
                 let rows = &problem.contacts()[j];
                 if rows.normal != NormalForce::Unilateral {
                     // The normal row is the first one of the block.
@@ -447,7 +474,17 @@ impl Loads {
                 }
             }
         }
-        (load, blocks.first_magnitude(i, percussion))
+        load
+    }
+}
+
+/// `Σ_j |G_ij P_j|` in the normal row of a contact.
+#[inline(always)]
+fn brought_to(problem: &ContactProblem, i: usize, percussion: &[f64]) -> f64 {
+    match problem.delassus() {
+        // Without entries only their size is known.
+        Delassus::MatrixFree(operator) => operator.norm() * largest(percussion),
+        delassus => delassus.blocks().first_magnitude(i, percussion),
     }
 }
 

@@ -16,6 +16,8 @@ pub(crate) struct OwnMeasure {
     pub(crate) defect: f64,
     /// How large its percussions are.
     pub(crate) size: Size,
+    /// `Σ_j |G_ij P_j|` in its first row, where it took that to find the defect.
+    pub(crate) brought: Option<f64>,
 }
 
 /// One contact of a problem, with its law.
@@ -53,17 +55,34 @@ pub(crate) fn measure_alone(
     by_rows!(problem, contact, alone, percussion, velocity)
 }
 
+/// The percussions in all rows, of a problem or of an island.
+#[derive(Clone, Copy)]
+pub(crate) struct All<'a> {
+    percussion: &'a [f64],
+    /// Whether none of those that influence each other differs from zero: nothing has to be multiplied.
+    none: bool,
+}
+
+impl<'a> All<'a> {
+    /// For contacts that influence no others.
+    #[inline(always)]
+    pub(crate) fn of(problem: &ContactProblem, contacts: &[usize], percussion: &'a [f64]) -> Self {
+        let mut rows = contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
+        Self { percussion, none: rows.all(|row| percussion[row] == 0.0) }
+    }
+}
+
 /// Measures a contact that others may influence, from the percussions in all rows; its velocities are found on the way.
 /// `worst` is the square of the largest relative defect of other contacts, negative without any.
 #[inline(always)]
 pub(crate) fn measure_coupled(
     problem: &ContactProblem,
     contact: usize,
-    percussion: &[f64],
+    all: All<'_>,
     velocity: &mut [f64],
     worst: f64,
 ) -> OwnMeasure {
-    by_rows!(problem, contact, coupled, percussion, velocity, worst)
+    by_rows!(problem, contact, coupled, all, velocity, worst)
 }
 
 /// Velocities and size only.
@@ -71,10 +90,10 @@ pub(crate) fn measure_coupled(
 pub(crate) fn size_coupled(
     problem: &ContactProblem,
     contact: usize,
-    percussion: &[f64],
+    all: All<'_>,
     velocity: &mut [f64],
 ) -> Size {
-    by_rows!(problem, contact, sized, percussion, velocity)
+    by_rows!(problem, contact, sized, all, velocity)
 }
 
 #[inline(always)]
@@ -97,35 +116,38 @@ fn alone<const N: usize, const P: usize>(
     let velocity = &sums.into();
     let (size, squares) = size(&own, percussion, velocity);
     let scale = scale(&own, squares, &brought.into());
-    OwnMeasure { defect: relative(defect(&own, percussion, velocity), || scale), size }
+    let defect = relative(defect(&own, percussion, velocity), || scale);
+    OwnMeasure { defect, size, brought: None }
 }
 
 #[inline(always)]
 fn coupled<const N: usize, const P: usize>(
     own: Own<'_, P>,
-    percussion: &[f64],
+    all: All<'_>,
     velocity: &mut [f64],
     worst: f64,
 ) -> OwnMeasure {
-    let (own_percussion, velocity) = velocities::<N, P>(&own, percussion, velocity);
+    let (own_percussion, velocity) = velocities::<N, P>(&own, all, velocity);
     let (size, squares) = size(&own, own_percussion, &velocity);
     let defect = defect(&own, own_percussion, &velocity);
     if is_surely_less(defect, squares, worst) {
-        return OwnMeasure { defect: relative(defect, || squares), size };
+        return OwnMeasure { defect: relative(defect, || squares), size, brought: None };
     }
     let mut brought = [0.0; 4];
-    own.problem.delassus().blocks().add_magnitudes(own.contact, percussion, &mut brought);
+    if !all.none {
+        own.problem.delassus().blocks().add_magnitudes(own.contact, all.percussion, &mut brought);
+    }
     let scale = scale(&own, squares, first::<N>(&brought));
-    OwnMeasure { defect: relative(defect, || scale), size }
+    OwnMeasure { defect: relative(defect, || scale), size, brought: Some(brought[0]) }
 }
 
 #[inline(always)]
 fn sized<const N: usize, const P: usize>(
     own: Own<'_, P>,
-    percussion: &[f64],
+    all: All<'_>,
     velocity: &mut [f64],
 ) -> Size {
-    let (percussion, velocity) = velocities::<N, P>(&own, percussion, velocity);
+    let (percussion, velocity) = velocities::<N, P>(&own, all, velocity);
     size(&own, percussion, &velocity).0
 }
 
@@ -133,13 +155,16 @@ fn sized<const N: usize, const P: usize>(
 #[inline(always)]
 fn velocities<'a, const N: usize, const P: usize>(
     own: &Own<'_, P>,
-    percussion: &'a [f64],
+    all: All<'a>,
     velocity: &mut [f64],
 ) -> (&'a [f64; N], [f64; N]) {
     let Own { problem, contact, .. } = *own;
+    let All { percussion, none } = all;
     let rows = problem.contacts()[contact].rows();
     let mut sums = [0.0; 4];
-    problem.delassus().blocks().add_row(contact, percussion, true, &mut sums);
+    if !none {
+        problem.delassus().blocks().add_row(contact, percussion, true, &mut sums);
+    }
     let free = first::<N>(&problem.free_velocity()[rows.start..]);
     let sums = std::array::from_fn(|a| free[a] + sums[a]);
     velocity[rows.clone()].copy_from_slice(&sums);

@@ -6,6 +6,9 @@ use super::natural_map;
 use super::natural_residual::{self, Measured, Residual};
 use crate::contact::ContactProblem;
 
+/// Natural map of one contact, in tolerances, up to which the measure of contacts is looked at. SWEPT
+const NEAR: f64 = 500.0;
+
 /// What decides whether a problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -106,6 +109,13 @@ impl<'a> Stop<'a> {
             Measure::Contact => contact,
             Measure::Global => Residual { value: map(), ..contact },
         }
+    }
+
+    /// Whether the measure of so many contacts may be small where their natural map is `map`: it takes longer to find, and is
+    /// not looked at where the other one is far off.
+    #[inline]
+    pub(crate) fn is_near(&self, map: f64, contacts: usize) -> bool {
+        map <= NEAR * self.tolerance * (contacts as f64).sqrt()
     }
 
     /// Whether to give up before the tolerance is reached.

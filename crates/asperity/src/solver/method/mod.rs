@@ -24,4 +24,4 @@ pub(crate) use standing::Standing;
 pub(crate) use sweeps::{
     Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, UNTIMED, mark_ambiguous, untimed_visits,
 };
-pub(crate) use task::{Iterate, Past, Task};
+pub(crate) use task::{Iterate, Past, Reached, Task};

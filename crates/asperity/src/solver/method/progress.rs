@@ -4,7 +4,7 @@
 //! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
 
 use super::sweeps::Sweeper;
-use super::task::{Iterate, Past, Task};
+use super::task::{Iterate, Past, Reached, Task};
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
@@ -65,6 +65,8 @@ pub(crate) struct Progress<'a> {
     known: bool,
     /// The residual by the measure of contacts of the best percussions, where the stop asks for it and it was looked at.
     residual: Option<Residual>,
+    /// How they have grown, if they have.
+    best_growth: Option<Growth>,
     /// Whether they pass the measure of the stop.
     solved: bool,
     /// The contact of the last sweep that had no solution, the others held.
@@ -101,6 +103,7 @@ impl<'a> Progress<'a> {
             latest_grade: None,
             known: false,
             residual: None,
+            best_growth: None,
             solved,
             stuck,
             growth,
@@ -124,14 +127,13 @@ impl<'a> Progress<'a> {
         progress
     }
 
-    /// Puts the best percussions back; iterations, why it ended, `limited` by the user's number of iterations or not, and
-    /// the residual.
-    pub(crate) fn finish(mut self, limited: bool) -> (usize, Ended, Residual) {
+    /// Puts the best percussions back and tells what has been reached, `limited` by the user's number of iterations or not.
+    pub(crate) fn finish(mut self, limited: bool) -> Reached {
         let early = !self.solved && self.task.stop.early();
         if !self.solved && !early {
             self.is_infeasible();
         }
-        let Self { task, mut iterate, buffers, growth, .. } = self;
+        let Self { task, mut iterate, buffers, growth, best_growth, .. } = self;
         iterate.percussion.copy_from_slice(&buffers.best);
         let residual = if self.known {
             iterate.velocity.copy_from_slice(&buffers.velocity);
@@ -153,7 +155,7 @@ impl<'a> Progress<'a> {
             (_, Some(contact)) => Ended::Stuck(contact),
             _ => Ended::Stalled,
         };
-        (iterations, ended, residual)
+        Reached { iterations, ended, residual, growth: best_growth }
     }
 
     /// Whether hardly a contact separates with the best percussions: bodies may rest on each other then.
@@ -259,7 +261,7 @@ impl<'a> Progress<'a> {
             return;
         }
         // The solution of before, in case the sweeps do not end in another one.
-        let grade = self.grade;
+        let (grade, growth) = (self.grade, self.best_growth);
         self.buffers.other.clone_from(&self.buffers.best);
         for _ in 0..sweeps {
             (self.solved, self.grade) = (false, f64::INFINITY);
@@ -273,7 +275,7 @@ impl<'a> Progress<'a> {
             self.sweeper.sweep(&self.task, &mut self.iterate, Policy::Prove, false);
         }
         (self.solved, self.known, self.grade, self.growth) = (true, false, grade, None);
-        self.residual = None;
+        (self.residual, self.best_growth) = (None, growth);
         self.buffers.best.clone_from(&self.buffers.other);
     }
 
@@ -312,8 +314,7 @@ impl<'a> Progress<'a> {
         let measured = Measured { problem, percussion, velocity };
         let grade = natural_map::map_with(&measured, self.scale);
         let goal = 0.5 * stop.tolerance;
-        // The measure of contacts is the dearer one; it is not looked at where the other is far off.
-        let near = grade <= 1e3 * goal * (problem.contacts().len() as f64).sqrt();
+        let near = stop.is_near(grade, problem.contacts().len());
         let by_contacts = stop.measure == Measure::Contact && near;
         let residual = by_contacts.then(|| natural_residual::residual(&measured));
         let small = match stop.measure {
@@ -334,8 +335,9 @@ impl<'a> Progress<'a> {
     /// for anything.
     fn keep(&mut self, percussion: &[f64], measures: (f64, Option<Residual>), small: bool) {
         let Buffers { astray, velocity, groups, .. } = &mut *self.buffers;
-        self.growth = growth::of(self.task.problem, percussion, velocity, groups);
-        let kind = self.growth.map(|growth| growth.kind);
+        let growth = growth::of(self.task.problem, percussion, velocity, groups);
+        let kind = growth.map(|growth| growth.kind);
+        self.growth = growth;
         if kind >= Some(GrowthKind::Suspicious) {
             astray.copy_from_slice(percussion);
         }
@@ -347,7 +349,8 @@ impl<'a> Progress<'a> {
         let solved = small && kind != Some(GrowthKind::Separating);
         if solved || !self.solved {
             (self.grade, self.residual) = measures;
-            (self.known, self.solved, self.growth) = (true, solved, None);
+            (self.known, self.solved) = (true, solved);
+            (self.growth, self.best_growth) = (None, growth);
             self.buffers.best.copy_from_slice(percussion);
         }
     }

@@ -2,10 +2,11 @@
 
 use crate::contact::{ContactProblem, ContactState};
 use crate::solver::infeasibility::Infeasibility;
+use crate::solver::measure::growth::{self, Groups, Growth};
 use crate::solver::measure::natural_residual::{Measured, Residual};
 use crate::solver::measure::phase::classify;
 use crate::solver::measure::stop::Stop;
-use crate::solver::report::Stage;
+use crate::solver::report::{Ended, Stage};
 use crate::threads::Threads;
 
 /// What sweeps have done to the percussions that a solve starts from; where they have done anything, the velocities of the
@@ -31,6 +32,31 @@ pub(crate) struct Task<'a> {
     pub(crate) past: Past,
     /// Whether the problem is a part of another one, whose other contacts are held.
     pub(crate) within_another: bool,
+}
+
+/// What a method has come to with the percussions of the iterate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reached {
+    pub(crate) iterations: usize,
+    pub(crate) ended: Ended,
+    /// By the measure of the stop.
+    pub(crate) residual: Residual,
+    /// How the percussions have grown, if they have.
+    pub(crate) growth: Option<Growth>,
+}
+
+impl Reached {
+    /// By a method that does not measure growth itself.
+    pub(crate) fn of(
+        task: &Task<'_>,
+        iterate: &Iterate<'_>,
+        (iterations, ended): (usize, Ended),
+        residual: Residual,
+        groups: &mut Groups,
+    ) -> Self {
+        let growth = growth::of(task.problem, iterate.percussion, iterate.velocity, groups);
+        Self { iterations, ended, residual, growth }
+    }
 }
 
 /// What every method changes.

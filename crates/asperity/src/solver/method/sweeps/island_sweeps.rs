@@ -12,7 +12,7 @@ use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_map::map_of;
 use crate::solver::measure::natural_residual::{Measured, residual_of};
-use crate::solver::measure::own::{measure_coupled, size_coupled};
+use crate::solver::measure::own::{All, measure_coupled, size_coupled};
 use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::{Measure, Stop};
 use crate::solver::method::task::{Iterate, Task};
@@ -75,7 +75,7 @@ impl Visitor<'_> {
                 let Iterate { percussion, velocity, .. } = iterate;
                 let measured = Measured { problem: task.problem, percussion, velocity };
                 let residual = own.residual().value;
-                own.may_grow = growth::of_island(&measured, members)
+                own.may_grow = growth::of_island(&measured, members, self.brought)
                     .is_some_and(|growth| growth.is_suspicious(residual));
             }
             put(own);
@@ -101,7 +101,7 @@ impl Visitor<'_> {
             Policy::Prove if plan.max_sweeps > 0 => {
                 Swept { defect: f64::INFINITY, ..Swept::NOTHING }
             }
-            _ => measure(task, iterate, members),
+            _ => self.measure(task, iterate, members),
         };
         let (mut sweeps, mut stuck, mut visits) = (0, None, None);
         // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
@@ -127,7 +127,10 @@ impl Visitor<'_> {
             let is_due = policy == Policy::Prove || rate.is_due(sweeps);
             let is_measured = is_due || sweeps == plan.max_sweeps;
             if is_measured {
-                swept = measure(task, iterate, members);
+                swept = match policy {
+                    Policy::Prove => self.measure(task, iterate, members),
+                    Policy::FirstFound => self.measure_if_near(task, iterate, members),
+                };
             }
             if alone {
                 swept.ambiguous = iterate.ambiguous[members[0]];
@@ -139,14 +142,15 @@ impl Visitor<'_> {
                 *visited = 0;
                 if task.stop.early() {
                     if !is_measured {
-                        swept = measure(task, iterate, members);
+                        swept = self.measure(task, iterate, members);
                     }
-                    let swept = with_worst_contact(task, iterate, members, swept);
                     return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
                 }
             }
         }
-        swept = with_worst_contact(task, iterate, members, swept);
+        if !plan.leaves(&swept, task.stop.tolerance) {
+            swept = with_worst_contact(task, iterate, members, swept);
+        }
         if policy == Policy::FirstFound {
             let Iterate { percussion, velocity, states, .. } = iterate;
             let measured = Measured { problem: task.problem, percussion, velocity };
@@ -156,6 +160,59 @@ impl Visitor<'_> {
             }
         }
         Swept { sweeps, stuck: stuck.is_some(), ..swept }
+    }
+    /// Velocities, residual by the measure of the stop and size of the percussions of an island; the worst contact only where
+    /// it decides.
+    fn measure(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
+        match task.stop.measure {
+            Measure::Contact => self.measure_contacts(task, iterate, members),
+            Measure::Global => self.measure_map(task, iterate, members),
+        }
+    }
+
+    /// The same after sweeps, which is the natural map instead where that is far from small.
+    fn measure_if_near(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        members: &[usize],
+    ) -> Swept {
+        let swept = self.measure_map(task, iterate, members);
+        let near = task.stop.is_near(swept.residual().value, members.len());
+        if near && task.stop.measure == Measure::Contact {
+            self.measure_contacts(task, iterate, members)
+        } else {
+            swept
+        }
+    }
+
+    /// The same by the measure of contacts.
+    fn measure_contacts(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        members: &[usize],
+    ) -> Swept {
+        let (problem, brought) = (task.problem, Some(&mut *self.brought));
+        let Iterate { percussion, velocity, .. } = iterate;
+        let measurement = Measurement { problem, percussion, velocity, members, brought };
+        pulp::Arch::new().dispatch(measurement)
+    }
+
+    /// The same by the natural map.
+    fn measure_map(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        members: &[usize],
+    ) -> Swept {
+        let (problem, brought) = (task.problem, None);
+        self.brought.clear();
+        let Iterate { percussion, velocity, .. } = iterate;
+        let measurement = Measurement { problem, percussion, velocity, members, brought };
+        let swept = pulp::Arch::new().dispatch(measurement);
+        let (map, _) = map_of(&Measured { problem, percussion, velocity }, members);
+        Swept { defect: map * map, ..swept }
     }
 }
 
@@ -175,19 +232,6 @@ fn with_worst_contact(
     Swept { worst_contact, ..swept }
 }
 
-/// Velocities, residual by the measure of the stop and growth of an island; the worst contact only where it decides.
-fn measure(task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
-    let (problem, by_contacts) = (task.problem, task.stop.measure == Measure::Contact);
-    let Iterate { percussion, velocity, .. } = iterate;
-    let measurement = Measurement { problem, percussion, velocity, members, by_contacts };
-    let mut swept = pulp::Arch::new().dispatch(measurement);
-    if !by_contacts {
-        let (map, _) = map_of(&Measured { problem, percussion, velocity }, members);
-        swept.defect = map * map;
-    }
-    swept
-}
-
 /// A call that the compiler copies into every set of instructions: it multiplies all rows of an island. Multiplications and
 /// additions stay apart, with the same bits in all of them.
 struct Measurement<'a> {
@@ -195,7 +239,8 @@ struct Measurement<'a> {
     percussion: &'a [f64],
     velocity: &'a mut [f64],
     members: &'a [usize],
-    by_contacts: bool,
+    /// Receives what others bring to every contact, where contacts are measured and not only their size.
+    brought: Option<&'a mut Vec<f64>>,
 }
 
 impl pulp::NullaryFnOnce for Measurement<'_> {
@@ -203,17 +248,20 @@ impl pulp::NullaryFnOnce for Measurement<'_> {
 
     #[inline(always)]
     fn call(self) -> Swept {
-        let Self { problem, percussion, velocity, members, by_contacts } = self;
+        let Self { problem, percussion, velocity, members, brought } = self;
         let (mut swept, mut size) = (Swept::NOTHING, Size::default());
+        let all = All::of(problem, members, percussion);
+        let Some(brought) = brought else {
+            members.iter().for_each(|&i| size.add(&size_coupled(problem, i, all, velocity)));
+            return Swept { may_grow: size.may_have_grown(), ..swept };
+        };
+        brought.clear();
         for &i in members {
-            if by_contacts {
-                let own = measure_coupled(problem, i, percussion, velocity, swept.defect);
-                let (defect, worst_contact) = (own.defect, i);
-                swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
-                size.add(&own.size);
-            } else {
-                size.add(&size_coupled(problem, i, percussion, velocity));
-            }
+            let own = measure_coupled(problem, i, all, velocity, swept.defect);
+            let (defect, worst_contact) = (own.defect, i);
+            swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
+            size.add(&own.size);
+            brought.push(own.brought.unwrap_or(f64::NAN));
         }
         Swept { may_grow: size.may_have_grown(), ..swept }
     }
