@@ -24,6 +24,19 @@ macro_rules! unrolled {
 }
 pub(crate) use unrolled;
 
+/// Asks for the values `ahead` of the first one of a list, or of what follows in memory, before they are needed: where a list
+/// is read once from end to end, what the processor asks for by itself comes too late.
+#[inline(always)]
+pub(crate) fn prefetch(values: &[f64], ahead: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(sse) = pulp::core_arch::x86::Sse::try_new() {
+        use std::arch::x86_64::_MM_HINT_T0;
+        sse._mm_prefetch::<_MM_HINT_T0>(values.as_ptr().wrapping_add(ahead).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (values, ahead);
+}
+
 /// `to ← from`, both of the same length.
 #[inline(always)]
 pub(crate) fn copy(from: &[f64], to: &mut [f64]) {

@@ -6,6 +6,11 @@ use nalgebra::DMatrix;
 
 use super::Csr;
 use crate::argument::{ArgumentError, length, refuse};
+use crate::vectors::prefetch;
+
+/// Entries ahead of a block that are asked for: 32 blocks of nine. The product of a matrix of 1.9 million blocks, 150 MB, takes
+/// 0.68 of the time without; with 16 blocks 0.75, with 64 the same.
+const AHEAD: usize = 288;
 
 /// Number of rows of contacts with `sizes` rows each.
 pub(super) fn rows_of(sizes: &[usize]) -> Result<usize, ArgumentError> {
@@ -347,6 +352,36 @@ impl BlockMatrix {
         self.add_terms(i, percussion, true, sum, |g, p| (g * p).abs());
     }
 
+    /// Both at once, to the bit, which takes one pass through the row.
+    #[inline(always)]
+    pub(crate) fn add_row_and_magnitudes(
+        &self,
+        i: usize,
+        percussion: &[f64],
+        sum: &mut [f64; 4],
+        magnitudes: &mut [f64; 4],
+    ) {
+        if !self.in_threes {
+            self.add_row(i, percussion, true, sum);
+            self.add_magnitudes(i, percussion, magnitudes);
+            return;
+        }
+        let own = self.starts[i]..self.starts[i + 1];
+        let (blocks, percussions) = (self.values.as_chunks::<9>().0, percussion.as_chunks::<3>().0);
+        let (mut sums, mut sizes) = ([sum[0], sum[1], sum[2]], [0.0; 3]);
+        for (&j, g) in self.columns[own.clone()].iter().zip(&blocks[own]) {
+            prefetch(g, AHEAD);
+            let p = &percussions[j];
+            for a in 0..3 {
+                let terms = [g[3 * a] * p[0], g[3 * a + 1] * p[1], g[3 * a + 2] * p[2]];
+                sums[a] += terms[0] + terms[1] + terms[2];
+                sizes[a] += terms[0].abs() + terms[1].abs() + terms[2].abs();
+            }
+        }
+        sum[..3].copy_from_slice(&sums);
+        magnitudes.iter_mut().zip(sizes).for_each(|(all, own)| *all += own);
+    }
+
     /// `Σ_j |G_ij P_j|` in the first row of a contact, to the bit that of [`add_magnitudes`](Self::add_magnitudes).
     #[inline(always)]
     pub(crate) fn first_magnitude(&self, i: usize, percussion: &[f64]) -> f64 {
@@ -355,6 +390,7 @@ impl BlockMatrix {
             let blocks = &self.values.as_chunks::<9>().0[own.clone()];
             let percussions = percussion.as_chunks::<3>().0;
             let of_block = |(&j, g): (&usize, &[f64; 9])| {
+                prefetch(g, AHEAD);
                 let p = &percussions[j];
                 (g[0] * p[0]).abs() + (g[1] * p[1]).abs() + (g[2] * p[2]).abs()
             };
@@ -449,6 +485,7 @@ impl BlockMatrix {
     ) -> [f64; 3] {
         let (blocks, percussions) = (self.values.as_chunks::<9>().0, percussion.as_chunks::<3>().0);
         for (&j, g) in self.columns[places.clone()].iter().zip(&blocks[places]) {
+            prefetch(g, AHEAD);
             let p = &percussions[j];
             for a in 0..3 {
                 sums[a] +=

@@ -288,8 +288,8 @@ pub(crate) fn of(
     if looks_grown { of_groups(&measured, groups) } else { None }
 }
 
-/// How the percussions of contacts have grown that influence each other and no others; `brought` holds `Σ_j |G_ij P_j|` of the
-/// normal rows of the first of them where it is known, else not-a-number.
+/// How the percussions of contacts have grown that influence each other and no others; `brought` holds `Σ_j |G_ij P_j|` of
+/// their normal rows, or nothing where that is not known.
 #[cold]
 pub(crate) fn of_island(
     measured: &Measured<'_>,
@@ -334,8 +334,7 @@ impl pulp::NullaryFnOnce for Sum<'_> {
         let mut sums = Powers { contacts: contacts.len(), ..Powers::default() };
         for (k, &i) in contacts.iter().enumerate() {
             if pushes(&problem.contacts()[i], percussion) {
-                let known = brought.get(k).copied().filter(|brought| !brought.is_nan());
-                sums.add(measured, i, loads, known);
+                sums.add(measured, i, loads, brought.get(k).copied());
             }
         }
         sums

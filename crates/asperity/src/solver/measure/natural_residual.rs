@@ -173,7 +173,7 @@ pub(super) const SURELY: f64 = 0.99;
 /// the square of the contact's percussion, which its scale is no less than. The velocities that others bring take longer than
 /// all the rest: they need not be asked for then.
 #[inline(always)]
-pub(super) fn is_surely_less(defect: f64, own: f64, worst: f64) -> bool {
+fn is_surely_less(defect: f64, own: f64, worst: f64) -> bool {
     worst >= 0.0 && own < f64::INFINITY && defect <= SURELY * worst * own
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::growth::Size;
-use super::natural_residual::{is_surely_less, normal_defect, relative};
+use super::natural_residual::{normal_defect, relative};
 use crate::contact::ContactProblem;
 use crate::contact::NormalForce::{Prescribed, Unilateral};
 use crate::law::{self, Friction, FrictionLaw, Law};
@@ -11,13 +11,12 @@ use crate::law::{self, Friction, FrictionLaw, Law};
 /// What is measured of one contact in its own rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OwnMeasure {
-    /// Square of the relative defect; of a contact that is certainly not the worst one, an upper bound that is less than that
-    /// of the worst.
+    /// Square of the relative defect.
     pub(crate) defect: f64,
     /// How large its percussions are.
     pub(crate) size: Size,
-    /// `Σ_j |G_ij P_j|` in its first row, where it took that to find the defect.
-    pub(crate) brought: Option<f64>,
+    /// `Σ_j |G_ij P_j|` in its first row; of a contact that is measured alone zero.
+    pub(crate) brought: f64,
 }
 
 /// One contact of a problem, with its law.
@@ -73,16 +72,14 @@ impl<'a> All<'a> {
 }
 
 /// Measures a contact that others may influence, from the percussions in all rows; its velocities are found on the way.
-/// `worst` is the square of the largest relative defect of other contacts, negative without any.
 #[inline(always)]
 pub(crate) fn measure_coupled(
     problem: &ContactProblem,
     contact: usize,
     all: All<'_>,
     velocity: &mut [f64],
-    worst: f64,
 ) -> OwnMeasure {
-    by_rows!(problem, contact, coupled, all, velocity, worst)
+    by_rows!(problem, contact, coupled, all, velocity)
 }
 
 /// Velocities and size only.
@@ -117,7 +114,7 @@ fn alone<const N: usize, const P: usize>(
     let (size, squares) = size(&own, percussion, velocity);
     let scale = scale(&own, squares, &brought.into());
     let defect = relative(defect(&own, percussion, velocity), || scale);
-    OwnMeasure { defect, size, brought: None }
+    OwnMeasure { defect, size, brought: 0.0 }
 }
 
 #[inline(always)]
@@ -125,20 +122,17 @@ fn coupled<const N: usize, const P: usize>(
     own: Own<'_, P>,
     all: All<'_>,
     velocity: &mut [f64],
-    worst: f64,
 ) -> OwnMeasure {
-    let (own_percussion, velocity) = velocities::<N, P>(&own, all, velocity);
+    let (mut sums, mut brought) = ([0.0; 4], [0.0; 4]);
+    if !all.none {
+        let blocks = own.problem.delassus().blocks();
+        blocks.add_row_and_magnitudes(own.contact, all.percussion, &mut sums, &mut brought);
+    }
+    let (own_percussion, velocity) = velocities::<N, P>(&own, all, &sums, velocity);
     let (size, squares) = size(&own, own_percussion, &velocity);
     let defect = defect(&own, own_percussion, &velocity);
-    if is_surely_less(defect, squares, worst) {
-        return OwnMeasure { defect: relative(defect, || squares), size, brought: None };
-    }
-    let mut brought = [0.0; 4];
-    if !all.none {
-        own.problem.delassus().blocks().add_magnitudes(own.contact, all.percussion, &mut brought);
-    }
-    let scale = scale(&own, squares, first::<N>(&brought));
-    OwnMeasure { defect: relative(defect, || scale), size, brought: Some(brought[0]) }
+    let defect = relative(defect, || scale(&own, squares, first::<N>(&brought)));
+    OwnMeasure { defect, size, brought: brought[0] }
 }
 
 #[inline(always)]
@@ -147,28 +141,30 @@ fn sized<const N: usize, const P: usize>(
     all: All<'_>,
     velocity: &mut [f64],
 ) -> Size {
-    let (percussion, velocity) = velocities::<N, P>(&own, all, velocity);
+    let mut sums = [0.0; 4];
+    if !all.none {
+        let blocks = own.problem.delassus().blocks();
+        blocks.add_row(own.contact, all.percussion, true, &mut sums);
+    }
+    let (percussion, velocity) = velocities::<N, P>(&own, all, &sums, velocity);
     size(&own, percussion, &velocity).0
 }
 
-/// The percussions of a contact that others may influence, and its velocities `γ_E`, which are handed over, too.
+/// The percussions of a contact that others may influence, and its velocities `γ_E`, of which the `sums` are brought about by
+/// percussions and which are handed over, too.
 #[inline(always)]
 fn velocities<'a, const N: usize, const P: usize>(
     own: &Own<'_, P>,
     all: All<'a>,
+    sums: &[f64; 4],
     velocity: &mut [f64],
 ) -> (&'a [f64; N], [f64; N]) {
     let Own { problem, contact, .. } = *own;
-    let All { percussion, none } = all;
     let rows = problem.contacts()[contact].rows();
-    let mut sums = [0.0; 4];
-    if !none {
-        problem.delassus().blocks().add_row(contact, percussion, true, &mut sums);
-    }
     let free = first::<N>(&problem.free_velocity()[rows.start..]);
     let sums = std::array::from_fn(|a| free[a] + sums[a]);
     velocity[rows.clone()].copy_from_slice(&sums);
-    (first::<N>(&percussion[rows.start..]), sums)
+    (first::<N>(&all.percussion[rows.start..]), sums)
 }
 
 /// How large the percussions of a contact are, and the sum of their squares.

@@ -257,11 +257,11 @@ impl pulp::NullaryFnOnce for Measurement<'_> {
         };
         brought.clear();
         for &i in members {
-            let own = measure_coupled(problem, i, all, velocity, swept.defect);
+            let own = measure_coupled(problem, i, all, velocity);
             let (defect, worst_contact) = (own.defect, i);
             swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
             size.add(&own.size);
-            brought.push(own.brought.unwrap_or(f64::NAN));
+            brought.push(own.brought);
         }
         Swept { may_grow: size.may_have_grown(), ..swept }
     }
