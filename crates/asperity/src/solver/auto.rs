@@ -84,7 +84,7 @@ const MANY: usize = 64;
 /// do not. A wall of 10⁵ contacts takes 0.56 of the time. Of the stored problems one of 376 contacts, which slips, takes 1.6
 /// times as long where it is asked early.
 const LARGE: usize = 1000;
-const SETTLED: usize = 4;
+const SETTLED: usize = 3;
 /// Sweeps that a factorisation takes as long as at most for that: 47 in a wall of 10⁵ contacts.
 const EARLY: f64 = 100.0;
 
@@ -253,6 +253,9 @@ fn first_attempts(
     let past = progress.task.past;
     let early = contacts >= LARGE && cost.is_sparse();
     let most = if early { SETTLED } else { usize::MAX };
+    if early {
+        sweeps.rate.wait(SETTLED);
+    }
     let goes_on = past != Past::Swept && sweeps.run(progress, past == Past::Stuck, most);
     let mut settled = None;
     if early && !progress.is_over() && progress.may_stand() {

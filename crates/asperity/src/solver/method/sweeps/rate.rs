@@ -50,6 +50,11 @@ impl Rate {
         self.worthwhile = instead.min(Self::WORTHWHILE);
     }
 
+    /// Nothing is measured before so many sweeps.
+    pub(crate) fn wait(&mut self, sweeps: usize) {
+        self.look = sweeps;
+    }
+
     /// Whether the defect is measured after `k` sweeps.
     pub(crate) fn is_due(&self, k: usize) -> bool {
         k >= self.look
