@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::Kind;
 use super::execution::Work;
 use crate::threads::join;
 
@@ -28,28 +29,28 @@ impl Packed {
     }
 }
 
-/// `LU` elimination of the first `pivots` columns of a column-major front of `size` rows, rows exchanged
-/// within the pivot rows only; false if a pivot vanishes, or if nobody waits for it any longer.
+/// A column-major front of `size` rows, of which the first `pivots` columns are eliminated.
+pub(super) struct Dense<'a> {
+    pub(super) entries: &'a mut [f64],
+    pub(super) size: usize,
+    pub(super) pivots: usize,
+    /// Row exchanges, which a definite front needs none of.
+    pub(super) swaps: &'a mut [usize],
+    pub(super) kind: Kind,
+}
+
+/// Elimination; false if a pivot vanishes, or is not positive in a definite front, or if nobody waits for it any longer.
 ///
-/// Afterwards the front holds `L` (unit diagonal) below and `U` above the diagonal of the eliminated part,
-/// and the Schur complement of the rest.
-pub(super) fn eliminate(
-    front: &mut [f64],
-    size: usize,
-    pivots: usize,
-    swaps: &mut [usize],
-    packed: &mut Packed,
-    work: &mut Work<'_>,
-) -> bool {
-    pulp::Arch::new().dispatch(Elimination { front, size, pivots, swaps, packed, work })
+/// `LU` of a general front, rows exchanged within the pivot rows only: afterwards it holds `L` (unit diagonal) below and `U` above
+/// the diagonal of the eliminated part, and the Schur complement of the rest. `LDLᵀ` of a definite one, of which the lower
+/// triangle is read and holds `L` below and `D` on the diagonal afterwards; what is above is left undefined.
+pub(super) fn eliminate(front: Dense<'_>, packed: &mut Packed, work: &mut Work<'_>) -> bool {
+    pulp::Arch::new().dispatch(Elimination { front, packed, work })
 }
 
 /// A call of [`eliminate`] that the compiler copies into every set of instructions.
 struct Elimination<'a, 'b> {
-    front: &'a mut [f64],
-    size: usize,
-    pivots: usize,
-    swaps: &'a mut [usize],
+    front: Dense<'a>,
     packed: &'a mut Packed,
     work: &'a mut Work<'b>,
 }
@@ -59,11 +60,11 @@ impl pulp::NullaryFnOnce for Elimination<'_, '_> {
 
     #[inline(always)]
     fn call(self) -> bool {
-        let Self { front, size, pivots, swaps, packed, work } = self;
+        let Self { front, packed, work } = self;
         if fused() {
-            eliminate_with::<true>(front, size, pivots, swaps, packed, work)
+            eliminate_with::<true>(front, packed, work)
         } else {
-            eliminate_with::<false>(front, size, pivots, swaps, packed, work)
+            eliminate_with::<false>(front, packed, work)
         }
     }
 }
@@ -79,21 +80,28 @@ fn fused() -> bool {
 
 #[inline(always)]
 fn eliminate_with<const FMA: bool>(
-    front: &mut [f64],
-    size: usize,
-    pivots: usize,
-    swaps: &mut [usize],
+    front: Dense<'_>,
     packed: &mut Packed,
     work: &mut Work<'_>,
 ) -> bool {
+    let Dense { entries, size, pivots, swaps, kind } = front;
     let mut start = 0;
     while start < pivots {
         let end = (start + PANEL).min(pivots);
-        if !panel::<FMA>(front, size, pivots, start..end, swaps) {
-            return false;
+        match kind {
+            Kind::General => {
+                if !panel::<FMA>(entries, size, pivots, start..end, swaps) {
+                    return false;
+                }
+                exchange(entries, size, start..end, swaps);
+            }
+            Kind::Definite => {
+                if !definite_panel::<FMA>(entries, size, start..end) {
+                    return false;
+                }
+            }
         }
-        exchange(front, size, start..end, swaps);
-        update::<FMA>(front, size, start..end, packed, work);
+        update::<FMA>(entries, size, (start..end, kind), packed, work);
         let rest = size - start;
         if work.is_given_up(2 * (end - start) * rest * rest) {
             return false;
@@ -147,6 +155,34 @@ fn panel<const FMA: bool>(
     true
 }
 
+/// The same of a definite front, without exchanges: `U = DLᵀ`.
+#[inline(always)]
+fn definite_panel<const FMA: bool>(front: &mut [f64], size: usize, columns: Range<usize>) -> bool {
+    let Range { start, end } = columns;
+    for c in start..end {
+        let (left, right) = front.split_at_mut((c + 1) * size);
+        let column = &mut left[c * size..];
+        // The comparison also turns away NaN.
+        if !(column[c] > 0.0) {
+            return false;
+        }
+        let mut above = [0.0; PANEL];
+        above[..end - c - 1].copy_from_slice(&column[c + 1..end]);
+        let reciprocal = 1.0 / column[c];
+        for value in &mut column[c + 1..] {
+            *value *= reciprocal;
+        }
+        let others = right[..(end - c - 1) * size].chunks_exact_mut(size);
+        for ((k, other), u) in others.enumerate().zip(above) {
+            let first = c + 1 + k;
+            for (value, l) in other[first..].iter_mut().zip(&column[first..]) {
+                *value = add::<FMA>(*l, -u, *value);
+            }
+        }
+    }
+    true
+}
+
 /// Exchanges the rows of a panel's pivots in all other columns.
 #[inline(always)]
 fn exchange(front: &mut [f64], size: usize, columns: Range<usize>, swaps: &[usize]) {
@@ -165,7 +201,7 @@ fn exchange(front: &mut [f64], size: usize, columns: Range<usize>, swaps: &[usiz
 fn update<const FMA: bool>(
     front: &mut [f64],
     size: usize,
-    columns: Range<usize>,
+    (columns, kind): (Range<usize>, Kind),
     packed: &mut Packed,
     work: &Work<'_>,
 ) {
@@ -184,11 +220,11 @@ fn update<const FMA: bool>(
             out.copy_from_slice(&column[first..first + ROWS]);
         }
     }
-    let panel = Panel { entries: panel, size, start, end, packed: &packed.left };
+    let panel = Panel { entries: panel, size, start, end, kind, packed: &packed.left };
     if work.shared && 2 * depth * rest * rest >= WORTHWHILE {
-        panel.update_in_parts::<FMA>(right);
+        panel.update_in_parts::<FMA>(right, end);
     } else {
-        panel.update::<FMA>(right);
+        panel.update::<FMA>(right, end);
     }
 }
 
@@ -199,26 +235,69 @@ struct Panel<'a> {
     size: usize,
     start: usize,
     end: usize,
+    kind: Kind,
     /// The rows below, tile by tile.
     packed: &'a [f64],
 }
 
 impl Panel<'_> {
-    /// Updates columns by several threads. Each column is computed as it would be by one.
-    fn update_in_parts<const FMA: bool>(self, right: &mut [f64]) {
+    /// Updates columns, from the one of this number on, by several threads. Each column is computed as it would be by one.
+    fn update_in_parts<const FMA: bool>(self, right: &mut [f64], first: usize) {
         let columns = right.len() / self.size;
         if columns <= PART {
-            return pulp::Arch::new().dispatch(Update::<FMA> { panel: self, right });
+            return pulp::Arch::new().dispatch(Update::<FMA> { panel: self, right, first });
         }
         let half = (columns / 2).next_multiple_of(COLUMNS);
         let (left, right) = right.split_at_mut(half * self.size);
-        join(|| self.update_in_parts::<FMA>(left), || self.update_in_parts::<FMA>(right));
+        let halves = (
+            || self.update_in_parts::<FMA>(left, first),
+            || self.update_in_parts::<FMA>(right, first + half),
+        );
+        join(halves.0, halves.1);
     }
 
-    /// Updates columns: rows of `U`, and the Schur complement below them.
+    /// Updates columns, from the one of this number on: rows of `U`, and the Schur complement below them.
     #[inline(always)]
-    fn update<const FMA: bool>(self, right: &mut [f64]) {
-        let Self { entries: panel, size, start, end, packed } = self;
+    fn update<const FMA: bool>(self, right: &mut [f64], first: usize) {
+        match self.kind {
+            Kind::General => self.update_general::<FMA>(right),
+            Kind::Definite => self.update_definite::<FMA>(right, first),
+        }
+    }
+
+    /// The lower triangle of the Schur complement: rows of `U` are `DLᵀ`.
+    #[inline(always)]
+    fn update_definite<const FMA: bool>(self, right: &mut [f64], first: usize) {
+        let Self { entries: panel, size, start, end, packed, .. } = self;
+        let (depth, tiles) = (end - start, (size - end) / ROWS);
+        let mut above = [[0.0; COLUMNS]; PANEL];
+        for (group, columns) in right.chunks_mut(COLUMNS * size).enumerate() {
+            let first = first + group * COLUMNS;
+            for ((p, row), column) in above.iter_mut().enumerate().zip(panel.chunks_exact(size)) {
+                let last = size.min(first + COLUMNS);
+                for (value, l) in row.iter_mut().zip(&column[first..last]) {
+                    *value = column[start + p] * l;
+                }
+            }
+            let above = &above[..depth];
+            if columns.len() == COLUMNS * size {
+                // From the tile on that the diagonal passes through.
+                let skipped = (first - end) / ROWS;
+                let top = end + skipped * ROWS;
+                if let Some(packed) = packed.get(skipped * ROWS * depth..) {
+                    tiled::<FMA>(columns, size, top, tiles.saturating_sub(skipped), above, packed);
+                }
+                rows_left_over::<FMA>(columns, size, end + tiles * ROWS, panel, above);
+            } else {
+                rows_left_over::<FMA>(columns, size, first, panel, above);
+            }
+        }
+    }
+
+    /// The same of a general front, with its upper triangle.
+    #[inline(always)]
+    fn update_general<const FMA: bool>(self, right: &mut [f64]) {
+        let Self { entries: panel, size, start, end, packed, .. } = self;
         let (depth, tiles) = (end - start, (size - end) / ROWS);
         let mut above = [[0.0; COLUMNS]; PANEL];
         for columns in right.chunks_mut(COLUMNS * size) {
@@ -257,6 +336,7 @@ impl Panel<'_> {
 struct Update<'a, const FMA: bool> {
     panel: Panel<'a>,
     right: &'a mut [f64],
+    first: usize,
 }
 
 impl<const FMA: bool> pulp::NullaryFnOnce for Update<'_, FMA> {
@@ -264,7 +344,7 @@ impl<const FMA: bool> pulp::NullaryFnOnce for Update<'_, FMA> {
 
     #[inline(always)]
     fn call(self) {
-        self.panel.update::<FMA>(self.right);
+        self.panel.update::<FMA>(self.right, self.first);
     }
 }
 

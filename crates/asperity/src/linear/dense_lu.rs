@@ -3,7 +3,8 @@
 //! Matrices are filled row by row, while [`eliminate`] works column by column: it is the transpose that is factored,
 //! `P Aᵀ = L U`, and `A x = b` reads `Uᵀ Lᵀ P x = b`.
 
-use super::dense::{Packed, eliminate};
+use super::Kind;
+use super::dense::{Dense, Packed, eliminate};
 use super::execution::Work;
 use crate::vectors::{dot, largest};
 
@@ -44,7 +45,9 @@ impl DenseLu {
             self.reserved = n;
         }
         let largest = largest(&self.entries);
-        eliminate(&mut self.entries, n, n, &mut self.swaps, &mut self.packed, work)
+        let (entries, swaps) = (&mut self.entries[..], &mut self.swaps[..]);
+        let front = Dense { entries, size: n, pivots: n, swaps, kind: Kind::General };
+        eliminate(front, &mut self.packed, work)
             && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }
 

@@ -50,6 +50,16 @@ mod tests;
 #[cfg(not(feature = "sparse"))]
 mod unordered;
 
+/// What is known of a matrix before it is factored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Kind {
+    /// Nothing.
+    #[default]
+    General,
+    /// It is symmetric, and positive definite but for rounding.
+    Definite,
+}
+
 pub(crate) use block_lu::BlockLu;
 pub(crate) use dense_lu::DenseLu;
 pub(crate) use execution::Execution;

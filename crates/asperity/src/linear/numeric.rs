@@ -1,16 +1,26 @@
-//! Multifrontal LU factorisation (\[DuffReid1983\]) with the pattern known.
+//! Multifrontal factorisation (\[DuffReid1983\]) with the pattern known: LU, or LDLᵀ of a definite matrix, with half of the
+//! operations.
 
-use super::Symbolic;
-use super::dense::{self, Packed};
+use super::dense::{self, Dense, Packed};
 use super::execution::{Execution, Work};
 use super::symbolic::Front;
+use super::{Kind, Symbolic};
 use crate::contact::BlockMatrix;
+use crate::vectors::prefetch;
+
+/// Entries of the next front that are asked for while one is worked on.
+const AHEAD: usize = 1024;
+/// Numbers in a line of the cache.
+const LINE: usize = 8;
 
 /// Factors of a matrix and all buffers to make them again.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Numeric {
-    /// Of every front the eliminated columns, column-major, then the rows of `U` beyond them, transposed.
+    /// Of every front the eliminated columns, column-major, then the rows of `U` beyond them, transposed, if it is a general
+    /// matrix.
     factors: Vec<f64>,
+    /// What was factored last.
+    kind: Kind,
     places: Vec<usize>,
     /// Row exchanges within the pivot rows of the fronts, counted from the first of them.
     swaps: Vec<usize>,
@@ -41,14 +51,15 @@ impl Numeric {
         self.local.resize(symbolic.largest, 0.0);
     }
 
-    /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes, or if it is given up, which is asked every
-    /// few milliseconds. Threads change nothing in what comes out.
+    /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes, or is not positive in a definite matrix, or if
+    /// it is given up, which is asked every few milliseconds. Threads change nothing in what comes out.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,
-        matrix: &BlockMatrix,
+        (matrix, kind): (&BlockMatrix, Kind),
         execution: Execution<'_>,
     ) -> bool {
+        self.kind = kind;
         execution.run(symbolic.operations, |work| self.factor_fronts(symbolic, matrix, work))
     }
 
@@ -61,9 +72,19 @@ impl Numeric {
         let mut top = 0;
         for (s, front) in symbolic.fronts.iter().enumerate() {
             let (size, pivots) = (front.size, front.pivots);
-            let dense = &mut self.front[..size * size];
-            dense.fill(0.0);
+            let (dense, kind) = (&mut self.front[..size * size], self.kind);
+            // Of a definite matrix nothing above the diagonal is needed.
+            let from = |diagonal: usize| match kind {
+                Kind::General => 0,
+                Kind::Definite => diagonal,
+            };
+            for (j, column) in dense.chunks_exact_mut(size).enumerate() {
+                column[from(j)..].fill(0.0);
+            }
             for p in &front.placements {
+                if p.row < from(p.column) {
+                    continue;
+                }
                 let block = matrix.block(p.block, p.rows * p.columns);
                 for (a, row) in block.chunks_exact(p.columns).enumerate() {
                     for (b, value) in row.iter().enumerate() {
@@ -75,19 +96,29 @@ impl Numeric {
                 let into = &symbolic.fronts[child].into_parent;
                 let len = into.len();
                 top -= len * len;
-                add_child(dense, size, into, &self.stack[top..top + len * len]);
+                let block = &self.stack[top..top + len * len];
+                for ((k, &j), column) in into.iter().enumerate().zip(block.chunks_exact(len)) {
+                    let out = &mut dense[j * size..(j + 1) * size];
+                    for (&i, value) in into[from(k)..].iter().zip(&column[from(k)..]) {
+                        out[i] += value;
+                    }
+                }
             }
             let swaps = &mut self.swaps[front.first..front.first + pivots];
-            if !dense::eliminate(dense, size, pivots, swaps, &mut self.packed, work) {
+            let eliminated = Dense { entries: &mut *dense, size, pivots, swaps, kind };
+            if !dense::eliminate(eliminated, &mut self.packed, work) {
                 return false;
             }
             let rest = size - pivots;
-            let own = &mut self.factors[self.places[s]..];
-            own[..pivots * size].copy_from_slice(&dense[..pivots * size]);
+            let (own, beyond) = self.factors[self.places[s]..].split_at_mut(pivots * size);
+            own.copy_from_slice(&dense[..pivots * size]);
+            let waiting = &mut self.stack[top..top + rest * rest];
             for (j, column) in dense[pivots * size..].chunks_exact(size).enumerate() {
-                let at = pivots * size + j * pivots;
-                own[at..at + pivots].copy_from_slice(&column[..pivots]);
-                self.stack[top + j * rest..top + (j + 1) * rest].copy_from_slice(&column[pivots..]);
+                if kind == Kind::General {
+                    beyond[j * pivots..(j + 1) * pivots].copy_from_slice(&column[..pivots]);
+                }
+                let (first, end) = (j * rest + from(j), (j + 1) * rest);
+                waiting[first..end].copy_from_slice(&column[pivots + from(j)..]);
             }
             top += rest * rest;
         }
@@ -99,23 +130,40 @@ impl Numeric {
         for (value, &at) in x.iter().zip(&symbolic.position) {
             self.permuted[at] = *value;
         }
-        for (s, front) in symbolic.fronts.iter().enumerate() {
+        let fronts = &symbolic.fronts;
+        for (s, front) in fronts.iter().enumerate() {
+            self.ask_for(s + 1, fronts.get(s + 1));
             self.forward(s, front);
         }
-        for (s, front) in symbolic.fronts.iter().enumerate().rev() {
-            self.backward(s, front);
+        for (s, front) in fronts.iter().enumerate().rev() {
+            let next = s.checked_sub(1);
+            next.iter().for_each(|&next| self.ask_for(next, fronts.get(next)));
+            match self.kind {
+                Kind::General => self.backward(s, front),
+                Kind::Definite => self.backward_definite(s, front),
+            }
         }
         for (value, &at) in x.iter_mut().zip(&symbolic.position) {
             *value = self.permuted[at];
         }
     }
 
+    /// Asks for the factors of a front before it is their turn.
+    #[inline]
+    fn ask_for(&self, s: usize, front: Option<&Front>) {
+        let Some(Front { pivots, size, .. }) = front else { return };
+        let own = &self.factors[self.places[s]..];
+        (0..AHEAD.min(pivots * size)).step_by(LINE).for_each(|at| prefetch(own, at));
+    }
+
     fn forward(&mut self, s: usize, front: &Front) {
         let Front { pivots, first, size, rows, .. } = front;
         let columns = &self.factors[self.places[s]..self.places[s] + pivots * size];
         let own = &mut self.permuted[*first..first + pivots];
-        for (c, &swap) in self.swaps[*first..first + pivots].iter().enumerate() {
-            own.swap(c, swap);
+        if self.kind == Kind::General {
+            for (c, &swap) in self.swaps[*first..first + pivots].iter().enumerate() {
+                own.swap(c, swap);
+            }
         }
         let local = &mut self.local[..*size];
         local[..*pivots].copy_from_slice(own);
@@ -152,14 +200,32 @@ impl Numeric {
         }
         self.permuted[*first..first + pivots].copy_from_slice(local);
     }
+    /// Backward substitution with `DLᵀ`.
+    fn backward_definite(&mut self, s: usize, front: &Front) {
+        let Front { pivots, first, size, rows, .. } = front;
+        let columns = &self.factors[self.places[s]..self.places[s] + pivots * size];
+        let local = &mut self.local[..*size];
+        local[..*pivots].copy_from_slice(&self.permuted[*first..first + pivots]);
+        for (value, &row) in local[*pivots..].iter_mut().zip(rows) {
+            *value = self.permuted[row];
+        }
+        for (c, column) in columns.chunks_exact(*size).enumerate().rev() {
+            local[c] = local[c] / column[c] - dot(&column[c + 1..], &local[c + 1..]);
+        }
+        self.permuted[*first..first + pivots].copy_from_slice(&local[..*pivots]);
+    }
 }
 
-/// Adds a child's contribution block.
-fn add_child(dense: &mut [f64], size: usize, into: &[usize], block: &[f64]) {
-    for (&j, column) in into.iter().zip(block.chunks_exact(into.len())) {
-        let out = &mut dense[j * size..(j + 1) * size];
-        for (&i, value) in into.iter().zip(column) {
-            out[i] += value;
+/// Scalar product of lists of one length, with a sum for every number of a line so that they are found side by side.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_left), (b, b_left)) = (a.as_chunks::<LINE>(), b.as_chunks::<LINE>());
+    let mut sums = [0.0; LINE];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
         }
     }
+    let left: f64 = a_left.iter().zip(b_left).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + left
 }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use nalgebra::{DMatrix, DVector};
 
 use super::execution::WORTHWHILE;
-use super::{Execution, Numeric, Symbolic};
+use super::{Execution, Kind, Numeric, Symbolic};
 use crate::contact::{BlockMatrix, Delassus};
 use crate::random::random;
 use crate::threads::Threads;
@@ -43,6 +43,27 @@ fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
     matrix
 }
 
+/// The symmetric part of a matrix, with diagonals that make it definite.
+fn definite(mut matrix: BlockMatrix) -> BlockMatrix {
+    let a = dense(&matrix);
+    let symmetric = 0.5 * (&a + a.transpose());
+    let offsets = matrix.offsets().to_vec();
+    for i in 0..matrix.contacts() {
+        for k in 0..matrix.neighbours(i).len() {
+            let columns = matrix.size(matrix.neighbours(i)[k]);
+            let (j, block) = matrix.block_mut(i, k);
+            for (at, value) in block.iter_mut().enumerate() {
+                let (row, column) = (offsets[i] + at / columns, offsets[j] + at % columns);
+                *value = symmetric[(row, column)];
+                if row == column {
+                    *value += symmetric.row(row).abs().sum();
+                }
+            }
+        }
+    }
+    matrix
+}
+
 fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
     Delassus::from(matrix.clone()).to_dense()
 }
@@ -60,10 +81,36 @@ fn solves_as_a_dense_factorisation_does() {
             matrix.values_mut().iter_mut().for_each(|value| *value *= 1.0 + 0.1 * round as f64);
             let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
             let mut x = b.clone();
-            assert!(numeric.factor(&symbolic, &matrix, ALONE));
+            assert!(numeric.factor(&symbolic, (&matrix, Kind::General), ALONE));
             numeric.solve(&symbolic, x.as_mut_slice());
             let error = (dense(&matrix) * &x - &b).amax() / x.amax();
             assert!(error < 1e-11, "{nodes} nodes: {error}");
+        }
+    }
+}
+
+/// Also where what was factored before has left other numbers above the diagonal.
+#[test]
+fn solves_definite_matrices_as_a_dense_factorisation_does() {
+    let mut seed = 2;
+    let mut numeric = Numeric::default();
+    for (nodes, chords) in [(1, 0), (2, 1), (5, 3), (40, 10), (120, 60), (90, 900), (300, 9000)] {
+        let general = example(nodes, chords, &mut seed);
+        let matrix = definite(general.clone());
+        let symbolic = Symbolic::new(&matrix);
+        numeric.reserve(&symbolic);
+        let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
+        for (matrix, kind) in [
+            (&matrix, Kind::Definite),
+            (&general, Kind::General),
+            (&matrix, Kind::Definite),
+            (&matrix, Kind::General),
+        ] {
+            assert!(numeric.factor(&symbolic, (matrix, kind), ALONE));
+            let mut x = b.clone();
+            numeric.solve(&symbolic, x.as_mut_slice());
+            let error = (dense(matrix) * &x - &b).amax() / x.amax();
+            assert!(error < 1e-10, "{nodes} nodes, {kind:?}: {error}");
         }
     }
 }
@@ -94,7 +141,7 @@ fn ill_conditioned_matrices_leave_little_more_than_a_dense_factorisation() {
             numeric.reserve(&symbolic);
             let a = dense(&matrix);
             let b = DVector::from_fn(matrix.rows(), |_, _| random(&mut seed));
-            assert!(numeric.factor(&symbolic, &matrix, ALONE));
+            assert!(numeric.factor(&symbolic, (&matrix, Kind::General), ALONE));
             let mut x = b.clone();
             numeric.solve(&symbolic, x.as_mut_slice());
             let left = |x: &DVector<f64>| {
@@ -114,27 +161,45 @@ fn a_vanishing_pivot_is_reported() {
     let symbolic = Symbolic::new(&matrix);
     let mut numeric = Numeric::default();
     numeric.reserve(&symbolic);
-    assert!(!numeric.factor(&symbolic, &matrix, ALONE));
+    assert!(!numeric.factor(&symbolic, (&matrix, Kind::General), ALONE));
+    assert!(!numeric.factor(&symbolic, (&matrix, Kind::Definite), ALONE));
+}
+
+#[test]
+fn a_matrix_that_is_not_definite_is_reported() {
+    let mut matrix = definite(example(40, 10, &mut 3));
+    let symbolic = Symbolic::new(&matrix);
+    let mut numeric = Numeric::default();
+    numeric.reserve(&symbolic);
+    assert!(numeric.factor(&symbolic, (&matrix, Kind::Definite), ALONE));
+    for factor in [-1.0, f64::NAN] {
+        let k = matrix.neighbours(7).iter().position(|&j| j == 7).unwrap();
+        matrix.block_mut(7, k).1[0] *= factor;
+        assert!(!numeric.factor(&symbolic, (&matrix, Kind::Definite), ALONE), "{factor}");
+    }
 }
 
 #[test]
 fn threads_change_no_bit() {
     let mut seed = 4;
-    let matrix = example(200, 4000, &mut seed);
+    let matrix = definite(example(200, 4000, &mut seed));
     let symbolic = Symbolic::new(&matrix);
     assert!(symbolic.operations > WORTHWHILE, "{}", symbolic.operations);
     let b: Vec<f64> = (0..matrix.rows()).map(|_| random(&mut seed)).collect();
-    let solved = |threads: &Threads| {
+    let solved = |kind: Kind, threads: &Threads| {
         let mut numeric = Numeric::default();
         numeric.reserve(&symbolic);
-        assert!(numeric.factor(&symbolic, &matrix, Execution { threads, given_up: &|| false }));
+        let execution = Execution { threads, given_up: &|| false };
+        assert!(numeric.factor(&symbolic, (&matrix, kind), execution));
         let mut x = b.clone();
         numeric.solve(&symbolic, &mut x);
         x
     };
-    let alone = solved(Threads::NONE);
-    for count in 2..5 {
-        assert_eq!(solved(&Threads::of(count)), alone, "{count} threads");
+    for kind in [Kind::General, Kind::Definite] {
+        let alone = solved(kind, Threads::NONE);
+        for count in 2..5 {
+            assert_eq!(solved(kind, &Threads::of(count)), alone, "{kind:?}, {count} threads");
+        }
     }
 }
 
@@ -151,9 +216,17 @@ fn what_threads_share_is_given_up_too() {
             asked.set(asked.get() + 1);
             true
         };
-        assert!(!numeric.factor(&symbolic, &matrix, Execution { threads, given_up: &given_up }));
+        assert!(!numeric.factor(
+            &symbolic,
+            (&matrix, Kind::General),
+            Execution { threads, given_up: &given_up }
+        ));
         assert!(asked.get() > 0);
         // The pool is free again, and the next factorisation is whole.
-        assert!(numeric.factor(&symbolic, &matrix, Execution { threads, ..ALONE }));
+        assert!(numeric.factor(
+            &symbolic,
+            (&matrix, Kind::General),
+            Execution { threads, ..ALONE }
+        ));
     }
 }

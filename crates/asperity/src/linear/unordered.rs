@@ -1,6 +1,6 @@
 //! What takes the place of the sparse factorisation without the feature `sparse`: the whole matrix as one dense front.
 
-use super::{DenseLu, Execution};
+use super::{DenseLu, Execution, Kind};
 use crate::contact::BlockMatrix;
 
 /// Most rows that are factored: the matrix of so many takes 128 MB.
@@ -37,12 +37,12 @@ impl Numeric {
         }
     }
 
-    /// Factors a matrix; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is given up
+    /// Factors a matrix of any kind; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is given up
     /// on the way.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,
-        matrix: &BlockMatrix,
+        (matrix, _): (&BlockMatrix, Kind),
         execution: Execution<'_>,
     ) -> bool {
         let n = symbolic.rows;

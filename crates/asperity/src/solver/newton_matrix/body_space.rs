@@ -8,10 +8,12 @@ use std::collections::HashMap;
 
 use crate::contact::{BlockMatrix, Components, ContactProblem, Factored};
 use crate::law::ContactMatrix;
-use crate::linear::{Execution, Numeric, Symbolic};
+use crate::linear::{Execution, Kind, Numeric, Symbolic};
 
 /// Groups larger than this are not eliminated as dense blocks.
 const LARGEST_GROUP: usize = 64;
+/// Part of the largest entry by which rounding may take a matrix from being symmetric.
+const SYMMETRIC: f64 = 1e-14;
 
 /// Where a contact acts.
 #[derive(Debug, Clone, Default)]
@@ -136,6 +138,7 @@ impl BodySpace {
         b: &[ContactMatrix],
         execution: Execution<'_>,
     ) -> bool {
+        let mut symmetric = true;
         self.matrix.values_mut().fill(0.0);
         for (&(i, k, at), value) in self.mass_places.iter().zip(factored.mass().values()) {
             self.matrix.block_mut(i, k).1[at] += value;
@@ -147,10 +150,15 @@ impl BodySpace {
             let Some(inverse) = full.try_inverse() else { return false };
             self.inverse[i] = inverse;
             self.d[i] = inverse * b[i];
+            symmetric &= is_symmetric(&self.d[i]);
             contact.load(factored);
             contact.add(&self.d[i], &mut self.product, &mut self.matrix);
         }
-        self.numeric.factor(&self.symbolic, &self.matrix, execution)
+        // Where all `D` are symmetric, as those of what stands and of convex problems are, the matrix is; most are definite.
+        let kind = if symmetric { Kind::Definite } else { Kind::General };
+        self.numeric.factor(&self.symbolic, (&self.matrix, kind), execution)
+            || symmetric
+                && self.numeric.factor(&self.symbolic, (&self.matrix, Kind::General), execution)
     }
 
     /// `g ← (A + B G)⁻¹ g`.
@@ -183,6 +191,12 @@ impl BodySpace {
             }
         }
     }
+}
+
+/// Whether a matrix is symmetric up to rounding.
+fn is_symmetric(d: &ContactMatrix) -> bool {
+    let allowed = SYMMETRIC * d.amax();
+    (0..3).all(|r| (r + 1..4).all(|c| (d[(r, c)] - d[(c, r)]).abs() <= allowed))
 }
 
 impl ContactDirections {

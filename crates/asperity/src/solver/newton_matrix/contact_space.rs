@@ -2,7 +2,7 @@
 
 use crate::contact::{BlockMatrix, ContactProblem};
 use crate::law::ContactMatrix;
-use crate::linear::{Execution, Numeric, Symbolic};
+use crate::linear::{Execution, Kind, Numeric, Symbolic};
 
 /// Elimination among the rows of the contacts.
 #[derive(Debug, Clone, Default)]
@@ -64,7 +64,7 @@ impl ContactSpace {
                 }
             }
         }
-        self.numeric.factor(&self.symbolic, &self.matrix, execution)
+        self.numeric.factor(&self.symbolic, (&self.matrix, Kind::General), execution)
     }
 }
 
