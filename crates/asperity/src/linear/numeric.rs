@@ -6,12 +6,7 @@ use super::execution::{Execution, Work};
 use super::symbolic::Front;
 use super::{Kind, Symbolic};
 use crate::contact::BlockMatrix;
-use crate::vectors::prefetch;
-
-/// Entries of the next front that are asked for while one is worked on.
-const AHEAD: usize = 1024;
-/// Numbers in a line of the cache.
-const LINE: usize = 8;
+use crate::vectors::dot_in_lanes;
 
 /// Factors of a matrix and all buffers to make them again.
 #[derive(Debug, Clone, Default)]
@@ -130,14 +125,10 @@ impl Numeric {
         for (value, &at) in x.iter().zip(&symbolic.position) {
             self.permuted[at] = *value;
         }
-        let fronts = &symbolic.fronts;
-        for (s, front) in fronts.iter().enumerate() {
-            self.ask_for(s + 1, fronts.get(s + 1));
+        for (s, front) in symbolic.fronts.iter().enumerate() {
             self.forward(s, front);
         }
-        for (s, front) in fronts.iter().enumerate().rev() {
-            let next = s.checked_sub(1);
-            next.iter().for_each(|&next| self.ask_for(next, fronts.get(next)));
+        for (s, front) in symbolic.fronts.iter().enumerate().rev() {
             match self.kind {
                 Kind::General => self.backward(s, front),
                 Kind::Definite => self.backward_definite(s, front),
@@ -146,14 +137,6 @@ impl Numeric {
         for (value, &at) in x.iter_mut().zip(&symbolic.position) {
             *value = self.permuted[at];
         }
-    }
-
-    /// Asks for the factors of a front before it is their turn.
-    #[inline]
-    fn ask_for(&self, s: usize, front: Option<&Front>) {
-        let Some(Front { pivots, size, .. }) = front else { return };
-        let own = &self.factors[self.places[s]..];
-        (0..AHEAD.min(pivots * size)).step_by(LINE).for_each(|at| prefetch(own, at));
     }
 
     fn forward(&mut self, s: usize, front: &Front) {
@@ -210,22 +193,8 @@ impl Numeric {
             *value = self.permuted[row];
         }
         for (c, column) in columns.chunks_exact(*size).enumerate().rev() {
-            local[c] = local[c] / column[c] - dot(&column[c + 1..], &local[c + 1..]);
+            local[c] = local[c] / column[c] - dot_in_lanes(&column[c + 1..], &local[c + 1..]);
         }
         self.permuted[*first..first + pivots].copy_from_slice(&local[..*pivots]);
     }
-}
-
-/// Scalar product of lists of one length, with a sum for every number of a line so that they are found side by side.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_left), (b, b_left)) = (a.as_chunks::<LINE>(), b.as_chunks::<LINE>());
-    let mut sums = [0.0; LINE];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    let left: f64 = a_left.iter().zip(b_left).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + left
 }

@@ -234,10 +234,10 @@ fn groups_are_forgotten_with_their_operator() {
     }
 }
 
-/// Row sums never call bounded what has grown, in chains of contacts on lines or in planes, light and heavy ones, with
-/// restitution, and spare most of those that have not the products of `G`.
+/// Sums of rows and columns never call bounded what has grown, in chains of contacts on lines or in planes, light and heavy
+/// ones, with restitution, and spare most of those that have not the products of `G`.
 #[test]
-fn what_row_sums_bound_has_not_grown() {
+fn what_is_bounded_without_products_has_not_grown() {
     let mut seed = 1_u64;
     let mut random = || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -282,5 +282,5 @@ fn what_row_sums_bound_has_not_grown() {
         grown += usize::from(growth.is_some());
         neither += usize::from(!is_bounded && growth.is_none());
     }
-    assert!(bounded > 500 && grown > 500 && neither < 1000, "{bounded} {grown} {neither}");
+    assert!(bounded > 500 && grown > 500 && neither < 500, "{bounded} {grown} {neither}");
 }
