@@ -6,7 +6,7 @@ use super::execution::{Execution, Work};
 use super::symbolic::Front;
 use super::{Kind, Symbolic};
 use crate::contact::BlockMatrix;
-use crate::vectors::dot_in_lanes;
+use crate::vectors::dot;
 
 /// Factors of a matrix and all buffers to make them again.
 #[derive(Debug, Clone, Default)]
@@ -197,4 +197,18 @@ impl Numeric {
         }
         self.permuted[*first..first + pivots].copy_from_slice(&local[..*pivots]);
     }
+}
+
+/// The scalar product of long vectors of one length: in eight sums, which are found side by side.
+#[inline(always)]
+fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let ((a, a_left), (b, b_left)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + dot(a_left, b_left)
 }
