@@ -1,7 +1,7 @@
 //! The factorisation of the library.
 
 use crate::contact::BlockMatrix;
-use crate::linear::{DenseLu, Execution, Numeric, Symbolic};
+use crate::linear::{DenseLu, Execution, Kind, Numeric, Symbolic};
 use crate::measure::Factorisation;
 use crate::threads::Threads;
 
@@ -26,7 +26,7 @@ impl<'a> Ours<'a> {
 
 impl Factorisation for Ours<'_> {
     fn factor(&mut self) -> bool {
-        self.numeric.factor(&self.symbolic, self.matrix, ALONE)
+        self.numeric.factor(&self.symbolic, (self.matrix, Kind::General), ALONE)
     }
 
     fn solve(&mut self, x: &mut [f64]) {

@@ -33,7 +33,8 @@ class Stage(Record):
         iterations: sweeps or iterations.
         factorizations: matrices factored.
         residual: natural map of the best percussions at its end, of several islands the largest; of
-            `Exact`, the prox iterations, and sweeps over all islands the measure of the solve.
+            `Exact`, the prox iterations, and sweeps over all islands the measure of the solve, but
+            for islands whose natural map is far from small, of which it is that.
     """
 
     method: str

@@ -1,6 +1,9 @@
 //! Linear algebra of the contact solvers: an unsymmetric sparse LU factorisation on a symmetric pattern of small
 //! blocks, and least squares with small dense matrices of any rank ([`LeastNorm`]).
 //!
+//! Where the matrix is known to be symmetric and positive definite ([`Kind::Definite`]), as among the bodies of what stands, the
+//! factorisation is LDLᵀ, without exchanges and with half of the operations.
+//!
 //! Matrices `A + B G` of Newton's method are small (10² to 10⁴ rows), nearly the same from one iteration to
 //! the next and always of the same pattern: the analysis is done once ([`Symbolic`]), the rest without
 //! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only. Several threads share the columns of

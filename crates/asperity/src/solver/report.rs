@@ -165,7 +165,8 @@ pub struct Stage {
     /// Matrices factored.
     pub factorizations: usize,
     /// What was reached: natural map of the best percussions, of several islands the largest. Of a solver without phases, and
-    /// of sweeps over all islands before some of them go on by themselves, it is the residual that decides.
+    /// of sweeps over all islands before some of them go on by themselves, it is the residual that decides, but for islands
+    /// whose natural map is far from small, of which it is that.
     pub residual: f64,
 }
 
