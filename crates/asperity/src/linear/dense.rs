@@ -283,10 +283,8 @@ impl Panel<'_> {
             if columns.len() == COLUMNS * size {
                 // From the tile on that the diagonal passes through.
                 let skipped = (first - end) / ROWS;
-                let top = end + skipped * ROWS;
-                if let Some(packed) = packed.get(skipped * ROWS * depth..) {
-                    tiled::<FMA>(columns, size, top, tiles.saturating_sub(skipped), above, packed);
-                }
+                let (top, packed) = (end + skipped * ROWS, &packed[skipped * ROWS * depth..]);
+                tiled::<FMA>(columns, size, top, tiles - skipped, above, packed);
                 rows_left_over::<FMA>(columns, size, end + tiles * ROWS, panel, above);
             } else {
                 rows_left_over::<FMA>(columns, size, first, panel, above);

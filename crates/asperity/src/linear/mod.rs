@@ -1,7 +1,7 @@
 //! Linear algebra of the contact solvers: an unsymmetric sparse LU factorisation on a symmetric pattern of small
 //! blocks, and least squares with small dense matrices of any rank ([`LeastNorm`]).
 //!
-//! Where the matrix is known to be symmetric and positive definite ([`Kind::Definite`]), as among the bodies of what stands, the
+//! Where the matrix is symmetric and taken as positive definite ([`Kind::Definite`]), as among the bodies of what stands, the
 //! factorisation is LDLᵀ, without exchanges and with half of the operations.
 //!
 //! Matrices `A + B G` of Newton's method are small (10² to 10⁴ rows), nearly the same from one iteration to
@@ -59,7 +59,7 @@ pub(crate) enum Kind {
     /// Nothing.
     #[default]
     General,
-    /// It is symmetric, and positive definite but for rounding.
+    /// It is symmetric, and taken as positive definite: the factorisation fails where it is not.
     Definite,
 }
 

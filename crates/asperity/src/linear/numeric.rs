@@ -183,6 +183,7 @@ impl Numeric {
         }
         self.permuted[*first..first + pivots].copy_from_slice(local);
     }
+
     /// Backward substitution with `DLᵀ`.
     fn backward_definite(&mut self, s: usize, front: &Front) {
         let Front { pivots, first, size, rows, .. } = front;

@@ -182,32 +182,35 @@ fn a_matrix_that_is_not_definite_is_reported() {
 #[test]
 fn threads_change_no_bit() {
     let mut seed = 4;
-    let matrix = definite(example(200, 4000, &mut seed));
-    let symbolic = Symbolic::new(&matrix);
+    let general = example(200, 4000, &mut seed);
+    let symbolic = Symbolic::new(&general);
     assert!(symbolic.operations > WORTHWHILE, "{}", symbolic.operations);
-    let b: Vec<f64> = (0..matrix.rows()).map(|_| random(&mut seed)).collect();
-    let solved = |kind: Kind, threads: &Threads| {
-        let mut numeric = Numeric::default();
-        numeric.reserve(&symbolic);
-        let execution = Execution { threads, given_up: &|| false };
-        assert!(numeric.factor(&symbolic, (&matrix, kind), execution));
-        let mut x = b.clone();
-        numeric.solve(&symbolic, &mut x);
-        x
-    };
-    for kind in [Kind::General, Kind::Definite] {
-        let alone = solved(kind, Threads::NONE);
+    let b: Vec<f64> = (0..general.rows()).map(|_| random(&mut seed)).collect();
+    let definite = definite(general.clone());
+    for (matrix, kind) in [(&general, Kind::General), (&definite, Kind::Definite)] {
+        let solved = |threads: &Threads| {
+            let mut numeric = Numeric::default();
+            numeric.reserve(&symbolic);
+            let execution = Execution { threads, given_up: &|| false };
+            assert!(numeric.factor(&symbolic, (matrix, kind), execution));
+            let mut x = b.clone();
+            numeric.solve(&symbolic, &mut x);
+            x
+        };
+        let alone = solved(Threads::NONE);
         for count in 2..5 {
-            assert_eq!(solved(kind, &Threads::of(count)), alone, "{kind:?}, {count} threads");
+            assert_eq!(solved(&Threads::of(count)), alone, "{kind:?}, {count} threads");
         }
     }
 }
 
 #[test]
 fn what_threads_share_is_given_up_too() {
-    let matrix = example(300, 20_000, &mut 5);
+    let matrix = definite(example(300, 20_000, &mut 5));
     let symbolic = Symbolic::new(&matrix);
-    for threads in [1, 2] {
+    for (threads, kind) in
+        [1, 2].into_iter().flat_map(|n| [Kind::General, Kind::Definite].map(|kind| (n, kind)))
+    {
         let threads = &Threads::of(threads);
         let mut numeric = Numeric::default();
         numeric.reserve(&symbolic);
@@ -218,15 +221,11 @@ fn what_threads_share_is_given_up_too() {
         };
         assert!(!numeric.factor(
             &symbolic,
-            (&matrix, Kind::General),
+            (&matrix, kind),
             Execution { threads, given_up: &given_up }
         ));
         assert!(asked.get() > 0);
         // The pool is free again, and the next factorisation is whole.
-        assert!(numeric.factor(
-            &symbolic,
-            (&matrix, Kind::General),
-            Execution { threads, ..ALONE }
-        ));
+        assert!(numeric.factor(&symbolic, (&matrix, kind), Execution { threads, ..ALONE }));
     }
 }

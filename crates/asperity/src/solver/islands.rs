@@ -528,16 +528,18 @@ impl<B: Buffers> Parts<B> {
                 let worst_contact = solved.part.contacts()[found.worst_contact];
                 let iterations = report.iterations + found.iterations;
                 *report = SolveReport { worst_contact, iterations, ..found };
-            } else if enough {
-                name_worst(&mut reports[island], problem, iterate, islands.of(island));
-            } else {
+            } else if !enough {
                 left_over = true;
             }
             own[island] = Some(solved);
         }
-        if enough && needed == 0 {
-            for &island in &*left {
-                name_worst(&mut reports[island], problem, iterate, islands.of(island));
+        if enough {
+            let Iterate { percussion, velocity, .. } = &*iterate;
+            let measured = Measured { problem, percussion, velocity };
+            // They are solved in the order of the list; sweeps have not looked for the worst contact of those that are not.
+            for &island in &left[needed..] {
+                let worst = residual_of(&measured, islands.of(island).iter().copied());
+                reports[island].worst_contact = worst.worst_contact;
             }
         }
         if left_over {
@@ -671,18 +673,6 @@ fn graded(
         (Status::Converged, worst_contact)
     };
     SolveReport { status, residual: value, worst_contact, ..ended }
-}
-
-/// Names the contact with the largest defect of an island that is left as sweeps have left it, which do not look for it.
-fn name_worst(
-    report: &mut SolveReport,
-    problem: &ContactProblem,
-    iterate: &Iterate<'_>,
-    contacts: &[usize],
-) {
-    let Iterate { percussion, velocity, .. } = iterate;
-    let measured = Measured { problem, percussion, velocity };
-    report.worst_contact = residual_of(&measured, contacts.iter().copied()).worst_contact;
 }
 
 /// The contact of an island that percussions run away from.

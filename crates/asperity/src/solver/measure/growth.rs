@@ -105,8 +105,8 @@ pub(crate) struct Groups {
     column_sums: Vec<f64>,
     known: bool,
     sums: Vec<Powers>,
-    /// See [`are_bounded`](Self::are_bounded).
-    excess: Vec<f64>,
+    /// What either bound is beyond the limit, see [`are_bounded`](Self::are_bounded).
+    excess: Vec<[f64; 2]>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -224,35 +224,42 @@ impl Groups {
     }
 
     /// Whether no group of contacts can have grown, without products with `G`: whether a bound of `A` is no more than [`GROWN`]
-    /// times `L` in every group. By `P_Ni |P_j| ≤ (P_Ni² + P_j²)/2` it is
+    /// times `L` in every group. There are two,
     ///
-    /// `A ≤ ½ (Σ_i P_Ni² Σ_j |G_ij| + Σ_j P_j² Σ_i |G_ij|)`, or, where only products are known, `max|P| ‖G‖ Σ_i P_Ni`.
+    /// `A ≤ max|P| Σ_i P_Ni Σ_j |G_ij|` and, by `P_Ni |P_j| ≤ (P_Ni² + P_j²)/2`,
+    /// `A ≤ ½ (Σ_i P_Ni² Σ_j |G_ij| + Σ_j P_j² Σ_i |G_ij|)`,
+    ///
+    /// of which the latter is nearer where percussions are of one size, and is not known without the entries of `G`.
     ///
     /// This settles most solutions in which contacts move, and what sweeps find on the way to those of stacks and walls.
     fn are_bounded(&mut self, measured: &Measured<'_>) -> bool {
         let Measured { problem, percussion, .. } = *measured;
         let Self { members, row_sums, column_sums, excess, .. } = self;
-        let largest = problem.delassus().is_matrix_free().then(|| largest(percussion));
+        let largest = largest(percussion);
+        let with_entries = !problem.delassus().is_matrix_free();
         excess.clear();
-        excess.resize(problem.contacts().len(), 0.0);
+        excess.resize(problem.contacts().len(), [0.0; 2]);
         for (i, rows) in problem.contacts().iter().enumerate() {
             if rows.normal != NormalForce::Unilateral {
                 // Its percussion is a load of the others, which takes products.
                 return false;
             }
             let (row, push) = (rows.offset, percussion[rows.offset]);
-            let mut own = 0.0;
+            let [by_largest, by_squares] = &mut excess[members.first(i)];
             if push > 0.0 {
                 let load = (problem.free_velocity()[row] + problem.restitution()[row]).abs();
-                let brought = row_sums[i] * largest.unwrap_or(0.5 * push);
-                own += push * (brought - SURELY * GROWN * load);
+                let allowed = SURELY * GROWN * load;
+                *by_largest += push * (largest * row_sums[i] - allowed);
+                *by_squares += push * (0.5 * push * row_sums[i] - allowed);
             }
             let columns = percussion[rows.rows()].iter().zip(&column_sums[rows.rows()]);
-            own += columns.map(|(p, column_sum)| 0.5 * p * p * column_sum).sum::<f64>();
-            excess[members.first(i)] += own;
+            *by_squares += columns.map(|(p, column_sum)| 0.5 * p * p * column_sum).sum::<f64>();
         }
-        // The comparison also finds NaN.
-        excess.iter().all(|excess| *excess <= 0.0)
+        // The comparisons also find NaN.
+        let is_bounded = |[by_largest, by_squares]: &[f64; 2]| {
+            *by_largest <= 0.0 || with_entries && *by_squares <= 0.0
+        };
+        excess.iter().all(is_bounded)
     }
 
     /// Begins new sums.
@@ -407,7 +414,7 @@ fn of_groups(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     if groups.are_bounded(measured) { None } else { of_unbounded(measured, groups) }
 }
 
-/// The same from all products of `G`, where row sums have not told.
+/// The same from all products of `G`, where their bounds have not told.
 fn of_unbounded(measured: &Measured<'_>, groups: &mut Groups) -> Option<Growth> {
     let Measured { problem, percussion, .. } = *measured;
     let pushing = |rows: &&ContactRows| pushes(rows, percussion);

@@ -150,15 +150,22 @@ impl BodySpace {
             let Some(inverse) = full.try_inverse() else { return false };
             self.inverse[i] = inverse;
             self.d[i] = inverse * b[i];
-            symmetric &= is_symmetric(&self.d[i]);
+            symmetric &= is_symmetric(&self.d[i], contact.rows);
             contact.load(factored);
             contact.add(&self.d[i], &mut self.product, &mut self.matrix);
         }
-        // Where all `D` are symmetric, as those of what stands and of convex problems are, the matrix is; most are definite.
-        let kind = if symmetric { Kind::Definite } else { Kind::General };
-        self.numeric.factor(&self.symbolic, (&self.matrix, kind), execution)
-            || symmetric
-                && self.numeric.factor(&self.symbolic, (&self.matrix, Kind::General), execution)
+        let mut factor =
+            |kind: Kind| self.numeric.factor(&self.symbolic, (&self.matrix, kind), execution);
+        // Where all `D` are symmetric, as those of what stands are, the matrix is; most are definite, too.
+        if symmetric {
+            if factor(Kind::Definite) {
+                return true;
+            }
+            if (execution.given_up)() {
+                return false;
+            }
+        }
+        factor(Kind::General)
     }
 
     /// `g ← (A + B G)⁻¹ g`.
@@ -193,10 +200,11 @@ impl BodySpace {
     }
 }
 
-/// Whether a matrix is symmetric up to rounding.
-fn is_symmetric(d: &ContactMatrix) -> bool {
-    let allowed = SYMMETRIC * d.amax();
-    (0..3).all(|r| (r + 1..4).all(|c| (d[(r, c)] - d[(c, r)]).abs() <= allowed))
+/// Whether the first `rows` rows and columns of a matrix are symmetric up to rounding.
+fn is_symmetric(d: &ContactMatrix, rows: usize) -> bool {
+    let used = d.view((0, 0), (rows, rows));
+    let allowed = SYMMETRIC * used.amax();
+    (0..rows).all(|r| (0..r).all(|c| (used[(r, c)] - used[(c, r)]).abs() <= allowed))
 }
 
 impl ContactDirections {

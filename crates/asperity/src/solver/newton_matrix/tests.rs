@@ -60,6 +60,19 @@ fn problems(contacts: usize, bodies: usize, seed: &mut u64) -> Vec<ContactProble
     forms.map(problem).into()
 }
 
+/// A matrix of all rows with blocks of contacts on its diagonal.
+fn wide(problem: &ContactProblem, blocks: &[ContactMatrix]) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(problem.rows(), problem.rows());
+    for (rows, block) in problem.contacts().iter().zip(blocks) {
+        for (i, row) in rows.rows().enumerate() {
+            for (j, column) in rows.rows().enumerate() {
+                out[(row, column)] = block[(i, j)];
+            }
+        }
+    }
+    out
+}
+
 #[test]
 fn solves_as_a_dense_factorisation_does() {
     let mut seed = 5;
@@ -82,18 +95,8 @@ fn solves_as_a_dense_factorisation_does() {
                 rows.map(block).collect()
             };
             let (a, b) = (near_unit(1.0), near_unit(0.7));
-            let wide = |blocks: &[ContactMatrix]| {
-                let mut out = DMatrix::zeros(n, n);
-                for (rows, block) in problems[0].contacts().iter().zip(blocks) {
-                    for (i, row) in rows.rows().enumerate() {
-                        for (j, column) in rows.rows().enumerate() {
-                            out[(row, column)] = block[(i, j)];
-                        }
-                    }
-                }
-                out
-            };
-            let dense = wide(&a) + wide(&b) * problems[0].delassus().to_dense();
+            let dense =
+                wide(&problems[0], &a) + wide(&problems[0], &b) * problems[0].delassus().to_dense();
             let right = DVector::from_fn(n, |_, _| random(&mut seed));
             let expected = dense.clone().lu().solve(&right).unwrap();
             for (problem, matrix) in problems.iter().zip(&mut matrices) {
@@ -105,5 +108,39 @@ fn solves_as_a_dense_factorisation_does() {
                 assert!(error < 1e-9, "{contacts} contacts, {bodies} bodies: {error:e}");
             }
         }
+    }
+}
+
+/// Where `A⁻¹B` is symmetric it is LDLᵀ among the bodies, if it is definite; where it is hardly unsymmetric, it is not.
+#[test]
+fn symmetric_matrices_are_solved_whether_they_are_definite_or_not() {
+    let mut seed = 11;
+    let problems = problems(60, 20, &mut seed);
+    let (n, problem) = (problems[0].rows(), &problems[2]);
+    let mut matrix = NewtonMatrix::default();
+    matrix.prepare(problem);
+    assert!(matrix.in_body_space);
+    for (sign, skew) in [(1.0, 0.0), (-1.0, 0.0), (1.0, 1e-6), (1.0, 0.5)] {
+        let mut b = Vec::new();
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let noise = ContactMatrix::from_fn(|_, _| 0.1 * random(&mut seed));
+            let mut block = ContactMatrix::identity() + noise + noise.transpose();
+            block[(0, 1)] += skew;
+            // Every third block is negative, which leaves the matrix regular, but not definite.
+            block *= if i % 3 == 0 { sign } else { 1.0 };
+            (rows.len()..4).for_each(|r| (0..4).for_each(|c| block[(r, c)] = 0.0));
+            (rows.len()..4).for_each(|c| (0..4).for_each(|r| block[(r, c)] = 0.0));
+            b.push(block);
+        }
+        let a = vec![ContactMatrix::identity(); problem.contacts().len()];
+        let g = problem.delassus().to_dense();
+        let dense = wide(problem, &a) + wide(problem, &b) * g;
+        let right = DVector::from_fn(n, |_, _| random(&mut seed));
+        let expected = dense.lu().solve(&right).unwrap();
+        assert!(matrix.factor(problem, &a, &b, ALONE));
+        let mut found = right.clone();
+        matrix.solve(problem, found.as_mut_slice());
+        let error = (&found - &expected).amax() / expected.amax();
+        assert!(error < 1e-9, "{sign} {skew}: {error:e}");
     }
 }

@@ -103,6 +103,8 @@ impl Visitor<'_> {
             }
             _ => self.measure(task, iterate, members),
         };
+        // What the rate is judged by: one measure from beginning to end.
+        let mut grade = f64::INFINITY;
         let (mut sweeps, mut stuck, mut visits) = (0, None, None);
         // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
         let instead = || Cost::of(task.problem, members.iter().copied()).first_estimate();
@@ -115,7 +117,7 @@ impl Visitor<'_> {
             let in_vain = policy == Policy::FirstFound
                 && sweeps > 0
                 && rate.is_due(sweeps)
-                && !rate.promises(sweeps, swept.defect.sqrt(), task.stop.tolerance);
+                && !rate.promises(sweeps, grade, task.stop.tolerance);
             if sweeps == plan.max_sweeps || alone && sweeps == 1 || in_vain {
                 let ended = if alone && sweeps == 1 { Ended::Done } else { Ended::MaxIterations };
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
@@ -127,8 +129,8 @@ impl Visitor<'_> {
             let is_due = policy == Policy::Prove || rate.is_due(sweeps);
             let is_measured = is_due || sweeps == plan.max_sweeps;
             if is_measured {
-                swept = match policy {
-                    Policy::Prove => self.measure(task, iterate, members),
+                (swept, grade) = match policy {
+                    Policy::Prove => (self.measure(task, iterate, members), grade),
                     Policy::FirstFound => self.measure_if_near(task, iterate, members),
                 };
             }
@@ -161,6 +163,7 @@ impl Visitor<'_> {
         }
         Swept { sweeps, stuck: stuck.is_some(), ..swept }
     }
+
     /// Velocities, residual by the measure of the stop and size of the percussions of an island; the worst contact only where
     /// it decides.
     fn measure(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
@@ -170,19 +173,19 @@ impl Visitor<'_> {
         }
     }
 
-    /// The same after sweeps, which is the natural map instead where that is far from small.
+    /// The same after sweeps, which is the natural map instead where that is far from small; and the natural map.
     fn measure_if_near(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         members: &[usize],
-    ) -> Swept {
+    ) -> (Swept, f64) {
         let swept = self.measure_map(task, iterate, members);
-        let near = task.stop.is_near(swept.residual().value, members.len());
-        if near && task.stop.measure == Measure::Contact {
-            self.measure_contacts(task, iterate, members)
+        let map = swept.residual().value;
+        if task.stop.measure == Measure::Contact && task.stop.is_near(map, members.len()) {
+            (self.measure_contacts(task, iterate, members), map)
         } else {
-            swept
+            (swept, map)
         }
     }
 
@@ -261,7 +264,7 @@ impl pulp::NullaryFnOnce for Measurement<'_> {
             let (defect, worst_contact) = (own.defect, i);
             swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
             size.add(&own.size);
-            brought.push(own.brought);
+            brought.extend(own.brought);
         }
         Swept { may_grow: size.may_have_grown(), ..swept }
     }

@@ -50,7 +50,7 @@ impl Rate {
         self.worthwhile = instead.min(Self::WORTHWHILE);
     }
 
-    /// Nothing is measured before so many sweeps.
+    /// The defect is not due before so many sweeps.
     pub(crate) fn wait(&mut self, sweeps: usize) {
         self.look = sweeps;
     }

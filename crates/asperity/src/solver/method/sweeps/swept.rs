@@ -12,8 +12,9 @@ pub(crate) struct Swept {
     pub(crate) sweeps: usize,
     /// Done, or why some contacts were left.
     pub(crate) ended: Ended,
-    /// Square of the largest relative defect, negative without contacts, and the first contact that has it; of an island by
-    /// the global measure its natural map, and the contact that has the largest defect, which is looked for at the end.
+    /// Square of the largest relative defect, negative without contacts, and the first contact that has it. Of an island it is
+    /// that of its natural map by the global measure, and while that is far from small; the contact that has the largest defect
+    /// is then looked for at the end.
     pub(super) defect: f64,
     pub(super) worst_contact: usize,
     /// Whether a contact had no solution in the last sweep.
