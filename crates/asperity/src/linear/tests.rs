@@ -165,6 +165,8 @@ fn a_vanishing_pivot_is_reported() {
     assert!(!numeric.factor(&symbolic, (&matrix, Kind::Definite), ALONE));
 }
 
+/// Without ordering all matrices are factored as general ones.
+#[cfg(feature = "sparse")]
 #[test]
 fn a_matrix_that_is_not_definite_is_reported() {
     let mut matrix = definite(example(40, 10, &mut 3));
