@@ -132,8 +132,8 @@ impl Shape {
     #[inline]
     pub(crate) fn new(a: &Matrix<2>, smallest_sine: f64) -> Self {
         let (along, across) = (0.5 * (a.m11 + a.m22), 0.5 * (a.m21 - a.m12));
-        let r = along.hypot(across);
-        let d = (0.5 * (a.m11 - a.m22)).hypot(0.5 * (a.m12 + a.m21));
+        let r = length(along, across);
+        let d = length(0.5 * (a.m11 - a.m22), 0.5 * (a.m12 + a.m21));
         if !(along > 0.0 && d < r) {
             return Self::General;
         }
@@ -150,4 +150,11 @@ impl Shape {
             Self::General
         }
     }
+}
+
+/// `√(x² + y²)`, in a fifth of the time of what is needed where there are no such squares.
+#[inline(always)]
+fn length(x: f64, y: f64) -> f64 {
+    let square = x * x + y * y;
+    if (1e-280..1e280).contains(&square) { square.sqrt() } else { x.hypot(y) }
 }
