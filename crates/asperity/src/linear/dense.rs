@@ -30,7 +30,7 @@ impl Packed {
 }
 
 /// A column-major front of `size` rows, of which the first `pivots` columns are eliminated.
-pub(super) struct Dense<'a> {
+pub(super) struct DenseFront<'a> {
     pub(super) entries: &'a mut [f64],
     pub(super) size: usize,
     pub(super) pivots: usize,
@@ -44,13 +44,13 @@ pub(super) struct Dense<'a> {
 /// `LU` of a general front, rows exchanged within the pivot rows only: afterwards it holds `L` (unit diagonal) below and `U` above
 /// the diagonal of the eliminated part, and the Schur complement of the rest. `LDLᵀ` of a definite one, of which the lower
 /// triangle is read and holds `L` below and `D` on the diagonal afterwards; what is above is left undefined.
-pub(super) fn eliminate(front: Dense<'_>, packed: &mut Packed, work: &mut Work<'_>) -> bool {
+pub(super) fn eliminate(front: DenseFront<'_>, packed: &mut Packed, work: &mut Work<'_>) -> bool {
     pulp::Arch::new().dispatch(Elimination { front, packed, work })
 }
 
 /// A call of [`eliminate`] that the compiler copies into every set of instructions.
 struct Elimination<'a, 'b> {
-    front: Dense<'a>,
+    front: DenseFront<'a>,
     packed: &'a mut Packed,
     work: &'a mut Work<'b>,
 }
@@ -80,11 +80,11 @@ fn fused() -> bool {
 
 #[inline(always)]
 fn eliminate_with<const FMA: bool>(
-    front: Dense<'_>,
+    front: DenseFront<'_>,
     packed: &mut Packed,
     work: &mut Work<'_>,
 ) -> bool {
-    let Dense { entries, size, pivots, swaps, kind } = front;
+    let DenseFront { entries, size, pivots, swaps, kind } = front;
     let mut start = 0;
     while start < pivots {
         let end = (start + PANEL).min(pivots);
@@ -249,11 +249,11 @@ impl Panel<'_> {
         }
         let half = (columns / 2).next_multiple_of(COLUMNS);
         let (left, right) = right.split_at_mut(half * self.size);
-        let halves = (
+        let middle = first + half;
+        join(
             || self.update_in_parts::<FMA>(left, first),
-            || self.update_in_parts::<FMA>(right, first + half),
+            || self.update_in_parts::<FMA>(right, middle),
         );
-        join(halves.0, halves.1);
     }
 
     /// Updates columns, from the one of this number on: rows of `U`, and the Schur complement below them.

@@ -4,7 +4,7 @@
 //! `P Aᵀ = L U`, and `A x = b` reads `Uᵀ Lᵀ P x = b`.
 
 use super::Kind;
-use super::dense::{Dense, Packed, eliminate};
+use super::dense::{DenseFront, Packed, eliminate};
 use super::execution::Work;
 use crate::vectors::{dot, largest};
 
@@ -46,7 +46,7 @@ impl DenseLu {
         }
         let largest = largest(&self.entries);
         let (entries, swaps) = (&mut self.entries[..], &mut self.swaps[..]);
-        let front = Dense { entries, size: n, pivots: n, swaps, kind: Kind::General };
+        let front = DenseFront { entries, size: n, pivots: n, swaps, kind: Kind::General };
         eliminate(front, &mut self.packed, work)
             && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }

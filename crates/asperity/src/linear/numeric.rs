@@ -1,7 +1,7 @@
 //! Multifrontal factorisation (\[DuffReid1983\]) with the pattern known: LU, or LDLᵀ of a definite matrix, with half of the
 //! operations.
 
-use super::dense::{self, Dense, Packed};
+use super::dense::{self, DenseFront, Packed};
 use super::execution::{Execution, Work};
 use super::symbolic::Front;
 use super::{Kind, Symbolic};
@@ -100,7 +100,7 @@ impl Numeric {
                 }
             }
             let swaps = &mut self.swaps[front.first..front.first + pivots];
-            let eliminated = Dense { entries: &mut *dense, size, pivots, swaps, kind };
+            let eliminated = DenseFront { entries: &mut *dense, size, pivots, swaps, kind };
             if !dense::eliminate(eliminated, &mut self.packed, work) {
                 return false;
             }

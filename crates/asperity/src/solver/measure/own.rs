@@ -56,18 +56,18 @@ pub(crate) fn measure_alone(
 
 /// The percussions in all rows, of a problem or of an island.
 #[derive(Clone, Copy)]
-pub(crate) struct All<'a> {
-    percussion: &'a [f64],
-    /// Whether none of those that influence each other differs from zero: nothing has to be multiplied.
-    none: bool,
+pub(crate) struct Percussions<'a> {
+    values: &'a [f64],
+    /// Whether those of the island are all zero: nothing has to be multiplied.
+    vanish: bool,
 }
 
-impl<'a> All<'a> {
-    /// For contacts that influence no others.
+impl<'a> Percussions<'a> {
+    /// For the contacts of an island.
     #[inline(always)]
-    pub(crate) fn of(problem: &ContactProblem, contacts: &[usize], percussion: &'a [f64]) -> Self {
+    pub(crate) fn of(problem: &ContactProblem, contacts: &[usize], values: &'a [f64]) -> Self {
         let mut rows = contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
-        Self { percussion, none: rows.all(|row| percussion[row] == 0.0) }
+        Self { values, vanish: rows.all(|row| values[row] == 0.0) }
     }
 }
 
@@ -76,10 +76,10 @@ impl<'a> All<'a> {
 pub(crate) fn measure_coupled(
     problem: &ContactProblem,
     contact: usize,
-    all: All<'_>,
+    percussions: Percussions<'_>,
     velocity: &mut [f64],
 ) -> OwnMeasure {
-    by_rows!(problem, contact, coupled, all, velocity)
+    by_rows!(problem, contact, coupled, percussions, velocity)
 }
 
 /// Velocities and size only.
@@ -87,10 +87,10 @@ pub(crate) fn measure_coupled(
 pub(crate) fn size_coupled(
     problem: &ContactProblem,
     contact: usize,
-    all: All<'_>,
+    percussions: Percussions<'_>,
     velocity: &mut [f64],
 ) -> Size {
-    by_rows!(problem, contact, sized, all, velocity)
+    by_rows!(problem, contact, sized, percussions, velocity)
 }
 
 #[inline(always)]
@@ -120,15 +120,15 @@ fn alone<const N: usize, const P: usize>(
 #[inline(always)]
 fn coupled<const N: usize, const P: usize>(
     own: Own<'_, P>,
-    all: All<'_>,
+    percussions: Percussions<'_>,
     velocity: &mut [f64],
 ) -> OwnMeasure {
     let (mut sums, mut brought) = ([0.0; 4], [0.0; 4]);
-    if !all.none {
+    if !percussions.vanish {
         let blocks = own.problem.delassus().blocks();
-        blocks.add_row_and_magnitudes(own.contact, all.percussion, &mut sums, &mut brought);
+        blocks.add_row_and_magnitudes(own.contact, percussions.values, &mut sums, &mut brought);
     }
-    let (own_percussion, velocity) = velocities::<N, P>(&own, all, &sums, velocity);
+    let (own_percussion, velocity) = velocities::<N, P>(&own, percussions, &sums, velocity);
     let (size, squares) = size(&own, own_percussion, &velocity);
     let defect = defect(&own, own_percussion, &velocity);
     let defect = relative(defect, || scale(&own, squares, first::<N>(&brought)));
@@ -138,15 +138,15 @@ fn coupled<const N: usize, const P: usize>(
 #[inline(always)]
 fn sized<const N: usize, const P: usize>(
     own: Own<'_, P>,
-    all: All<'_>,
+    percussions: Percussions<'_>,
     velocity: &mut [f64],
 ) -> Size {
     let mut sums = [0.0; 4];
-    if !all.none {
+    if !percussions.vanish {
         let blocks = own.problem.delassus().blocks();
-        blocks.add_row(own.contact, all.percussion, true, &mut sums);
+        blocks.add_row(own.contact, percussions.values, true, &mut sums);
     }
-    let (percussion, velocity) = velocities::<N, P>(&own, all, &sums, velocity);
+    let (percussion, velocity) = velocities::<N, P>(&own, percussions, &sums, velocity);
     size(&own, percussion, &velocity).0
 }
 
@@ -155,7 +155,7 @@ fn sized<const N: usize, const P: usize>(
 #[inline(always)]
 fn velocities<'a, const N: usize, const P: usize>(
     own: &Own<'_, P>,
-    all: All<'a>,
+    percussions: Percussions<'a>,
     sums: &[f64; 4],
     velocity: &mut [f64],
 ) -> (&'a [f64; N], [f64; N]) {
@@ -164,7 +164,7 @@ fn velocities<'a, const N: usize, const P: usize>(
     let free = first::<N>(&problem.free_velocity()[rows.start..]);
     let sums = std::array::from_fn(|a| free[a] + sums[a]);
     velocity[rows.clone()].copy_from_slice(&sums);
-    (first::<N>(&all.percussion[rows.start..]), sums)
+    (first::<N>(&percussions.values[rows.start..]), sums)
 }
 
 /// How large the percussions of a contact are, and the sum of their squares.

@@ -152,7 +152,7 @@ impl Shape {
     }
 }
 
-/// `√(x² + y²)`, in a fifth of the time of what is needed where there are no such squares.
+/// `√(x² + y²)`, without `hypot`, which takes longer, where numbers have squares.
 #[inline(always)]
 fn length(x: f64, y: f64) -> f64 {
     let square = x * x + y * y;

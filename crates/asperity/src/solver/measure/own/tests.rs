@@ -42,8 +42,8 @@ fn a_measure_on_the_way_has_the_bits_of_one_apart() {
             let percussion: Vec<f64> = (0..rows).map(|_| size * random(&mut seed)).collect();
             let (mut apart, mut found) = (vec![0.0; rows], vec![f64::NAN; rows]);
             problem.velocity(&percussion, &mut apart);
-            let everyone = All::of(&problem, &members, &percussion);
-            assert_eq!(everyone.none, size == 0.0);
+            let everyone = Percussions::of(&problem, &members, &percussion);
+            assert_eq!(everyone.vanish, size == 0.0);
             for i in 0..contacts {
                 let own = measure_coupled(&problem, i, everyone, &mut found);
                 let velocity = &apart[problem.contacts()[i].rows()];

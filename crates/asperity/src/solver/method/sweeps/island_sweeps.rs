@@ -12,7 +12,7 @@ use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
 use crate::solver::measure::natural_map::map_of;
 use crate::solver::measure::natural_residual::{Measured, residual_of};
-use crate::solver::measure::own::{All, measure_coupled, size_coupled};
+use crate::solver::measure::own::{Percussions, measure_coupled, size_coupled};
 use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::{Measure, Stop};
 use crate::solver::method::task::{Iterate, Task};
@@ -101,7 +101,7 @@ impl Visitor<'_> {
             Policy::Prove if plan.max_sweeps > 0 => {
                 Swept { defect: f64::INFINITY, ..Swept::NOTHING }
             }
-            _ => self.measure(task, iterate, members),
+            _ => self.measure(task, iterate, members, task.stop.measure),
         };
         // What the rate is judged by: one measure from beginning to end.
         let mut grade = f64::INFINITY;
@@ -130,7 +130,9 @@ impl Visitor<'_> {
             let is_measured = is_due || sweeps == plan.max_sweeps;
             if is_measured {
                 (swept, grade) = match policy {
-                    Policy::Prove => (self.measure(task, iterate, members), grade),
+                    Policy::Prove => {
+                        (self.measure(task, iterate, members, task.stop.measure), grade)
+                    }
                     Policy::FirstFound => self.measure_if_near(task, iterate, members),
                 };
             }
@@ -144,7 +146,7 @@ impl Visitor<'_> {
                 *visited = 0;
                 if task.stop.early() {
                     if !is_measured {
-                        swept = self.measure(task, iterate, members);
+                        swept = self.measure(task, iterate, members, task.stop.measure);
                     }
                     return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
                 }
@@ -164,58 +166,44 @@ impl Visitor<'_> {
         Swept { sweeps, stuck: stuck.is_some(), ..swept }
     }
 
-    /// Velocities, residual by the measure of the stop and size of the percussions of an island; the worst contact only where
-    /// it decides.
-    fn measure(&mut self, task: &Task<'_>, iterate: &mut Iterate<'_>, members: &[usize]) -> Swept {
-        match task.stop.measure {
-            Measure::Contact => self.measure_contacts(task, iterate, members),
-            Measure::Global => self.measure_map(task, iterate, members),
+    /// Velocities, residual by a measure and size of the percussions of an island; the worst contact only where contacts are
+    /// measured.
+    fn measure(
+        &mut self,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        members: &[usize],
+        measure: Measure,
+    ) -> Swept {
+        self.brought.clear();
+        let problem = task.problem;
+        let brought = (measure == Measure::Contact).then_some(&mut *self.brought);
+        let Iterate { percussion, velocity, .. } = iterate;
+        let measurement = Measurement { problem, percussion, velocity, members, brought };
+        let swept = pulp::Arch::new().dispatch(measurement);
+        match measure {
+            Measure::Contact => swept,
+            Measure::Global => {
+                let (map, _) = map_of(&Measured { problem, percussion, velocity }, members);
+                Swept { defect: map * map, ..swept }
+            }
         }
     }
 
-    /// The same after sweeps, which is the natural map instead where that is far from small; and the natural map.
+    /// The same by the measure of the stop, but by the natural map where that is far from small; and the natural map.
     fn measure_if_near(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         members: &[usize],
     ) -> (Swept, f64) {
-        let swept = self.measure_map(task, iterate, members);
+        let swept = self.measure(task, iterate, members, Measure::Global);
         let map = swept.residual().value;
         if task.stop.measure == Measure::Contact && task.stop.is_near(map, members.len()) {
-            (self.measure_contacts(task, iterate, members), map)
+            (self.measure(task, iterate, members, Measure::Contact), map)
         } else {
             (swept, map)
         }
-    }
-
-    /// The same by the measure of contacts.
-    fn measure_contacts(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        members: &[usize],
-    ) -> Swept {
-        let (problem, brought) = (task.problem, Some(&mut *self.brought));
-        let Iterate { percussion, velocity, .. } = iterate;
-        let measurement = Measurement { problem, percussion, velocity, members, brought };
-        pulp::Arch::new().dispatch(measurement)
-    }
-
-    /// The same by the natural map.
-    fn measure_map(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        members: &[usize],
-    ) -> Swept {
-        let (problem, brought) = (task.problem, None);
-        self.brought.clear();
-        let Iterate { percussion, velocity, .. } = iterate;
-        let measurement = Measurement { problem, percussion, velocity, members, brought };
-        let swept = pulp::Arch::new().dispatch(measurement);
-        let (map, _) = map_of(&Measured { problem, percussion, velocity }, members);
-        Swept { defect: map * map, ..swept }
     }
 }
 
@@ -253,14 +241,15 @@ impl pulp::NullaryFnOnce for Measurement<'_> {
     fn call(self) -> Swept {
         let Self { problem, percussion, velocity, members, brought } = self;
         let (mut swept, mut size) = (Swept::NOTHING, Size::default());
-        let all = All::of(problem, members, percussion);
+        let percussions = Percussions::of(problem, members, percussion);
         let Some(brought) = brought else {
-            members.iter().for_each(|&i| size.add(&size_coupled(problem, i, all, velocity)));
+            members
+                .iter()
+                .for_each(|&i| size.add(&size_coupled(problem, i, percussions, velocity)));
             return Swept { may_grow: size.may_have_grown(), ..swept };
         };
-        brought.clear();
         for &i in members {
-            let own = measure_coupled(problem, i, all, velocity);
+            let own = measure_coupled(problem, i, percussions, velocity);
             let (defect, worst_contact) = (own.defect, i);
             swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
             size.add(&own.size);
