@@ -57,7 +57,7 @@ many: $(VENV)/.optimised
 peers: $(VENV)/.optimised
 	$(BIN)/python benches/peers/compare.py $(PROBLEMS) --csv out/peers.csv
 
-# The sparse LU factorisation beside faer's, on the problems of PROBLEMS, of ASPERITY_CONTACT_PROBLEMS, or on walls.
+# The sparse factorisations beside faer's, on the problems of PROBLEMS, of ASPERITY_CONTACT_PROBLEMS, or on walls.
 linear:
 	cd benches/linear && cargo run --release --locked --target-dir ../../target -- $(abspath $(PROBLEMS))
 

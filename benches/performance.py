@@ -56,8 +56,8 @@ meanwhile: ratios of two threads and one ask for it.
 TAIL = """## What is not on this page
 
 `make many` prints time and memory of the default solver from 10 to 10⁵ contacts, `make peers`
-compares solutions of the same contact problems by other engines, and `make linear` the sparse LU
-factorisation with faer's: they take longer, or need what is not installed with asperity. [Contact
+compares solutions of the same contact problems by other engines, and `make linear` the sparse
+factorisations with faer's: they take longer, or need what is not installed with asperity. [Contact
 solvers](solvers.md) has their numbers.
 """
 

@@ -1,4 +1,5 @@
-//! The sparse LU factorisation of the library beside faer's, on matrices of Newton's method.
+//! The sparse factorisations of the library beside faer's: LU of matrices of Newton's method, and LDLᵀ of what stands
+//! beside faer's Cholesky factorisation and beside LU of the same matrix.
 //!
 //! `cargo run --release --locked -- FOLDER` takes the problems that are stored in a folder, or in the one that
 //! `ASPERITY_CONTACT_PROBLEMS` names, at their reference solutions; without either it builds walls. Seconds are the
@@ -33,9 +34,10 @@ use std::path::PathBuf;
 
 use contact::BlockMatrix;
 use faer::sparse::linalg::SupernodalThreshold;
+use linear::Kind;
 use measure::{Cost, compare};
 use ours::{Ours, OursDense};
-use theirs::{Columns, Theirs, TheirsDense};
+use theirs::{Columns, Theirs, TheirsDefinite, TheirsDense};
 
 /// Matrices up to this size are factored densely as well.
 const SMALL: usize = 60;
@@ -58,18 +60,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         "matrix", "rows", "among", "analysis", "factorisation", "solution", "error"
     );
     let (mut sparse, mut dense) = (Vec::new(), Vec::new());
+    let (mut definite, mut halves) = (Vec::new(), Vec::new());
     for problem in problems {
         let (matrix, space) = problem.matrix()?;
         let columns = Columns::new(&matrix);
         let [own, chosen, supernodal] = compare(
             &matrix,
             [
-                &|| Box::new(Ours::new(&matrix)),
+                &|| Box::new(Ours::new(&matrix, Kind::General)),
                 &|| Box::new(Theirs::new(&columns, SupernodalThreshold::AUTO)),
                 &|| Box::new(Theirs::new(&columns, SupernodalThreshold::FORCE_SUPERNODAL)),
             ],
         );
-        let faer = if chosen.factor < supernodal.factor { chosen } else { supernodal };
+        let faer = faster(chosen, supernodal);
         print(&problem.name, matrix.rows(), space, own, faer);
         sparse.push((matrix.rows(), own, faer));
         if matrix.rows() <= SMALL {
@@ -77,20 +80,43 @@ fn main() -> Result<(), Box<dyn Error>> {
             print(&problem.name, matrix.rows(), "densely", own, faer);
             dense.push((matrix.rows(), own, faer));
         }
+        if let Some(matrix) = problem.standing() {
+            let (own, lu, faer) = standing(&matrix);
+            print(&problem.name, matrix.rows(), "standing", own, faer);
+            definite.push((matrix.rows(), own, faer));
+            halves.push((matrix.rows(), own, lu));
+        }
     }
     println!("\nfaer's time over the library's: geometric mean (least, largest)");
-    for bounds in CLASSES.windows(2) {
-        let within = |(rows, ..): &&(usize, Cost, Cost)| (bounds[0]..bounds[1]).contains(rows);
-        let class: Vec<_> = sparse.iter().filter(within).copied().collect();
-        let name = match bounds[1] {
-            usize::MAX => format!("{} rows or more", bounds[0]),
-            end => format!("{} to {} rows", bounds[0].max(1), end - 1),
-        };
-        summarise(&name, &class);
-    }
-    summarise("all", &sparse);
+    summarise_by_size(&sparse);
     summarise("densely", &dense);
+    println!(
+        "\nfaer's time for a Cholesky factorisation over the library's for LDLᵀ, of what stands"
+    );
+    summarise_by_size(&definite);
+    println!("\nthe library's time for LU over that for LDLᵀ of the same matrices");
+    summarise_by_size(&halves);
     Ok(())
+}
+
+/// LDLᵀ and LU of the library and faer's Cholesky factorisation.
+fn standing(matrix: &BlockMatrix) -> (Cost, Cost, Cost) {
+    let columns = Columns::new(matrix);
+    let [own, lu, chosen, supernodal] = compare(
+        matrix,
+        [
+            &|| Box::new(Ours::new(matrix, Kind::Definite)),
+            &|| Box::new(Ours::new(matrix, Kind::General)),
+            &|| Box::new(TheirsDefinite::new(&columns, SupernodalThreshold::AUTO)),
+            &|| Box::new(TheirsDefinite::new(&columns, SupernodalThreshold::FORCE_SUPERNODAL)),
+        ],
+    );
+    (own, lu, faster(chosen, supernodal))
+}
+
+/// The one whose factorisation takes less time.
+fn faster(one: Cost, other: Cost) -> Cost {
+    if one.factor < other.factor { one } else { other }
 }
 
 fn densely(matrix: &BlockMatrix) -> (Cost, Cost) {
@@ -124,6 +150,19 @@ fn print(name: &str, rows: usize, space: &str, own: Cost, faer: Cost) {
         own.error,
         faer.error
     );
+}
+
+fn summarise_by_size(costs: &[(usize, Cost, Cost)]) {
+    for bounds in CLASSES.windows(2) {
+        let within = |(rows, ..): &&(usize, Cost, Cost)| (bounds[0]..bounds[1]).contains(rows);
+        let class: Vec<_> = costs.iter().filter(within).copied().collect();
+        let name = match bounds[1] {
+            usize::MAX => format!("{} rows or more", bounds[0]),
+            end => format!("{} to {} rows", bounds[0].max(1), end - 1),
+        };
+        summarise(&name, &class);
+    }
+    summarise("all", costs);
 }
 
 fn summarise(name: &str, class: &[(usize, Cost, Cost)]) {

@@ -146,11 +146,24 @@ impl Problem {
         Ok((contacts, "contacts"))
     }
 
+    /// `M + ρ/ε W Wᵀ` of what stands, where all contacts stick: symmetric and positive definite. None where the bodies are
+    /// not known.
+    pub fn standing(&self) -> Option<BlockMatrix> {
+        let (mass, directions) = self.bodies.as_ref()?;
+        let stuck = (Matrix3::identity() * SHIFT, Matrix3::identity() * self.rho());
+        in_body_space(mass, directions, &vec![stuck; self.friction.len()])
+    }
+
+    /// `ρ`, the inverse of the mean of the diagonal of `G`.
+    fn rho(&self) -> f64 {
+        let trace: f64 = (0..self.delassus.rows()).map(|row| entry(&self.delassus, row, row)).sum();
+        self.delassus.rows() as f64 / trace
+    }
+
     /// `A` and `B` of every contact: `ξ − prox(ξ)` with `prox(ξ)` onto the half line and onto the disk of radius
     /// `μ ξ_N`, `ξ = P − ρ u`, regularised as the proximal method does.
     fn jacobians(&self) -> Vec<(Matrix3<f64>, Matrix3<f64>)> {
-        let trace: f64 = (0..self.delassus.rows()).map(|row| entry(&self.delassus, row, row)).sum();
-        let rho = self.delassus.rows() as f64 / trace;
+        let rho = self.rho();
         let vector = |list: &[f64], i: usize| Vector3::from_column_slice(&list[3 * i..3 * i + 3]);
         let one = |(i, mu): (usize, &f64)| {
             let x = vector(&self.percussion, i) - rho * vector(&self.velocity, i);

@@ -11,22 +11,23 @@ const ALONE: Execution<'_> = Execution { threads: Threads::NONE, given_up: &|| f
 /// Analysed once, factored without allocation.
 pub struct Ours<'a> {
     matrix: &'a BlockMatrix,
+    kind: Kind,
     symbolic: Symbolic,
     numeric: Numeric,
 }
 
 impl<'a> Ours<'a> {
     /// The analysis of the pattern, with room for the factors.
-    pub fn new(matrix: &'a BlockMatrix) -> Self {
+    pub fn new(matrix: &'a BlockMatrix, kind: Kind) -> Self {
         let (symbolic, mut numeric) = (Symbolic::new(matrix), Numeric::default());
         numeric.reserve(&symbolic);
-        Self { matrix, symbolic, numeric }
+        Self { matrix, kind, symbolic, numeric }
     }
 }
 
 impl Factorisation for Ours<'_> {
     fn factor(&mut self) -> bool {
-        self.numeric.factor(&self.symbolic, (self.matrix, Kind::General), ALONE)
+        self.numeric.factor(&self.symbolic, (self.matrix, self.kind), ALONE)
     }
 
     fn solve(&mut self, x: &mut [f64]) {

@@ -1,15 +1,20 @@
 //! The factorisations of faer, on one thread, with workspaces that are kept.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::PermRef;
 use faer::prelude::default;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
 use faer::sparse::linalg::lu::{
     LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, MatMut, Par};
+use faer::{Conj, Mat, MatMut, Par, Side};
 
 use crate::contact::BlockMatrix;
 use crate::measure::Factorisation;
@@ -81,6 +86,58 @@ impl Factorisation for Theirs<'_> {
 
     fn solve(&mut self, x: &mut [f64]) {
         let factors = LuRef::new_unchecked(&self.symbolic, &self.numeric);
+        let right = MatMut::from_column_major_slice_mut(x, self.matrix.size, 1);
+        let workspace = MemStack::new(&mut self.workspace);
+        factors.solve_in_place_with_conj(Conj::No, right, Par::Seq, workspace);
+    }
+}
+
+/// Sparse Cholesky factorisation with AMD.
+pub struct TheirsDefinite<'a> {
+    matrix: &'a Columns,
+    symbolic: SymbolicCholesky<usize>,
+    factors: Vec<f64>,
+    workspace: MemBuffer,
+}
+
+impl<'a> TheirsDefinite<'a> {
+    /// The analysis of the pattern, with room for the factors.
+    pub fn new(matrix: &'a Columns, threshold: SupernodalThreshold) -> Self {
+        let parameters =
+            CholeskySymbolicParams { supernodal_flop_ratio_threshold: threshold, ..default() };
+        let pattern = matrix.symbolic();
+        let symbolic =
+            factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
+                .expect("analysis");
+        let workspace = symbolic
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let factors = vec![0.0; symbolic.len_val()];
+        Self { matrix, symbolic, factors, workspace: MemBuffer::new(workspace) }
+    }
+}
+
+impl Factorisation for TheirsDefinite<'_> {
+    fn factor(&mut self) -> bool {
+        let matrix = SparseColMatRef::new(self.matrix.symbolic(), &self.matrix.values);
+        let workspace = MemStack::new(&mut self.workspace);
+        let unchanged = LltRegularization::default();
+        let factors = self.factors.as_mut_slice();
+        self.symbolic
+            .factorize_numeric_llt(
+                factors,
+                matrix,
+                Side::Lower,
+                unchanged,
+                Par::Seq,
+                workspace,
+                default(),
+            )
+            .is_ok()
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        let factors = LltRef::new(&self.symbolic, &self.factors);
         let right = MatMut::from_column_major_slice_mut(x, self.matrix.size, 1);
         let workspace = MemStack::new(&mut self.workspace);
         factors.solve_in_place_with_conj(Conj::No, right, Par::Seq, workspace);
