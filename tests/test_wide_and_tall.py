@@ -35,6 +35,11 @@ def test_factorisations_do_not_grow_with_the_size(scene):
         assert factorizations(solved(make(size))) <= most
 
 
+def test_rounding_costs_large_arches_no_factorisations():
+    # 18 of them without steps that are refined, 7 with them.
+    assert factorizations(solved(problems.arch(14_999))) <= 12
+
+
 @pytest.mark.parametrize("measure", ["contact", "global"])
 def test_what_stands_is_asked_early_where_contacts_are_many(measure):
     wall = problems.wall(35, columns=35, push=1.0)

@@ -1,4 +1,4 @@
-//! Matrices of Newton's method: of stored problems, and of walls where there are none.
+//! Matrices of Newton's method and of what stands: of stored problems, and of walls where there are none.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -12,6 +12,10 @@ use crate::linear::Symbolic;
 
 /// Regularisation of the proximal method, in units of `1/ρ`.
 const SHIFT: f64 = 1e-8;
+/// Regularisation of what stands in the library (`solver/method/standing.rs`), in the same units.
+const REGULARIZED: f64 = 1e-11;
+/// Most rows that the library factors densely (`solver/newton_matrix`).
+const SMALL: usize = 30;
 /// Velocities of a body.
 const BODY: usize = 6;
 
@@ -146,12 +150,19 @@ impl Problem {
         Ok((contacts, "contacts"))
     }
 
-    /// `M + ρ/ε W Wᵀ` of what stands, where all contacts stick: symmetric and positive definite. None where the bodies are
-    /// not known.
-    pub fn standing(&self) -> Option<BlockMatrix> {
-        let (mass, directions) = self.bodies.as_ref()?;
-        let stuck = (Matrix3::identity() * SHIFT, Matrix3::identity() * self.rho());
-        in_body_space(mass, directions, &vec![stuck; self.friction.len()])
+    /// `M + W Wᵀ/ε` of what stands, where all contacts stick: symmetric and positive definite. None where the library
+    /// factors another matrix: densely or among the rows of contacts.
+    pub fn standing(&self) -> Result<Option<BlockMatrix>> {
+        let epsilon = REGULARIZED / self.rho();
+        let stuck = (Matrix3::identity() * epsilon, Matrix3::identity());
+        let jacobians = vec![stuck; self.friction.len()];
+        let contacts = Symbolic::new(&self.in_contact_space(&jacobians)?).operations;
+        let bodies = self.bodies.as_ref();
+        Ok(bodies
+            .and_then(|(mass, directions)| in_body_space(mass, directions, &jacobians))
+            .filter(|matrix| {
+                self.delassus.rows() > SMALL && Symbolic::new(matrix).operations < contacts
+            }))
     }
 
     /// `ρ`, the inverse of the mean of the diagonal of `G`.

@@ -1,4 +1,4 @@
-//! The factorisation of the library.
+//! The factorisations of the library.
 
 use crate::contact::BlockMatrix;
 use crate::linear::{DenseLu, Execution, Kind, Numeric, Symbolic};

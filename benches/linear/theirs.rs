@@ -1,13 +1,14 @@
 //! The factorisations of faer, on one thread, with workspaces that are kept.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::PermRef;
 use faer::prelude::default;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::lu::{
@@ -31,12 +32,24 @@ pub struct Columns {
 impl Columns {
     /// The entries of a matrix of blocks.
     pub fn new(matrix: &BlockMatrix) -> Self {
+        Self::of(matrix, |_, _| true)
+    }
+
+    /// Those on the diagonal and below it.
+    pub fn lower(matrix: &BlockMatrix) -> Self {
+        Self::of(matrix, |row, column| row >= column)
+    }
+
+    fn of(matrix: &BlockMatrix, kept: impl Fn(usize, usize) -> bool) -> Self {
         let mut columns = vec![Vec::new(); matrix.rows()];
         for (i, &row) in matrix.offsets().iter().enumerate().take(matrix.contacts()) {
             for (j, block) in matrix.row(i) {
                 for (k, value) in block.iter().enumerate() {
-                    let column = matrix.offsets()[j] + k % matrix.size(j);
-                    columns[column].push((row + k / matrix.size(j), *value));
+                    let (column, row) =
+                        (matrix.offsets()[j] + k % matrix.size(j), row + k / matrix.size(j));
+                    if kept(row, column) {
+                        columns[column].push((row, *value));
+                    }
                 }
             }
         }
@@ -92,55 +105,98 @@ impl Factorisation for Theirs<'_> {
     }
 }
 
-/// Sparse Cholesky factorisation with AMD.
+/// Which of faer's factorisations of a definite matrix is meant.
+#[derive(Clone, Copy)]
+pub enum Factors {
+    /// `LLᵀ`.
+    Cholesky,
+    /// `LDLᵀ`.
+    WithDiagonal,
+}
+
+/// A factorisation of a definite matrix with AMD.
 pub struct TheirsDefinite<'a> {
-    matrix: &'a Columns,
+    lower: &'a Columns,
+    kind: Factors,
     symbolic: SymbolicCholesky<usize>,
     factors: Vec<f64>,
     workspace: MemBuffer,
 }
 
 impl<'a> TheirsDefinite<'a> {
-    /// The analysis of the pattern, with room for the factors.
-    pub fn new(matrix: &'a Columns, threshold: SupernodalThreshold) -> Self {
+    /// The analysis of the pattern of a lower triangle, with room for the factors.
+    pub fn new(lower: &'a Columns, kind: Factors, threshold: SupernodalThreshold) -> Self {
         let parameters =
             CholeskySymbolicParams { supernodal_flop_ratio_threshold: threshold, ..default() };
-        let pattern = matrix.symbolic();
+        let (pattern, order) = (lower.symbolic(), SymmetricOrdering::Amd);
         let symbolic =
-            factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
-                .expect("analysis");
-        let workspace = symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+            factorize_symbolic_cholesky(pattern, Side::Lower, order, parameters).expect("analysis");
+        let factorisation = match kind {
+            Factors::Cholesky => symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, default()),
+            Factors::WithDiagonal => {
+                symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, default())
+            }
+        };
+        let solution = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let workspace = MemBuffer::new(factorisation.or(solution));
         let factors = vec![0.0; symbolic.len_val()];
-        Self { matrix, symbolic, factors, workspace: MemBuffer::new(workspace) }
+        Self { lower, kind, symbolic, factors, workspace }
     }
 }
 
 impl Factorisation for TheirsDefinite<'_> {
     fn factor(&mut self) -> bool {
-        let matrix = SparseColMatRef::new(self.matrix.symbolic(), &self.matrix.values);
-        let workspace = MemStack::new(&mut self.workspace);
-        let unchanged = LltRegularization::default();
-        let factors = self.factors.as_mut_slice();
-        self.symbolic
-            .factorize_numeric_llt(
-                factors,
-                matrix,
-                Side::Lower,
-                unchanged,
-                Par::Seq,
-                workspace,
-                default(),
-            )
-            .is_ok()
+        let Self { lower, kind, symbolic, factors, workspace } = self;
+        let matrix = SparseColMatRef::new(lower.symbolic(), &lower.values);
+        let (side, workspace) = (Side::Lower, MemStack::new(workspace));
+        match kind {
+            Factors::Cholesky => {
+                let unregularised = LltRegularization::default();
+                let done = symbolic.factorize_numeric_llt(
+                    factors,
+                    matrix,
+                    side,
+                    unregularised,
+                    Par::Seq,
+                    workspace,
+                    default(),
+                );
+                done.is_ok()
+            }
+            Factors::WithDiagonal => {
+                let unregularised = LdltRegularization::default();
+                let done = symbolic.factorize_numeric_ldlt(
+                    factors,
+                    matrix,
+                    side,
+                    unregularised,
+                    Par::Seq,
+                    workspace,
+                    default(),
+                );
+                done.is_ok()
+            }
+        }
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        let factors = LltRef::new(&self.symbolic, &self.factors);
-        let right = MatMut::from_column_major_slice_mut(x, self.matrix.size, 1);
-        let workspace = MemStack::new(&mut self.workspace);
-        factors.solve_in_place_with_conj(Conj::No, right, Par::Seq, workspace);
+        let Self { lower, kind, symbolic, factors, workspace } = self;
+        let right = MatMut::from_column_major_slice_mut(x, lower.size, 1);
+        let workspace = MemStack::new(workspace);
+        match kind {
+            Factors::Cholesky => LltRef::new(symbolic, factors).solve_in_place_with_conj(
+                Conj::No,
+                right,
+                Par::Seq,
+                workspace,
+            ),
+            Factors::WithDiagonal => LdltRef::new(symbolic, factors).solve_in_place_with_conj(
+                Conj::No,
+                right,
+                Par::Seq,
+                workspace,
+            ),
+        }
     }
 }
 

@@ -82,8 +82,8 @@ const MANY: usize = 64;
 /// Contacts from which on it is asked after `SETTLED` sweeps whether they stand, not when sweeps promise nothing more, which
 /// may take hundreds: their data do not stay in the cache of the processor, which is what sweeps wait for and factorisations
 /// do not. A wall of 10⁵ contacts takes 0.56 of the time. Of the stored problems one of 376 contacts, which slips, takes 1.6
-/// times as long where it is asked early. After one sweep walls of 10⁴ and 10⁵ contacts take 0.91 of the time, after six 1.12;
-/// three are what the rate of sweeps is judged by at the earliest.
+/// times as long where it is asked early. Asked after one sweep in place of three, walls of 10⁴ and 10⁵ contacts take 0.91 of
+/// the time, after six 1.12; three are the fewest after which `rate.rs` judges sweeps (`LEAST_SWEEPS`).
 const LARGE: usize = 1000;
 const SETTLED: usize = 3;
 /// Sweeps that a factorisation takes as long as at most for that: 47 in a wall of 10⁵ contacts.

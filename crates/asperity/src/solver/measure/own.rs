@@ -54,7 +54,7 @@ pub(crate) fn measure_alone(
     by_rows!(problem, contact, alone, percussion, velocity)
 }
 
-/// The percussions in all rows, of a problem or of an island.
+/// The percussions in all rows of a problem, to measure contacts of an island, which no others influence.
 #[derive(Clone, Copy)]
 pub(crate) struct Percussions<'a> {
     values: &'a [f64],
@@ -63,7 +63,7 @@ pub(crate) struct Percussions<'a> {
 }
 
 impl<'a> Percussions<'a> {
-    /// For the contacts of an island.
+    /// For all contacts of an island.
     #[inline(always)]
     pub(crate) fn of(problem: &ContactProblem, contacts: &[usize], values: &'a [f64]) -> Self {
         let mut rows = contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
@@ -71,7 +71,7 @@ impl<'a> Percussions<'a> {
     }
 }
 
-/// Measures a contact that others may influence, from the percussions in all rows; its velocities are found on the way.
+/// Measures a contact of the island that the percussions were looked at for; its velocities are found on the way.
 #[inline(always)]
 pub(crate) fn measure_coupled(
     problem: &ContactProblem,

@@ -152,7 +152,7 @@ impl Shape {
     }
 }
 
-/// `√(x² + y²)`, without `hypot`, which takes longer, where numbers have squares.
+/// `√(x² + y²)`, by `hypot`, which takes longer, only where a square would be too large or too small for a number.
 #[inline(always)]
 fn length(x: f64, y: f64) -> f64 {
     let square = x * x + y * y;

@@ -42,10 +42,10 @@ fn a_measure_on_the_way_has_the_bits_of_one_apart() {
             let percussion: Vec<f64> = (0..rows).map(|_| size * random(&mut seed)).collect();
             let (mut apart, mut found) = (vec![0.0; rows], vec![f64::NAN; rows]);
             problem.velocity(&percussion, &mut apart);
-            let everyone = Percussions::of(&problem, &members, &percussion);
-            assert_eq!(everyone.vanish, size == 0.0);
+            let percussions_of_island = Percussions::of(&problem, &members, &percussion);
+            assert_eq!(percussions_of_island.vanish, size == 0.0);
             for i in 0..contacts {
-                let own = measure_coupled(&problem, i, everyone, &mut found);
+                let own = measure_coupled(&problem, i, percussions_of_island, &mut found);
                 let velocity = &apart[problem.contacts()[i].rows()];
                 assert_eq!(&found[problem.contacts()[i].rows()], velocity, "{case} {i}");
                 let blocks = problem.delassus().blocks();
@@ -55,7 +55,7 @@ fn a_measure_on_the_way_has_the_bits_of_one_apart() {
                 let residual = residual_of(&measured, [i]).value;
                 assert_eq!(own.defect.sqrt(), residual, "{case} {i}");
                 found.fill(f64::NAN);
-                size_coupled(&problem, i, everyone, &mut found);
+                size_coupled(&problem, i, percussions_of_island, &mut found);
                 assert_eq!(&found[problem.contacts()[i].rows()], velocity, "{case} {i}");
             }
         }

@@ -190,7 +190,8 @@ impl Visitor<'_> {
         }
     }
 
-    /// The same by the measure of the stop, but by the natural map where that is far from small; and the natural map.
+    /// What the island has come to by the measure of the stop, or by the natural map where that is far from small, and its natural
+    /// map.
     fn measure_if_near(
         &mut self,
         task: &Task<'_>,
@@ -230,7 +231,7 @@ struct Measurement<'a> {
     percussion: &'a [f64],
     velocity: &'a mut [f64],
     members: &'a [usize],
-    /// Receives what others bring to every contact, where contacts are measured and not only their size.
+    /// Receives what others bring to every contact, where contacts are measured and not only their size; empty at first.
     brought: Option<&'a mut Vec<f64>>,
 }
 
