@@ -28,11 +28,11 @@ const DAMPING: f64 = 0.995;
 /// to stand.
 const STALLING: f64 = 1e-7;
 const PATIENCE: usize = 2;
-/// Steps of what was expected to stand that are refined: those that lead to less than this part of the way. Percussions of
-/// vaults of 5·10⁴ contacts and more are so large beside the loads that rounding leaves no direction to go on in. Vaults of
-/// 5, 6 and 11·10⁴ contacts (`benches/many_contacts.py --scenes arch`) take 9, 17 and 71 factorisations without, 7, 6 and 6
-/// with this. If every step is refined they take 5 each, but those of 10² and 10⁴ contacts, which do not need it, 18 and 25 %
-/// more time.
+/// Part of the way below which a step is short: the next one is centred more, and, of what was expected to stand, the step is
+/// refined. Percussions of vaults of 5·10⁴ contacts and more are so large beside the loads that rounding leaves no direction
+/// to go on in. Vaults of 5, 6 and 11·10⁴ contacts (`benches/many_contacts.py --scenes arch`) take 9, 17 and 71 factorisations
+/// without refinement, 7, 6 and 6 with it. If every step is refined they take 5 each, but those of 10² and 10⁴ contacts, which
+/// do not need it, 18 and 25 % more time.
 const SHORT: f64 = 0.1;
 
 /// How far the method goes, and from where.
@@ -79,8 +79,6 @@ pub(crate) struct Interior {
     step: Vec<f64>,
     /// What the step is to bring about, then what it leaves of that.
     left: Vec<f64>,
-    /// Whether short steps are refined.
-    refines: bool,
 }
 
 /// Sizes of percussions and velocities.
@@ -106,7 +104,6 @@ impl Interior {
             Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
         let Course { max_iterations, goal, expected } = course;
         self.start(problem, expected / (units.rho * units.velocity));
-        self.refines = expected > 0.0;
         let (mut iterations, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
         while iterations < max_iterations && !progress.task.stop.early() {
             self.evaluate(problem, cones, units);
@@ -124,7 +121,7 @@ impl Interior {
                 break;
             }
             iterations += 1;
-            if !self.advance(&progress.task, cones, matrix, units) {
+            if !self.advance(&progress.task, cones, matrix, units, expected > 0.0) {
                 break;
             }
         }
@@ -170,13 +167,14 @@ impl Interior {
         }
     }
 
-    /// One step; false if it failed.
+    /// One step, refined if it is short and `refined` asks for it; false if it failed.
     fn advance(
         &mut self,
         task: &Task<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         units: Units,
+        refined: bool,
     ) -> bool {
         let Task { problem, stop, threads, .. } = *task;
         let gap: f64 = self.points.iter().map(|p| p.x.dot(&p.z)).sum();
@@ -192,11 +190,13 @@ impl Interior {
         }
         let mut solve = |interior: &mut Self, sigma_mean: f64, corrected: bool| {
             interior.right_hand_side(problem, sigma_mean, corrected);
-            interior.left.clone_from(&interior.step);
+            if refined {
+                interior.left.clone_from(&interior.step);
+            }
             matrix.solve(problem, &mut interior.step);
             interior.directions(problem, cones, units);
             let longest = interior.longest();
-            if !(interior.refines && longest < SHORT) {
+            if !(refined && longest < SHORT) {
                 return longest;
             }
             interior.refine(problem, matrix);
@@ -207,11 +207,11 @@ impl Interior {
         let ahead = |p: &Point| (p.x + p.dx * predicted).dot(&(p.z + p.dz * predicted));
         let affine: f64 = self.points.iter().map(ahead).sum();
         let mut sigma = (affine / gap).max(0.0).powi(3).clamp(1e-6, 1.0);
-        if predicted < 0.1 {
+        if predicted < SHORT {
             sigma = sigma.max(0.5);
         }
         let mut length = (DAMPING * solve(self, sigma * mean, true)).min(1.0);
-        if length < 0.1 {
+        if length < SHORT {
             length = (DAMPING * solve(self, sigma.max(0.8) * mean, false)).min(1.0);
         }
         for point in &mut self.points {
