@@ -123,7 +123,7 @@ impl Methods {
         let Self { standing, accelerated, neighbourhoods, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
         let First { tried, dear, resting } =
-            first_attempts(&mut progress, matrix, proximal, standing, accelerated);
+            first_attempts(&mut progress, matrix, proximal, cones, standing, accelerated);
         if !progress.is_over()
             && let Some(contact) = progress.stuck()
         {
@@ -240,6 +240,7 @@ fn first_attempts(
     progress: &mut Progress<'_>,
     matrix: &mut NewtonMatrix,
     proximal: &mut ProximalPoint,
+    cones: &mut Cones,
     standing: &mut Standing,
     accelerated: &mut Accelerated,
 ) -> First {
@@ -297,7 +298,7 @@ fn first_attempts(
     let sweeps_per_factorization = cost.sweeps(matrix.operations(problem));
     first.dear = sweeps_per_factorization > DEAR;
     if !progress.is_over() && first.dear {
-        accelerated.iterate(progress, (WORTH * sweeps_per_factorization) as usize);
+        accelerated.iterate(progress, cones, (WORTH * sweeps_per_factorization) as usize);
         if !progress.is_over() && progress.best_grade() < IDENTIFIED {
             proximal.newton_alone(progress, matrix, FROM_SWEEPS);
             first.tried = true;

@@ -1,5 +1,7 @@
-//! Block Gauss–Seidel: a sweep, in the order of colours, island by island, and how long they are worth going on with.
+//! Block Gauss–Seidel: a sweep, in the order of colours, island by island, over the velocities of bodies, and how long they
+//! are worth going on with.
 
+mod body_sweeps;
 mod colours;
 mod cost;
 mod island_sweeps;
@@ -9,6 +11,7 @@ mod swept;
 mod visitor;
 mod worker;
 
+pub(crate) use body_sweeps::BodySweeps;
 pub(crate) use cost::Cost;
 pub(crate) use island_sweeps::Plan;
 pub(crate) use rate::{Rate, TRIAL_SWEEPS};
