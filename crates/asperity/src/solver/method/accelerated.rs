@@ -18,6 +18,8 @@ use super::progress::Progress;
 use super::sweeps::{BodySweeps, TRIAL_SWEEPS};
 use crate::solver::report::Method;
 
+// What follows, down to `FARTHEST`, was measured with sweeps over the blocks of `G`.
+
 /// Differences that are remembered: with 3 and 10 the piles and columns of `auto.rs` take 0.98 and 1.11 times as long.
 const DEPTH: usize = 5;
 /// Part of the trace by which the normal equations are regularised; a hundredth and a hundred times of it change that by 1 %.
@@ -28,8 +30,8 @@ const REGULARIZED: f64 = 1e-10;
 const SOON: usize = 3;
 const FARTHEST: f64 = 100.0;
 
-/// Sweeps over the velocities of bodies in the time of one over the blocks of `G`: columns of ten spheres with 3110 and 10330
-/// contacts take 45 and 55 ns in place of 85 and 105 ns per contact, this and what accelerates them together.
+/// Sweeps over the velocities of bodies in the time of one over the blocks of `G`: columns of ten spheres with 1240, 3110 and
+/// 10330 contacts take 43, 45 and 55 ns in place of 61, 85 and 105 ns per contact, this and what accelerates them together.
 const OVER_BODIES: usize = 2;
 /// Contacts from which on blocks of `G` are swept in the order of colours, which several threads may do. On one thread columns
 /// of ten spheres with 1240, 1930, 3230 and 5710 contacts take 0.8, 0.7, 2.4 and 0.26 times as long as in the order of
@@ -108,12 +110,13 @@ impl Accelerated {
     pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, cones: &mut Cones, most: usize) {
         let Self { bodies, percussion, from, image, defect, images, defects, products } = self;
         let problem = progress.task.problem;
-        // Whoever shares the pool with other calls would wait for them in every sweep.
         let threads = progress.task.threads;
-        let claim = threads.claim();
+        let claim;
         let (mut sweep, most) = if cones.read(problem) && bodies.read(problem, cones) {
             (Sweep::Bodies(bodies, cones), OVER_BODIES * most)
         } else {
+            // Whoever shares the pool with other calls would wait for them in every sweep.
+            claim = threads.claim();
             (Sweep::Blocks { free: claim.is_some() }, most)
         };
         progress.start_from_best(percussion);
@@ -180,6 +183,10 @@ impl Accelerated {
             sweep.point(progress).copy_from_slice(from);
         }
         sweep.grade(progress, image, percussion);
+        if let Sweep::Bodies(..) = sweep {
+            // Sweeps that follow begin here.
+            progress.iterate.percussion.copy_from_slice(percussion);
+        }
         progress.record(Method::GaussSeidel, sweeps, 0);
     }
 }
@@ -213,7 +220,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     in_lanes(a, b, |x, y| (x - y) * (x - y)).sqrt()
 }
 
-/// Sum of terms in several partial sums: the six sums of a sweep, each in order, would take a third of its time.
+/// Sum of terms in several partial sums: each in order, the sums of a sweep over bodies would take a third of its time.
 fn in_lanes(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
     const LANES: usize = 8;
     let mut sums = [0.0; LANES];

@@ -7,6 +7,16 @@ use crate::contact::{Components, ContactProblem, Factored, Members};
 /// Most velocities of a body.
 pub(super) const VELOCITIES: usize = 6;
 
+/// How bodies are told apart where the velocities of several have the same contacts, or some of those of another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Order {
+    /// Six by six from the first one, those without contacts among them.
+    FirstToLast,
+    /// Six by six from the last one, those without contacts apart: they, or what else fits the contacts of a body, may stand
+    /// before it.
+    LastToFirst,
+}
+
 /// The bodies of a problem.
 pub(super) struct Bodies {
     /// The body of every velocity, and its place there.
@@ -16,12 +26,13 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Nothing if `M` couples more velocities than a body has.
-    pub(super) fn of(problem: &ContactProblem, factored: &Factored) -> Option<Self> {
+    /// Nothing if `M` couples more velocities than a body has, or is not positive definite.
+    pub(super) fn of(problem: &ContactProblem, factored: &Factored, order: Order) -> Option<Self> {
         let mass = factored.mass();
         let mut of_velocity = vec![(0, 0); mass.rows()];
         let mut factors = Vec::new();
-        for own in groups(problem, factored) {
+        for mut own in groups(problem, factored, order) {
+            own.sort_unstable();
             if own.len() > VELOCITIES {
                 return None;
             }
@@ -51,9 +62,9 @@ impl Bodies {
     }
 }
 
-/// The connected parts of `M`, put together one after the other where the contacts of the one are all among those of the
-/// other: `M` does not couple the velocities of a sphere, and not each of its contacts acts on all of them.
-fn groups(problem: &ContactProblem, factored: &Factored) -> Vec<Vec<usize>> {
+/// The connected parts of `M`, put together where they follow each other and the contacts of the one are all among those of
+/// the other: `M` does not couple the velocities of a sphere, and not each of its contacts acts on all of them.
+fn groups(problem: &ContactProblem, factored: &Factored, order: Order) -> Vec<Vec<usize>> {
     let mass = factored.mass();
     let mut contacts_at = vec![Vec::new(); mass.rows()];
     for (i, contact) in problem.contacts().iter().enumerate() {
@@ -70,30 +81,48 @@ fn groups(problem: &ContactProblem, factored: &Factored) -> Vec<Vec<usize>> {
     }
     let mut parts = Members::default();
     parts.update(&mut connected);
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    // Contacts of the last group.
-    let mut last: Vec<usize> = Vec::new();
+    let mut groups = Vec::new();
+    // Parts that may belong together, and the contacts of all of them.
+    let mut run: Vec<&[usize]> = Vec::new();
+    let mut known: Vec<usize> = Vec::new();
     for part in 0..parts.count() {
         let own = parts.of(part);
         let contacts = own.iter().flat_map(|&velocity| contacts_at[velocity].iter().copied());
         let mut contacts: Vec<usize> = contacts.collect();
         contacts.sort_unstable();
         contacts.dedup();
-        let nested = are_among(&contacts, &last) || are_among(&last, &contacts);
-        match groups.last_mut() {
-            Some(group) if nested && group.len() + own.len() <= VELOCITIES => {
-                group.extend_from_slice(own);
-                if contacts.len() > last.len() {
-                    last = contacts;
-                }
-            }
-            _ => {
-                groups.push(own.to_vec());
-                last = contacts;
-            }
+        if order == Order::LastToFirst && contacts.is_empty() {
+            groups.push(own.to_vec());
+            continue;
+        }
+        if !are_among(&contacts, &known) && !are_among(&known, &contacts) {
+            divide(&mut run, order, &mut groups);
+            known.clear();
+        }
+        run.push(own);
+        if contacts.len() > known.len() {
+            known = contacts;
         }
     }
+    divide(&mut run, order, &mut groups);
     groups
+}
+
+/// Makes bodies of the parts of a run.
+fn divide(run: &mut Vec<&[usize]>, order: Order, groups: &mut Vec<Vec<usize>>) {
+    if order == Order::LastToFirst {
+        run.reverse();
+    }
+    let mut body = Vec::new();
+    for part in run.drain(..) {
+        if !body.is_empty() && body.len() + part.len() > VELOCITIES {
+            groups.push(std::mem::take(&mut body));
+        }
+        body.extend_from_slice(part);
+    }
+    if !body.is_empty() {
+        groups.push(body);
+    }
 }
 
 /// Whether all contacts of a list are in another one, both ascending.

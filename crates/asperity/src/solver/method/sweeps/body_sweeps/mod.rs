@@ -1,6 +1,6 @@
 //! Gauss–Seidel over the velocities of bodies, for packings whose factorisations are dear.
 //!
-//! A contact between two bodies needs three rows of `WᵀM⁻¹ᐟ²` with twelve numbers each, a row of blocks of `G` with ten
+//! A contact between two bodies needs three rows of `WᵀL⁻ᵀ`, `M = LLᵀ`, with twelve numbers each, a row of blocks of `G` with ten
 //! neighbours has 99, and four contacts that share no body are visited side by side: in columns of spheres a sweep takes a
 //! third of the time of one over the blocks of `G`.
 //!
@@ -43,7 +43,7 @@ pub(crate) struct BodySweeps {
 
 impl BodySweeps {
     /// Reads a problem; false if it is not one of bodies that touch in pairs, or if friction has no symmetric cones in the
-    /// plane.
+    /// plane, or elongated ones.
     pub(crate) fn read(&mut self, problem: &ContactProblem, cones: &Cones) -> bool {
         self.layout.read(problem, cones)
     }
