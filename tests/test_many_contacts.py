@@ -166,8 +166,9 @@ def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_wors
 
 def test_every_start_of_the_iteration_has_neighbourhoods():
     problem = with_decimals(pile(np.random.default_rng(10), LAWS, 520, per_pair=4), 12)
-    solution = solve_and_check(problem, time_limit=120.0)
-    assert solution.converged
+    # With fewer digits the second start ends it.
+    solution = problem.solve(tolerance=1e-10, time_limit=120.0)
+    assert problem.residual(solution.percussion) <= 1e-10
     # Three are around the best percussions of the first start, others around those of the next.
     assert [stage.method for stage in solution.stages].count("neighbourhood") > 3
 
