@@ -196,8 +196,8 @@ def test_sweeps_over_bodies_and_over_blocks_solve_the_same_problems(axes):
     for count in (12, 20):
         base = problems.columns(count, height=10, seed=count)
         laws = [
-            asp.FrictionLaw.associated(asp.Ellipse(mu, axes * mu, angle=angle))
-            for mu, angle in random.uniform(0.1, 0.3, (len(base.laws), 2))
+            asp.FrictionLaw.associated(asp.Ellipse(mu, axes * mu, angle=10.0 * turn))
+            for mu, turn in random.uniform(0.1, 0.3, (len(base.laws), 2))
         ]
         masses = np.repeat(10.0 ** random.uniform(-0.5, 0.5, base.mass.shape[0] // 6), 6)
         options = {

@@ -1,8 +1,8 @@
 //! Gauss–Seidel over the velocities of bodies, for packings whose factorisations are dear.
 //!
 //! A contact between two bodies needs three rows of `WᵀL⁻ᵀ`, `M = LLᵀ`, with twelve numbers each, a row of blocks of `G` with ten
-//! neighbours has 99, and four contacts that share no body are visited side by side: in columns of spheres a sweep takes a
-//! third of the time of one over the blocks of `G`.
+//! neighbours has 99, and four contacts that share no body are visited side by side: in columns of spheres a sweep and
+//! its acceleration take half of the time of one over the blocks of `G` (`OVER_BODIES` in `accelerated.rs`).
 //!
 //! Percussions and velocities are those of Lorentz cones (`cones.rs`), in which friction is isotropic with a coefficient of
 //! one. A visit is a step of the projected Gauss–Seidel iteration, the normal percussion first:
