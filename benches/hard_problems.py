@@ -2,6 +2,7 @@
 
     python benches/hard_problems.py [--problems pile7,pile8] [--files a.npz b.npz] [--time-limit 60]
     python benches/hard_problems.py --dear [--files a.npz]
+    python benches/hard_problems.py --wide
 
 For unilateral contacts with isotropic friction, p = 2, between bodies. Columns, in units in which
 the mean of the diagonal of G and of the loads of a contact are 1:
@@ -17,7 +18,8 @@ the mean of the diagonal of G and of the loads of a contact are 1:
   from the last iterate converge where there is none, with small steps where none is to the right.
 
 With `--dear`: times of `Auto` on piles and columns of spheres, where factorisations are dear, each
-of 4 s at most; constants of `crates/asperity/src/solver/auto.rs` were chosen by them.
+of 4 s at most; constants of `crates/asperity/src/solver/auto.rs` were chosen by them. With `--wide`
+the same of more of them, each of 6 s at most: frictions between 0.1 and 0.7, three speeds.
 """
 
 import argparse
@@ -131,25 +133,56 @@ def linearised(scaled: Scaled, solution: asp.ContactSolution) -> str:
     return f"{text}, largest {largest:.3g}"
 
 
-def dear(others: list[asp.ContactProblem]) -> None:
-    """Print the time of `Auto` on piles and columns, and which of them it does not solve."""
-    cases = [(str(place), problem) for place, problem in enumerate(others)]
-    for layers in range(3, 9):
-        for friction in (0.1, 0.3, 0.5):
-            law = asp.FrictionLaw.isotropic(friction)
-            for speed in (0.0, 0.3):
-                pile = problems.pile(layers, law=law, speed=speed)
-                cases.append((f"pile {layers}, friction {friction}, {speed} m/s", pile))
-    for count in (3, 6, 12, 18, 26, 36, 46, 70):
-        for friction in (0.1, 0.5):
-            law = asp.FrictionLaw.isotropic(friction)
-            name = f"{count} columns, friction {friction}"
-            cases.append((name, problems.columns(count, height=10, law=law)))
+def piles_and_columns() -> list[tuple[str, asp.ContactProblem]]:
+    """Return those of `--dear`."""
+    cases = [
+        pile(layers, friction, speed)
+        for layers in range(3, 9)
+        for friction in (0.1, 0.3, 0.5)
+        for speed in (0.0, 0.3)
+    ]
+    counts = (3, 6, 12, 18, 26, 36, 46, 70)
+    return cases + [columns(count, friction) for count in counts for friction in (0.1, 0.5)]
+
+
+def wide_ones() -> list[tuple[str, asp.ContactProblem]]:
+    """Return those of `--wide`."""
+    frictions = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7)
+    cases = [
+        pile(layers, friction, speed)
+        for layers in range(4, 9)
+        for friction in frictions
+        for speed in (0.0, 0.1, 0.3)
+    ]
+    counts = (12, 18, 26, 36, 46, 60)
+    return cases + [
+        columns(count, friction, seed=1)
+        for count in counts
+        for friction in (0.2, 0.3, 0.4, 0.6, 0.7)
+    ]
+
+
+def pile(layers: int, friction: float, speed: float) -> tuple[str, asp.ContactProblem]:
+    """Return the name of a pile, and it."""
+    law = asp.FrictionLaw.isotropic(friction)
+    name = f"pile {layers}, friction {friction}, {speed} m/s"
+    return name, problems.pile(layers, law=law, speed=speed)
+
+
+def columns(count: int, friction: float, *, seed: int = 0) -> tuple[str, asp.ContactProblem]:
+    """Return the name of columns of ten spheres, and them."""
+    law = asp.FrictionLaw.isotropic(friction)
+    name = f"{count} columns, friction {friction}"
+    return name, problems.columns(count, height=10, law=law, seed=seed)
+
+
+def times_of(cases: list[tuple[str, asp.ContactProblem]], *, limit: float) -> None:
+    """Print the time of `Auto` on problems, and which of them it does not solve."""
     times = []
     for name, problem in cases:
         start = time.process_time()
         solution = problem.solve(
-            tolerance=1e-8, measure="global", time_limit=4.0, on_failure="record"
+            tolerance=1e-8, measure="global", time_limit=limit, on_failure="record"
         )
         times.append(time.process_time() - start)
         if not solution.converged:
@@ -165,9 +198,14 @@ def main() -> None:
     parser.add_argument("--files", nargs="*", default=[])
     parser.add_argument("--time-limit", type=float, default=60.0, help="s per solve")
     parser.add_argument("--dear", action="store_true", help="times of piles and columns")
+    parser.add_argument("--wide", action="store_true", help="times of more of them")
     options = parser.parse_args()
     if options.dear:
-        dear([asp.ContactProblem.load(file) for file in options.files])
+        others = [(file, asp.ContactProblem.load(file)) for file in options.files]
+        times_of(others + piles_and_columns(), limit=4.0)
+    if options.wide:
+        times_of(wide_ones(), limit=6.0)
+    if options.dear or options.wide:
         return
     piles = [name for name in options.problems.split(",") if name]
     cases = [(name, problems.pile(int(name.removeprefix("pile")))) for name in piles]

@@ -91,7 +91,6 @@ impl Sweep<'_> {
 /// Buffers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Accelerated {
-    bodies: BodySweeps,
     percussion: Vec<f64>,
     /// Where the sweep began.
     from: Vec<f64>,
@@ -107,8 +106,14 @@ pub(crate) struct Accelerated {
 impl Accelerated {
     /// From the best percussions, at most so many sweeps over blocks of `G`, or as long over the velocities of bodies where the
     /// problem is one of bodies.
-    pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, cones: &mut Cones, most: usize) {
-        let Self { bodies, percussion, from, image, defect, images, defects, products } = self;
+    pub(crate) fn iterate(
+        &mut self,
+        progress: &mut Progress<'_>,
+        bodies: &mut BodySweeps,
+        cones: &mut Cones,
+        most: usize,
+    ) {
+        let Self { percussion, from, image, defect, images, defects, products } = self;
         let problem = progress.task.problem;
         let threads = progress.task.threads;
         let claim;

@@ -8,6 +8,7 @@ mod newton;
 mod progress;
 mod prox;
 mod proximal;
+mod relaxed;
 mod standing;
 mod sweeps;
 mod task;
@@ -20,8 +21,10 @@ pub(crate) use progress::{Buffers, Progress};
 pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
 pub(crate) use proximal::{Limits, ProximalPoint};
+pub(crate) use relaxed::Relaxed;
 pub(crate) use standing::Standing;
 pub(crate) use sweeps::{
-    Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, UNTIMED, mark_ambiguous, untimed_visits,
+    BodySweeps, Cost, Own, Plan, Rate, Sweeper, Swept, TRIAL_SWEEPS, UNTIMED, mark_ambiguous,
+    untimed_visits,
 };
 pub(crate) use task::{Iterate, Past, Reached, Task};

@@ -1,5 +1,7 @@
 //! Bodies and contacts as arrays.
 
+use std::ops::Range;
+
 use super::super::super::cones::{Cones, own_rows};
 use super::bodies::{Bodies, Order, VELOCITIES};
 use crate::contact::{ContactProblem, Delassus, Factored};
@@ -61,6 +63,8 @@ pub(super) struct Layout {
     groups: Vec<Group>,
     /// The contact in every lane of every group.
     members: Vec<[Option<usize>; LANES]>,
+    /// The groups of every colour.
+    colours: Vec<Range<usize>>,
 }
 
 impl Layout {
@@ -83,7 +87,7 @@ impl Layout {
     /// Gives every contact the first colour that none of its bodies has, and puts those of a colour into groups.
     fn arrange(&mut self, contacts: &[Contact]) {
         const COLOURS: usize = u128::BITS as usize;
-        let Self { bodies, groups, members } = self;
+        let Self { bodies, groups, members, colours } = self;
         let ground = *bodies as u32;
         let mut taken = vec![0_u128; *bodies];
         let mut of_colour = vec![Vec::new(); COLOURS + 1];
@@ -98,8 +102,10 @@ impl Layout {
         }
         groups.clear();
         members.clear();
-        for (colour, own) in of_colour.iter().enumerate() {
+        colours.clear();
+        for (colour, own) in of_colour.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
             // What is left of bodies with more contacts than there are colours may share them.
+            let first = groups.len();
             let together = if colour < COLOURS { LANES } else { 1 };
             for chunk in own.chunks(together) {
                 let mut group = Group::empty(ground);
@@ -111,12 +117,18 @@ impl Layout {
                 groups.push(group);
                 members.push(member);
             }
+            colours.push(first..groups.len());
         }
     }
 
     /// Number of bodies.
     pub(super) fn bodies(&self) -> usize {
         self.bodies
+    }
+
+    /// The groups of every colour.
+    pub(super) fn colours(&self) -> &[Range<usize>] {
+        &self.colours
     }
 
     /// All groups, colour by colour.

@@ -3,6 +3,8 @@
 //! What is inlined into `call` is compiled for wide registers where the processor has them. There is no fused product and
 //! sum, so that all processors find the same percussions.
 
+use std::ops::Range;
+
 use super::bodies::VELOCITIES;
 use super::layout::{Group, LANES, Lanes, Percussions, ROWS};
 
@@ -14,13 +16,17 @@ pub(super) struct Velocities([f64; 8]);
 /// One sweep.
 pub(super) struct Sweep<'a> {
     pub(super) groups: &'a [Group],
+    /// Groups of colours in their order.
+    pub(super) colours: &'a [Range<usize>],
+    /// Over-relaxation `ω`.
+    pub(super) relaxation: f64,
     pub(super) percussions: &'a mut [Percussions],
     /// Of all bodies and of the ground, zero at first.
     pub(super) velocities: &'a mut [Velocities],
 }
 
 impl Sweep<'_> {
-    /// Group by group, from the velocities that the percussions bring.
+    /// Colour by colour, from the velocities that the percussions bring.
     pub(super) fn run(self) {
         pulp::Arch::new().dispatch(self);
     }
@@ -31,7 +37,7 @@ impl pulp::NullaryFnOnce for Sweep<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { groups, percussions, velocities } = self;
+        let Self { groups, colours, relaxation, percussions, velocities } = self;
         for (group, own) in groups.iter().zip(&*percussions) {
             for body in 0..2 {
                 let mut side = gather(group, body, velocities);
@@ -39,15 +45,18 @@ impl pulp::NullaryFnOnce for Sweep<'_> {
                 scatter(group, body, &side, velocities);
             }
         }
-        for (group, own) in groups.iter().zip(percussions) {
-            visit(group, own, velocities);
+        for colour in colours {
+            let own = percussions[colour.clone()].iter_mut();
+            for (group, own) in groups[colour.clone()].iter().zip(own) {
+                visit(group, relaxation, own, velocities);
+            }
         }
     }
 }
 
 /// Visits the contacts of a group.
 #[inline(always)]
-fn visit(group: &Group, own: &mut Percussions, velocities: &mut [Velocities]) {
+fn visit(group: &Group, relaxation: f64, own: &mut Percussions, velocities: &mut [Velocities]) {
     let mut sides = [gather(group, 0, velocities), gather(group, 1, velocities)];
     let mut xi = group.loads;
     for (directions, side) in group.directions.iter().zip(&sides) {
@@ -59,7 +68,7 @@ fn visit(group: &Group, own: &mut Percussions, velocities: &mut [Velocities]) {
             }
         }
     }
-    let change = project(group, &xi, own);
+    let change = project(group, relaxation, &xi, own);
     for (body, side) in sides.iter_mut().enumerate() {
         bring(group, body, &change, side);
         scatter(group, body, side, velocities);
@@ -112,19 +121,19 @@ fn bring(
 /// Projects percussions, and returns by how much they have changed. One loop for each line, as only short ones become
 /// operations on registers.
 #[inline(always)]
-fn project(group: &Group, xi: &Percussions, own: &mut Percussions) -> Percussions {
+fn project(group: &Group, relaxation: f64, xi: &Percussions, own: &mut Percussions) -> Percussions {
     let before = *own;
     let Group { normal_step, tangential_step, coupling, .. } = group;
     let mut change = [[0.0; LANES]; ROWS];
     for lane in 0..LANES {
-        let free = before[0][lane] - normal_step[lane] * xi[0][lane];
+        let free = before[0][lane] - relaxation * normal_step[lane] * xi[0][lane];
         own[0][lane] = if free > 0.0 { free } else { 0.0 };
         change[0][lane] = own[0][lane] - before[0][lane];
     }
     for row in 1..ROWS {
         for lane in 0..LANES {
             let velocity = xi[row][lane] + coupling[row - 1][lane] * change[0][lane];
-            own[row][lane] = before[row][lane] - tangential_step[lane] * velocity;
+            own[row][lane] = before[row][lane] - relaxation * tangential_step[lane] * velocity;
         }
     }
     let mut share = [0.0; LANES];

@@ -64,10 +64,10 @@ fn read(problem: &ContactProblem) -> Option<(BodySweeps, Cones)> {
 }
 
 /// The percussions after so many sweeps from none.
-fn swept(problem: &ContactProblem, count: usize) -> Vec<f64> {
+fn swept(problem: &ContactProblem, count: usize, sweep: fn(&mut BodySweeps)) -> Vec<f64> {
     let (mut sweeps, cones) = read(problem).unwrap();
     sweeps.start(problem, &cones, &vec![0.0; problem.rows()]);
-    (0..count).for_each(|_| sweeps.sweep());
+    (0..count).for_each(|_| sweep(&mut sweeps));
     let mut percussion = vec![f64::NAN; problem.rows()];
     sweeps.percussion(problem, &cones, &mut percussion);
     percussion
@@ -79,13 +79,34 @@ fn sweeps_end_at_solutions() {
     let mut seed = 3;
     for (count, scale, unit) in [(1, 1.0, 1.0), (5, 1e-9, 1e20), (8, 1e3, 1e-40), (40, 1.0, 1.0)] {
         let problem = bodies_in_contact(count, scale, unit, &mut seed);
-        let found = swept(&problem, 20_000);
-        let mut velocity = vec![0.0; problem.rows()];
-        problem.velocity(&found, &mut velocity);
-        let map = natural_map(&problem, &found, &velocity).unwrap();
-        assert!(map < 1e-12, "{count} bodies: {map:e}");
-        assert!(found.iter().any(|p| *p != 0.0));
+        for sweep in [BodySweeps::sweep, BodySweeps::relaxed_sweep] {
+            let found = swept(&problem, 20_000, sweep);
+            let mut velocity = vec![0.0; problem.rows()];
+            problem.velocity(&found, &mut velocity);
+            let map = natural_map(&problem, &found, &velocity).unwrap();
+            assert!(map < 1e-12, "{count} bodies: {map:e}");
+            assert!(found.iter().any(|p| *p != 0.0));
+        }
     }
+}
+
+/// Orders are drawn anew for every problem, and plain sweeps do not take them.
+#[test]
+fn sweeps_do_not_depend_on_those_before() {
+    let problem = bodies_in_contact(12, 1.0, 1.0, &mut 4);
+    let (mut sweeps, cones) = read(&problem).unwrap();
+    let mut after = |sweep: fn(&mut BodySweeps)| {
+        let mut percussion = vec![0.0; problem.rows()];
+        assert!(sweeps.read(&problem, &cones));
+        sweeps.start(&problem, &cones, &percussion);
+        (0..10).for_each(|_| sweep(&mut sweeps));
+        sweeps.percussion(&problem, &cones, &mut percussion);
+        percussion
+    };
+    let (plain, relaxed) = (after(BodySweeps::sweep), after(BodySweeps::relaxed_sweep));
+    assert_ne!(plain, relaxed);
+    assert_eq!(plain, after(BodySweeps::sweep));
+    assert_eq!(relaxed, after(BodySweeps::relaxed_sweep));
 }
 
 /// `M` does not couple the velocities of spheres, and contacts on their axes do not act on all of them; what has no contact may
@@ -125,7 +146,7 @@ fn a_body_may_have_hundreds_of_contacts() {
     // Velocities that the body has: it can come to rest.
     let loads = &directions * DVector::from_fn(DOF, |_, _| random(&mut seed));
     let problem = loaded(&mass, &directions, loads.as_slice().to_vec(), isotropic(contacts));
-    let found = swept(&problem, 2000);
+    let found = swept(&problem, 2000, BodySweeps::sweep);
     let mut velocity = vec![0.0; problem.rows()];
     problem.velocity(&found, &mut velocity);
     let map = natural_map(&problem, &found, &velocity).unwrap();
