@@ -50,6 +50,8 @@ RANK = 1e-9
 """Largest ratio of singular values that counts as none."""
 REGULAR = 1e-7
 """Compliance of percussions that are not determined; 10⁻⁵ shows the same eigenvalues to 5 %."""
+SLOW = 0.3
+"""Time in s from which on a problem is named."""
 LARGEST = 3000
 """Rows of closed contacts beyond which singular values take minutes."""
 
@@ -177,7 +179,7 @@ def columns(count: int, friction: float, *, seed: int = 0) -> tuple[str, asp.Con
 
 
 def times_of(cases: list[tuple[str, asp.ContactProblem]], *, limit: float) -> None:
-    """Print the time of `Auto` on problems, and which of them it does not solve."""
+    """Print the time of `Auto` on problems, and those that it does not solve or takes long for."""
     times = []
     for name, problem in cases:
         start = time.process_time()
@@ -185,8 +187,9 @@ def times_of(cases: list[tuple[str, asp.ContactProblem]], *, limit: float) -> No
             tolerance=1e-8, measure="global", time_limit=limit, on_failure="record"
         )
         times.append(time.process_time() - start)
-        if not solution.converged:
-            print(f"{name}: {solution.status}, {solution.natural_map:.1e}")
+        if times[-1] > SLOW or not solution.converged:
+            end = f"{solution.status}, {solution.natural_map:.1e}"
+            print(f"{name}: {times[-1]:.2f} s, {end}", flush=True)
     mean = 1e3 * np.exp(np.log(times).mean())
     print(f"{len(cases)} problems: {sum(times):.2f} s, geometric mean {mean:.2f} ms", flush=True)
 

@@ -60,19 +60,22 @@ const INTERIOR_GOAL: f64 = 1e-7;
 /// piles and columns take 0.90, 1.00, 1.10 and 1.30 times as long (geometric mean). Of the stored problems only the spheres in
 /// a box come to more than 8, and take 0.93 times as long as without.
 const DEAR: f64 = 8.0;
-/// Factorisations that they may take as long as, and then, where they have come near to a solution (`IDENTIFIED`) but Newton's
-/// method has not ended it from there. Measured on the "hardest" ones, 27 of the 195 of `benches/hard_problems.py --wide` that
-/// took longer than 0.3 s, each of 6 s at most: they take 47 s and four are not solved; with 5, 7 and 20 of the one 55, 46 and
-/// 55 s, five, four and six not solved. Other random numbers of relaxed sweeps make 51 s and five of the 47 s and four. Columns
-/// with 3000 contacts whose sweeps stayed at a natural map of 2e-7 for 70,000 of them take 3.8 s in place of 12.7 s with 60
-/// at once.
-const WORTH: f64 = 10.0;
-const WORTH_NEAR: f64 = 50.0;
-/// The same of relaxed sweeps, after ADMM, and the natural map at which they end: without them (and with 60 of `WORTH`) the
-/// hardest ones take 72 s, and nine are not solved; with 500 and 2000 of the one 65 and 51 s, eight and five; with a tenth and
-/// five times of the other 48 s and four. Before ADMM they take 55 to 70 s.
-const RELAXED: f64 = 1000.0;
-const SETTLED_MAP: f64 = 2e-6;
+/// Factorisations that they may take as many operations as, and those in which sweeps over bodies must halve the natural map.
+/// By the clock ten of them are 7 of piles with 225 contacts, 18 with 960, and 29 and 41 of columns with 3000 and 6120, since
+/// operations on large fronts are quicker. With 15, 30 and 120 of the first piles and columns take 1.06, 1.01 and 1.01 times
+/// as long, when there were no others. The 195 problems of `benches/hard_problems.py --wide`, of 6 s at most each, take 60 s,
+/// and four are not solved; with 20 and 40 of the second 67 and 69 s, five and six. Chance has a part in it: numbers of sweeps
+/// are chaotic.
+const WORTH: f64 = 60.0;
+const PATIENT: f64 = 10.0;
+/// The same of relaxed sweeps, which nothing ends before, as they come to rest all at once: before Newton's method is tried with
+/// other parameters, and after it and the interior point method. Without relaxed sweeps and with 60 of `PATIENT` the same
+/// problems take 77 s, and nine are not solved; with all thousand before, and with all of them after, each with 60 of `PATIENT`,
+/// 69 and 78 s, seven and eight, but a pile of nine layers, which Newton's method ends, takes 9 s with all of them before.
+const RELAXED_FIRST: f64 = 200.0;
+const RELAXED_LAST: f64 = 800.0;
+/// Natural map at which relaxed sweeps end, and above which they are made: a tenth and five times of it change nothing.
+const RELAXED_GOAL: f64 = 2e-6;
 /// Natural map from which on Newton's method itself, without a proximal term, ends what accelerated sweeps have begun, and
 /// its iterations: a tenth and ten times of the one, half and twice of the other change the time of piles and columns by 2 %.
 const IDENTIFIED: f64 = 1e-5;
@@ -132,7 +135,7 @@ impl Methods {
         let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
         let Self { standing, dear_sweeps, neighbourhoods, .. } = self;
         let mut progress = Progress::new(task, iterate, sweeper, buffers);
-        let First { tried, dear, resting } =
+        let First { mut tried, dear, resting } =
             first_attempts(&mut progress, matrix, proximal, cones, standing, dear_sweeps);
         if !progress.is_over()
             && let Some(contact) = progress.stuck()
@@ -151,8 +154,10 @@ impl Methods {
         if conic && dear && !progress.is_over() {
             admm.iterate(&mut progress, cones, matrix, usize::MAX, (BESIDE, false));
         }
-        if dear && !task.within_another && !progress.is_over() {
-            dear_sweeps.settle(&mut progress, matrix, proximal, cones);
+        // What is found in a neighbourhood is only a start for the whole, and is not worth so much time.
+        let relaxes = dear && !task.within_another;
+        if relaxes && !progress.is_over() {
+            tried |= dear_sweeps.relax(&mut progress, matrix, proximal, cones, RELAXED_FIRST);
         }
         if !progress.is_over() && !tried {
             proximal.attempt(&mut progress, matrix, ATTEMPT);
@@ -165,6 +170,9 @@ impl Methods {
         if conic && resting.is_none() && !progress.is_over() {
             let course = Course { max_iterations: INTERIOR, goal: INTERIOR_GOAL, expected: 0.0 };
             interior.iterate(&mut progress, cones, matrix, course);
+        }
+        if relaxes && !progress.is_over() {
+            dear_sweeps.relax(&mut progress, matrix, proximal, cones, RELAXED_LAST);
         }
         if !progress.is_over() {
             let steps = if Neighbourhoods::are_made(task) { OUTER_BESIDE } else { OUTER };
@@ -311,17 +319,11 @@ fn first_attempts(
     let sweeps_per_factorization = cost.sweeps(matrix.operations(problem));
     first.dear = sweeps_per_factorization > DEAR;
     if !progress.is_over() && first.dear {
-        for worth in [WORTH, WORTH_NEAR] {
-            let most = (worth * sweeps_per_factorization) as usize;
-            dear_sweeps.accelerate(progress, cones, most);
-            if progress.is_over() || progress.best_grade() >= IDENTIFIED {
-                break;
-            }
-            first.tried = true;
+        dear_sweeps.read(problem, cones);
+        dear_sweeps.accelerate(progress, cones, sweeps_per_factorization);
+        if !progress.is_over() && progress.best_grade() < IDENTIFIED {
             proximal.newton_alone(progress, matrix, FROM_SWEEPS);
-            if progress.is_over() {
-                break;
-            }
+            first.tried = true;
         }
     }
     // From what rests, the interior point method is asked first.
@@ -345,41 +347,55 @@ fn first_attempts(
 #[derive(Debug, Clone, Default)]
 struct DearSweeps {
     bodies: BodySweeps,
+    /// Whether they may go over the velocities of bodies.
+    over_bodies: bool,
     accelerated: Accelerated,
     relaxed: Relaxed,
 }
 
 impl DearSweeps {
-    /// At most so many accelerated sweeps from the best percussions.
-    fn accelerate(&mut self, progress: &mut Progress<'_>, cones: &mut Cones, most: usize) {
-        self.accelerated.iterate(progress, &mut self.bodies, cones, most);
+    /// Reads a problem.
+    fn read(&mut self, problem: &ContactProblem, cones: &mut Cones) {
+        self.over_bodies = cones.read(problem) && self.bodies.read(problem, cones);
+    }
+
+    /// Accelerated sweeps from the best percussions, where a factorisation takes as many operations as so many sweeps.
+    fn accelerate(&mut self, progress: &mut Progress<'_>, cones: &Cones, factorization: f64) {
+        let most = (WORTH * factorization) as usize;
+        // Relaxed sweeps follow over bodies only.
+        let patience = if self.over_bodies { PATIENT } else { WORTH };
+        let patience = (patience * factorization) as usize;
+        let bodies = self.over_bodies.then_some(&mut self.bodies);
+        self.accelerated.iterate(progress, bodies, cones, (most, patience));
     }
 
     /// Where no percussions are near to a solution, relaxed sweeps over the velocities of bodies until the states of contacts
-    /// settle, from where accelerated sweeps and Newton's method go on.
-    fn settle(
+    /// settle, from where accelerated sweeps and Newton's method go on; whether that was tried.
+    fn relax(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
         proximal: &mut ProximalPoint,
-        cones: &mut Cones,
-    ) {
+        cones: &Cones,
+        worth: f64,
+    ) -> bool {
+        if !self.over_bodies || progress.best_grade() < RELAXED_GOAL {
+            return false;
+        }
         let problem = progress.task.problem;
-        let far = progress.best_grade() >= SETTLED_MAP;
-        if !(far && cones.read(problem) && self.bodies.read(problem, cones)) {
-            return;
-        }
         let cost = Cost::of(problem, 0..problem.contacts().len());
-        let sweeps_per_factorization = cost.sweeps(matrix.operations(problem));
-        let most = (RELAXED * sweeps_per_factorization) as usize;
-        self.relaxed.iterate(progress, &mut self.bodies, cones, SETTLED_MAP, most);
-        if progress.is_over() || progress.best_grade() >= IDENTIFIED {
-            return;
+        let factorization = cost.sweeps(matrix.operations(problem));
+        let most = (worth * factorization) as usize;
+        self.relaxed.iterate(progress, &mut self.bodies, cones, RELAXED_GOAL, most);
+        if progress.is_over() || progress.best_grade() >= RELAXED_GOAL {
+            return false;
         }
-        self.accelerate(progress, cones, (WORTH * sweeps_per_factorization) as usize);
-        if !progress.is_over() {
-            proximal.newton_alone(progress, matrix, FROM_SWEEPS);
+        self.accelerate(progress, cones, factorization);
+        if progress.is_over() {
+            return false;
         }
+        proximal.newton_alone(progress, matrix, FROM_SWEEPS);
+        true
     }
 }
 

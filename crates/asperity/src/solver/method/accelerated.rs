@@ -104,26 +104,27 @@ pub(crate) struct Accelerated {
 }
 
 impl Accelerated {
-    /// From the best percussions, at most so many sweeps over blocks of `G`, or as long over the velocities of bodies where the
-    /// problem is one of bodies.
+    /// From the best percussions, over the velocities of bodies if there are any, which have read the problem. At most so many
+    /// sweeps, so many of them without half of the natural map; over bodies as long as these take over the blocks of `G`.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
-        bodies: &mut BodySweeps,
-        cones: &mut Cones,
-        most: usize,
+        bodies: Option<&mut BodySweeps>,
+        cones: &Cones,
+        (most, patience): (usize, usize),
     ) {
         let Self { percussion, from, image, defect, images, defects, products } = self;
-        let problem = progress.task.problem;
         let threads = progress.task.threads;
         let claim;
-        let (mut sweep, most) = if cones.read(problem) && bodies.read(problem, cones) {
-            (Sweep::Bodies(bodies, cones), OVER_BODIES * most)
+        let (mut sweep, as_long) = if let Some(bodies) = bodies {
+            (Sweep::Bodies(bodies, cones), OVER_BODIES)
         } else {
             // Whoever shares the pool with other calls would wait for them in every sweep.
             claim = threads.claim();
-            (Sweep::Blocks { free: claim.is_some() }, most)
+            (Sweep::Blocks { free: claim.is_some() }, 1)
         };
+        let (most, patience) = (as_long * most, as_long * patience);
+        let (mut halved, mut halved_at) = (f64::INFINITY, 0);
         progress.start_from_best(percussion);
         sweep.start(progress, percussion);
         from.clear();
@@ -137,6 +138,7 @@ impl Accelerated {
             list.clear();
             list.resize(rows, 0.0);
         }
+        image.copy_from_slice(from);
         let (mut remembered, mut next, mut last) = (0, 0, f64::INFINITY);
         let (mut sweeps, mut reset_at, mut farther) = (0, None, 0.0);
         while sweeps < most && !progress.task.stop.early() {
@@ -174,7 +176,11 @@ impl Accelerated {
             last = size;
             if sweeps.is_multiple_of(TRIAL_SWEEPS) {
                 sweep.grade(progress, image, percussion);
-                if progress.is_over() || progress.is_hopeless() {
+                if progress.best_grade() < 0.5 * halved {
+                    (halved, halved_at) = (progress.best_grade(), sweeps);
+                }
+                let in_vain = sweeps - halved_at > patience;
+                if in_vain || progress.is_over() || progress.is_hopeless() {
                     break;
                 }
             }
@@ -188,10 +194,9 @@ impl Accelerated {
             sweep.point(progress).copy_from_slice(from);
         }
         sweep.grade(progress, image, percussion);
-        if let Sweep::Bodies(..) = sweep {
-            // Sweeps that follow begin here.
-            progress.iterate.percussion.copy_from_slice(percussion);
-        }
+        // Sweeps that follow begin here.
+        let last = if let Sweep::Bodies(..) = sweep { percussion } else { image };
+        progress.iterate.percussion.copy_from_slice(last);
         progress.record(Method::GaussSeidel, sweeps, 0);
     }
 }

@@ -20,8 +20,8 @@ pub(crate) struct Relaxed {
 }
 
 impl Relaxed {
-    /// From the best percussions until their natural map is below a goal, at most so many sweeps; how many. The problem is
-    /// the one that `bodies` have read.
+    /// From the best percussions until their natural map is below a goal, at most so many sweeps. The problem is the one that
+    /// `bodies` have read.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
@@ -29,24 +29,22 @@ impl Relaxed {
         cones: &Cones,
         goal: f64,
         most: usize,
-    ) -> usize {
+    ) {
         let problem = progress.task.problem;
         progress.start_from_best(&mut self.percussion);
         bodies.start(problem, cones, &self.percussion);
-        let mut sweeps = 0;
-        while sweeps < most && !progress.task.stop.early() {
+        for sweeps in 1..=most {
             bodies.relaxed_sweep();
-            sweeps += 1;
-            if !sweeps.is_multiple_of(CHECK) && sweeps < most {
+            let ends = sweeps == most || progress.task.stop.early();
+            if !ends && !sweeps.is_multiple_of(CHECK) {
                 continue;
             }
             bodies.percussion(problem, cones, &mut self.percussion);
             let grade = progress.grade(&self.percussion);
-            if progress.is_over() || progress.is_hopeless() || grade < goal {
-                break;
+            if ends || progress.is_over() || progress.is_hopeless() || grade < goal {
+                progress.record(Method::GaussSeidel, sweeps, 0);
+                return;
             }
         }
-        progress.record(Method::GaussSeidel, sweeps, 0);
-        sweeps
     }
 }

@@ -15,9 +15,10 @@ pub(super) const LANES: usize = 4;
 pub(super) const ROWS: usize = 3;
 /// Difference of `K` and `T⁻ᵀ` relative to their size that is rounding: the operator of the cones is symmetric then.
 const SYMMETRIC: f64 = 1e-12;
-/// Largest ratio of the eigenvalues of `Ĝ_TT` of a contact, beyond which one step with the larger one is too short for the
-/// other: columns with 1240 contacts whose friction is elliptic with a ratio of 2, 3 and 10 of the axes, four, nine and a hundred
-/// of the eigenvalues, take 1.5, 2.1 and 7 times as many sweeps as over the blocks of `G`, which solve each contact.
+/// Largest ratio of the eigenvalues of `Ĝ_TT` of a contact, to which inertia and friction contribute, beyond which one step with
+/// the larger one is too short for the other: columns with 1240 contacts whose friction is elliptic with a ratio of 2, 3 and 10
+/// of the axes, four, nine and a hundred of the eigenvalues, take 1.5, 2.1 and 7 times as many sweeps as over the blocks of
+/// `G`, which solve each contact.
 const ELONGATED: f64 = 3.0;
 
 /// A number for each of the contacts of a group.
@@ -69,7 +70,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Reads a problem; false if some contact is not one between two bodies at most, or its friction has no symmetric cone in
-    /// the plane, or one that is too elongated.
+    /// the plane, or its mobilities in the plane differ too much.
     pub(super) fn read(&mut self, problem: &ContactProblem, cones: &Cones) -> bool {
         let Delassus::Factored(factored) = problem.delassus() else { return false };
         [Order::FirstToLast, Order::LastToFirst].into_iter().any(|order| {
@@ -187,7 +188,7 @@ struct Contact {
 }
 
 impl Contact {
-    /// Nothing if it touches more than two bodies, has too many rows, no symmetric cone or an elongated one.
+    /// Nothing if it touches more than two bodies, has too many rows, no symmetric cone or too different mobilities.
     fn of(
         problem: &ContactProblem,
         i: usize,

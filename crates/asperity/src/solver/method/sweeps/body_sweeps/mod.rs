@@ -33,12 +33,15 @@ use self::sweep::{Sweep, Velocities};
 use super::super::cones::Cones;
 use crate::contact::ContactProblem;
 
-/// Over-relaxation `ω` of relaxed sweeps: the hardest problems that `WORTH` of `auto.rs` names take 59, 65, 44 and 56 s with
-/// 1, 1.15, 1.45 and 1.6 in place of 47 s, and six, six, four and five of them are not solved in place of four.
+/// Over-relaxation `ω` of relaxed sweeps. Before `PATIENT` of `auto.rs` and with a thousand factorisations' worth of them at once,
+/// 27 of the problems that it names, which took longer than 0.3 s, took 59, 65, 47, 44 and 56 s with 1, 1.15, 1.3, 1.45 and
+/// 1.6, of 6 s at most each, and six, six, four, four and five of them were not solved. Projected over-relaxation diverges in
+/// some columns from 1.6 on.
 const RELAXATION: f64 = 1.3;
-/// Of the random numbers.
+/// Knuth's linear congruential generator of the random orders, and where each problem begins with it.
 const FACTOR: u64 = 6_364_136_223_846_793_005;
 const SUMMAND: u64 = 1_442_695_040_888_963_407;
+const SEED: u64 = 1;
 
 /// Percussions and velocities of a problem of bodies.
 #[derive(Debug, Clone, Default)]
@@ -60,7 +63,7 @@ impl BodySweeps {
         let is_one = self.layout.read(problem, cones);
         self.order.clear();
         self.order.extend_from_slice(self.layout.colours());
-        self.random = 1;
+        self.random = SEED;
         is_one
     }
 
@@ -84,7 +87,7 @@ impl BodySweeps {
     pub(crate) fn relaxed_sweep(&mut self) {
         let Self { layout, percussions, velocities, order, random } = self;
         for i in (1..order.len()).rev() {
-            // Knuth's linear congruential generator, whose upper bits are the most random.
+            // The upper bits are the most random.
             *random = random.wrapping_mul(FACTOR).wrapping_add(SUMMAND);
             order.swap(i, (*random >> 33) as usize % (i + 1));
         }
