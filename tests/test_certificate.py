@@ -6,12 +6,14 @@ import pickle
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import Certificate, Status
+from asperity import Certificate, Status, problems
 from asperity.contact.grading import natural_map, proves_no_solution
 from asperity.errors import NoSolutionError
 from samples import BEAN, LAWS, identify, random_problem
 from scipy.linalg import block_diag
 from scipy.optimize import linprog
+from scipy.sparse import csc_array, hstack
+from scipy.sparse.linalg import lsqr
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 DEFECTS = [
@@ -694,3 +696,45 @@ def test_a_start_that_was_no_solution_does_no_harm():
 def test_no_solution_error_needs_growth_not_only_an_approach():
     with pytest.raises(NoSolutionError):
         close_jaws(0.0, squeeze=1.0).solve(tolerance=1e-8)
+
+
+def squeezed_packing(side, *, closing, level=3):
+    """Return side² columns of ten spheres, of which walls squeeze a row, and the row's contacts."""
+    packing = problems.columns(side**2, height=10, law=asp.FrictionLaw.isotropic(0.3))
+    ends = np.array([level, 10 * (side - 1) + level])
+    walls = np.zeros((packing.mass.shape[0], 6))
+    for sphere, sign, column in zip(ends, (1.0, -1.0), (0, 3), strict=True):
+        own = walls[6 * sphere : 6 * sphere + 6, column : column + 3]
+        own[0, 0] = sign
+        own[[1, 5], 1] = 1.0, -0.5 * sign
+        own[[2, 4], 2] = 1.0, 0.5 * sign
+    directions = hstack([packing.directions, walls], format="csc")
+    velocity = lsqr(packing.directions.T, packing.free_velocity, atol=1e-15, btol=1e-15)[0]
+    approach = walls.T @ velocity
+    approach[3] -= closing
+    problem = asp.ContactProblem.from_bodies(
+        packing.mass,
+        directions=directions,
+        free_velocity=np.concatenate([packing.free_velocity, approach]),
+        laws=asp.FrictionLaw.isotropic(0.3),
+    )
+    # The contacts whose normals are along the row's centres bring no velocities together.
+    among = np.zeros(directions.shape[1])
+    for contact, normal in enumerate(csc_array(directions)[:, ::3].T.toarray()):
+        moved = set(np.flatnonzero(normal))
+        among[3 * contact] = moved <= {6 * (10 * k + level) for k in range(side)}
+    return problem, among
+
+
+@pytest.mark.parametrize(("side", "tolerance"), [(4, 1e-6), (4, 1e-8), (6, 1e-8)])
+def test_spheres_squeezed_within_a_packing_are_proven_to_be(side, tolerance):
+    """Hundreds of others carry loads only, but are not small enough to be left out."""
+    problem, among = squeezed_packing(side, closing=1e-3)
+    assert np.abs(problem.directions @ among).max() == 0.0
+    assert among @ problem.free_velocity == pytest.approx(-1e-3, rel=1e-6)
+    solution = problem.solve(tolerance=tolerance, measure="global", on_failure="record")
+    assert solution.status == "no_solution"
+    proof = solution.infeasibility.direction
+    assert np.abs(problem.directions @ proof).max() < 1e-14
+    assert np.all(proof >= 0.0)
+    assert proof @ problem.free_velocity < 0.0

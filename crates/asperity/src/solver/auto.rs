@@ -366,7 +366,7 @@ impl DearSweeps {
         let patience = if self.over_bodies { PATIENT } else { WORTH };
         let patience = (patience * factorization) as usize;
         let bodies = self.over_bodies.then_some(&mut self.bodies);
-        self.accelerated.iterate(progress, bodies, cones, (most, patience));
+        self.accelerated.iterate(progress, bodies, cones, most, patience);
     }
 
     /// Where no percussions are near to a solution, relaxed sweeps over the velocities of bodies until the states of contacts

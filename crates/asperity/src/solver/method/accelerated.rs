@@ -105,13 +105,14 @@ pub(crate) struct Accelerated {
 
 impl Accelerated {
     /// From the best percussions, over the velocities of bodies if there are any, which have read the problem. At most so many
-    /// sweeps, so many of them without half of the natural map; over bodies as long as these take over the blocks of `G`.
+    /// sweeps, and so many since the natural map was halved; over bodies as long as these take over the blocks of `G`.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
         bodies: Option<&mut BodySweeps>,
         cones: &Cones,
-        (most, patience): (usize, usize),
+        most: usize,
+        patience: usize,
     ) {
         let Self { percussion, from, image, defect, images, defects, products } = self;
         let threads = progress.task.threads;
