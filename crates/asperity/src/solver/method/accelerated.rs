@@ -195,9 +195,10 @@ impl Accelerated {
             sweep.point(progress).copy_from_slice(from);
         }
         sweep.grade(progress, image, percussion);
-        // Sweeps that follow begin here.
-        let last = if let Sweep::Bodies(..) = sweep { percussion } else { image };
-        progress.iterate.percussion.copy_from_slice(last);
+        if let Sweep::Bodies(..) = sweep {
+            // Sweeps that follow begin here.
+            progress.iterate.percussion.copy_from_slice(percussion);
+        }
         progress.record(Method::GaussSeidel, sweeps, 0);
     }
 }
