@@ -77,11 +77,11 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
             PARTS.into_iter().find_map(|part| {
                 let mut largest = support.clone();
                 largest.retain(|(_, d)| *d > part);
-                if largest.len() == support.len() {
+                // More of them would cost more than many solves take.
+                if largest.len() == support.len() || largest.len() > MOST_SEARCHED {
                     return None;
                 }
-                let few = largest.len() <= MOST_SEARCHED;
-                polish(problem, largest.clone()).or_else(|| if few { near(largest) } else { None })
+                polish(problem, largest.clone()).or_else(|| near(largest))
             })
         })
 }
