@@ -12,7 +12,7 @@ from asperity.errors import NoSolutionError
 from samples import BEAN, LAWS, identify, random_problem
 from scipy.linalg import block_diag
 from scipy.optimize import linprog
-from scipy.sparse import csc_array, hstack
+from scipy.sparse import csc_array, hstack, vstack
 from scipy.sparse.linalg import lsqr
 
 LAW = asp.FrictionLaw.isotropic(0.5)
@@ -635,6 +635,50 @@ def test_heavy_bodies_on_light_ones_are_never_said_to_have_no_solution(ratio):
         assert solution.status is not Status.NO_SOLUTION
 
 
+def pile_of_unequal_spheres(decades, seed):
+    """Return a pile of 30 spheres whose masses lie between 10^-decades kg and 10^decades kg."""
+    pile = problems.pile(4, speed=0.1, seed=seed)
+    factors = 10.0 ** np.random.default_rng(seed).uniform(
+        -decades, decades, pile.mass.shape[0] // 6
+    )
+    return asp.ContactProblem.from_bodies(
+        pile.mass * np.repeat(factors, 6),
+        directions=pile.directions,
+        free_velocity=pile.free_velocity,
+        laws=pile.laws,
+    )
+
+
+def takes_apart(problem, mu):
+    """Whether velocities of bodies open all contacts faster than these slip, by linear programming.
+
+    Then there is a solution, whatever the masses. The disk is replaced by a square around it.
+    """
+    normal, first, second = (csc_array(problem.directions)[:, row::3].T for row in range(3))
+    b = problem.free_velocity.reshape(-1, 3)
+    rows, right = [], []
+    for one in (-1.0, 1.0):
+        for two in (-1.0, 1.0):
+            slip = mu * (one * first + two * second)
+            rows.append(hstack([slip - normal, np.ones((len(b), 1))]))
+            right.append(b[:, 0] - mu * (one * b[:, 1] + two * b[:, 2]))
+    cost = np.zeros(normal.shape[1] + 1)
+    cost[-1] = -1.0
+    bounds = [(None, None)] * normal.shape[1] + [(None, 1.0)]
+    found = linprog(cost, A_ub=vstack(rows), b_ub=np.concatenate(right), bounds=bounds)
+    return found.status == 0 and found.fun < -0.5
+
+
+@pytest.mark.parametrize(("decades", "seed"), [(3, 1), (4, 9)])
+def test_percussions_do_not_run_away_where_a_solution_exists(decades, seed):
+    """They grow a thousandfold, as heavy spheres lie on light ones."""
+    problem = pile_of_unequal_spheres(decades, seed)
+    assert takes_apart(problem, 0.5)
+    solution = problem.solve(on_failure="record")
+    assert solution.status in (Status.CONVERGED, Status.STALLED)
+    assert solution.infeasibility is None
+
+
 @pytest.mark.parametrize("mass", [1e15, 1e16, 1e17, 1e20, 1e30])
 def test_bodies_that_the_operator_has_lost_are_asked_as_well(mass):
     """A light body between floor and heavy body: P = (M, 0, M, 0) brings both to rest exactly.
@@ -698,42 +742,56 @@ def test_no_solution_error_needs_growth_not_only_an_approach():
         close_jaws(0.0, squeeze=1.0).solve(tolerance=1e-8)
 
 
-def squeezed_packing(side, *, closing, level=3):
-    """Return side² columns of ten spheres, of which walls squeeze a row, and the row's contacts."""
-    packing = problems.columns(side**2, height=10, law=asp.FrictionLaw.isotropic(0.3))
-    ends = np.array([level, 10 * (side - 1) + level])
-    walls = np.zeros((packing.mass.shape[0], 6))
-    for sphere, sign, column in zip(ends, (1.0, -1.0), (0, 3), strict=True):
-        own = walls[6 * sphere : 6 * sphere + 6, column : column + 3]
-        own[0, 0] = sign
-        own[[1, 5], 1] = 1.0, -0.5 * sign
-        own[[2, 4], 2] = 1.0, 0.5 * sign
-    directions = hstack([packing.directions, walls], format="csc")
+def squeezed_packing(side, rows, *, closing):
+    """Return side² columns of ten spheres, of which walls squeeze rows, and the rows' contacts.
+
+    A row is named by its place and its level.
+    """
+    law = asp.FrictionLaw.isotropic(0.3)
+    packing = problems.columns(side**2, height=10, law=law)
     velocity = lsqr(packing.directions.T, packing.free_velocity, atol=1e-15, btol=1e-15)[0]
-    approach = walls.T @ velocity
-    approach[3] -= closing
+    directions, free = [packing.directions], [packing.free_velocity]
+    for place, level in rows:
+        first = 10 * side * place + level
+        walls = np.zeros((packing.mass.shape[0], 6))
+        ends = (first, first + 10 * (side - 1))
+        for sphere, sign, column in zip(ends, (1.0, -1.0), (0, 3), strict=True):
+            own = walls[6 * sphere : 6 * sphere + 6, column : column + 3]
+            own[0, 0] = sign
+            own[[1, 5], 1] = 1.0, -0.5 * sign
+            own[[2, 4], 2] = 1.0, 0.5 * sign
+        directions.append(csc_array(walls))
+        free.append(walls.T @ velocity - closing * np.eye(6)[3])
     problem = asp.ContactProblem.from_bodies(
         packing.mass,
-        directions=directions,
-        free_velocity=np.concatenate([packing.free_velocity, approach]),
-        laws=asp.FrictionLaw.isotropic(0.3),
+        directions=hstack(directions, format="csc"),
+        free_velocity=np.concatenate(free),
+        laws=law,
     )
-    # The contacts whose normals are along the row's centres bring no velocities together.
-    among = np.zeros(directions.shape[1])
-    for contact, normal in enumerate(csc_array(directions)[:, ::3].T.toarray()):
+    # The contacts whose normals are along a row's centres bring no velocities together.
+    along = [{6 * (10 * (side * place + k) + level) for k in range(side)} for place, level in rows]
+    among = np.zeros((len(rows), 3 * len(problem.laws)))
+    for contact, normal in enumerate(csc_array(problem.directions)[:, ::3].T.toarray()):
         moved = set(np.flatnonzero(normal))
-        among[3 * contact] = moved <= {6 * (10 * k + level) for k in range(side)}
+        among[:, 3 * contact] = [moved <= row for row in along]
     return problem, among
 
 
-@pytest.mark.parametrize(("side", "tolerance"), [(4, 1e-6), (4, 1e-8), (6, 1e-8)])
-def test_spheres_squeezed_within_a_packing_are_proven_to_be(side, tolerance):
+ONE_ROW = [(0, 3)]
+TWELVE_ROWS = [(place, level) for place in range(6) for level in (3, 5)]
+
+
+@pytest.mark.parametrize(
+    ("side", "rows", "tolerance"),
+    [(4, ONE_ROW, 1e-6), (4, ONE_ROW, 1e-8), (6, ONE_ROW, 1e-8), (6, TWELVE_ROWS, 1e-6)],
+)
+def test_spheres_squeezed_within_a_packing_are_proven_to_be(side, rows, tolerance):
     """Hundreds of others carry loads only, but are not small enough to be left out."""
-    problem, among = squeezed_packing(side, closing=1e-3)
-    assert np.abs(problem.directions @ among).max() == 0.0
+    problem, among = squeezed_packing(side, rows, closing=1e-3)
+    assert np.abs(problem.directions @ among.T).max() == 0.0
     assert among @ problem.free_velocity == pytest.approx(-1e-3, rel=1e-6)
     solution = problem.solve(tolerance=tolerance, measure="global", on_failure="record")
-    assert solution.status == "no_solution"
+    assert solution.status is Status.NO_SOLUTION
     proof = solution.infeasibility.direction
     assert np.abs(problem.directions @ proof).max() < 1e-14
     assert np.all(proof >= 0.0)

@@ -43,8 +43,8 @@ class Auto(Solver):
     promises an end sooner than a few factorisations, each contact taking the first solution that
     continues its state. What is left goes to `SemismoothNewton`, then to `InteriorPoint` where it
     takes the laws, then to `ProximalPoint`, which takes all laws and singular Delassus operators;
-    where factorisations are dear, accelerated sweeps, `ADMM` and relaxed sweeps have their turn in
-    between. ``ContactSolution.stages`` tells what was done.
+    where factorisations are dear, accelerated sweeps, `ADMM` and over-relaxed sweeps have their
+    turn in between. ``ContactSolution.stages`` tells what was done.
 
     Args:
         interior_point: whether `InteriorPoint` and `ADMM` may be used.

@@ -2,9 +2,10 @@
 //!
 //! Sweeps end many problems and give the others a start. Where hardly a contact separates, one factorisation tells whether
 //! everything stands, and the interior point method begins with what it says. Where a factorisation is dear, accelerated
-//! sweeps come before others, then ADMM, which needs few of them, and relaxed sweeps. Newton's method ends problems of full
+//! sweeps come before others, then ADMM, which needs few of them, and over-relaxed sweeps. Newton's method ends problems of full
 //! rank and, with other prox parameters, those in which contacts creep; the interior point method, where the laws allow it,
-//! and the proximal point iteration end the rest. Where that is lost, contacts around the worst one are solved by themselves
+//! and the proximal point iteration end the rest. Where percussions grow as if there were no solution, it is asked whether one is
+//! proven to exist (`existence.rs`). Where the proximal point iteration is lost, contacts around the worst one are solved by themselves
 //! (`neighbourhood.rs`), and it goes on from there.
 //!
 //! Where an attempt by Newton's method costs less than the sweeps that are still to come, after three of them at the
@@ -12,11 +13,12 @@
 //! to hundreds (`method/sweeps/cost.rs`). If it fails, sweeps go on as long as they promise an end.
 
 use crate::contact::{ContactProblem, ContactState, Phase};
+use crate::solver::existence;
 use crate::solver::infeasibility::prove_one_contact;
 use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, BodySweeps, Buffers, Cones, Cost, Course, Interior, Iterate,
-    Limits, Past, Progress, ProximalPoint, Rate, Reached, Relaxed, Standing, Sweeper, TRIAL_SWEEPS,
-    Task, UNTIMED, untimed_visits,
+    Limits, OVER_BODIES, OverRelaxed, Past, Progress, ProximalPoint, Rate, Reached, Standing,
+    Sweeper, TRIAL_SWEEPS, Task, UNTIMED, untimed_visits,
 };
 use crate::solver::neighbourhood::{Neighbourhood, Neighbourhoods};
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -54,33 +56,56 @@ const INTERIOR_GOAL: f64 = 1e-7;
 
 // The following were changed on "piles and columns": `problems.pile` of 3 to 8 layers, with friction 0.1, 0.3 and 0.5, at rest
 // and with free velocities of 0.3 m/s, and `problems.columns` of 3, 6, 12, 18, 26, 36, 46 and 70 columns of ten spheres, friction 0.1 and 0.5.
-// With the spheres in a box of the stored problems they are 53 (`benches/hard_problems.py --dear`), all of which `Auto` solves.
+// With the spheres in a box of the stored problems they are 53 (`benches/hard_problems.py --dear`), all but one or two of which
+// `Auto` solves in 4 s.
 
 /// Sweeps that a factorisation takes as long as, from which on accelerated ones are tried before it: with 2, 4, 16 and 32
 /// piles and columns take 0.90, 1.00, 1.10 and 1.30 times as long (geometric mean). Of the stored problems only the spheres in
 /// a box come to more than 8, and take 0.93 times as long as without.
 const DEAR: f64 = 8.0;
-/// Factorisations that they may take as many operations as, and those in which sweeps over bodies must halve the natural map.
-/// By the clock ten of them are 7 of piles with 225 contacts, 18 with 960, and 29 and 41 of columns with 3000 and 6120, since
-/// operations on large fronts are quicker. With 15, 30 and 120 of the first piles and columns take 1.06, 1.01 and 1.01 times
-/// as long, when there were no others. The 195 problems of `benches/hard_problems.py --wide`, of 6 s at most each, take 60 s,
-/// and four are not solved; with 20 and 40 of the second 67 and 69 s, five and six. Chance has a part in it: numbers of sweeps
-/// are chaotic.
+/// Factorisations that accelerated sweeps may take as many operations as. With 15, 30 and 120 piles and columns take 1.06, 1.01
+/// and 1.01 times as long, when there were no over-relaxed sweeps.
 const WORTH: f64 = 60.0;
-const PATIENT: f64 = 10.0;
-/// The same of relaxed sweeps, which nothing ends before, as they come to rest all at once: before Newton's method is tried with
-/// other parameters, and after it and the interior point method. Without relaxed sweeps and with 60 of `PATIENT` the same
-/// problems take 77 s, and nine are not solved; with all thousand before, and with all of them after, each with 60 of `PATIENT`,
-/// 69 and 78 s, seven and eight, but a pile of nine layers, which Newton's method ends, takes 9 s with all of them before.
-const RELAXED_FIRST: f64 = 200.0;
-const RELAXED_LAST: f64 = 800.0;
-/// Natural map at which relaxed sweeps end, and above which they are made: a tenth and five times of it changed the time of 27
-/// of the same problems by 2 %, when all relaxed sweeps came before.
-const RELAXED_GOAL: f64 = 2e-6;
 /// Natural map from which on Newton's method itself, without a proximal term, ends what accelerated sweeps have begun, and
 /// its iterations: a tenth and ten times of the one, half and twice of the other change the time of piles and columns by 2 %.
 const IDENTIFIED: f64 = 1e-5;
 const FROM_SWEEPS: usize = 30;
+
+// The following were changed on the 195 piles and columns of `benches/hard_problems.py --wide`, of 6 s at most each. Chance has a
+// part in it: numbers of sweeps are chaotic. They take 77 s without over-relaxed sweeps and patience, and nine are not solved.
+
+/// Factorisations that accelerated sweeps may take as many operations as until they have halved the natural map, where over-relaxed
+/// ones follow. By the clock ten are 7 of piles with 225 contacts, 18 with 960, and 29 and 41 of columns with 3000 and 6120,
+/// since operations on large fronts are quicker.
+///
+/// | factorisations | time | not solved |
+/// |---|---|---|
+/// | 10 | 60 s | 4 |
+/// | 20 | 67 s | 5 |
+/// | 40 | 69 s | 6 |
+const SWEEPS_PATIENCE: f64 = 10.0;
+/// Factorisations that over-relaxed sweeps may take as many operations as: a fifth of them before Newton's method is tried with
+/// other parameters, the rest after the first turn of the proximal point iteration. With all of them before, a pile of nine layers,
+/// which Newton's method ends, takes 9 s in place of 2 s.
+const FIRST_OVER_RELAXED: f64 = 100.0;
+const LAST_OVER_RELAXED: f64 = 400.0;
+/// Factorisations within which that turn must halve the natural map, and the same with second sweeps that begin with the best
+/// percussions, not where the first ones have led. The last columns are 48 piles of other velocities; all on a slower machine than
+/// that of the table above.
+///
+/// | factorisations | time | not solved | from the best | not solved | other piles | not solved |
+/// |---|---|---|---|---|---|---|
+/// | 0 | | | 85 s | 5 | | |
+/// | 2 | 75 s | 5 | 78 s | 6 | 78 s | 10 |
+/// | 12 | 73 s | 5 | | | 79 s | 10 |
+/// | 30 | 75 s | 6 | 77 s | 6 | 82 s | 10 |
+/// | 100 | | | 77 s | 7 | | |
+/// | 400 | | | 84 s | 10 | | |
+const FIRST_TURN: usize = 12;
+/// Natural map at which over-relaxed sweeps end, and above which they are made: a tenth and five times of it changed the time of
+/// 27 of these problems by 2 %.
+const SETTLED_GOAL: f64 = 2e-6;
+
 /// Factorisations that have not halved the natural map, after which the last phase is lost where accelerated sweeps came
 /// before: what they end with may be a bad start. Of two random problems of 1000 contacts (seeds 7 and 19 of the long test
 /// of `tests/test_many_contacts.py`) one is not solved in a minute with 700, the other with 200. Where factorisations are
@@ -146,6 +171,7 @@ impl Methods {
             let proof = prove_one_contact(task.problem, contact, percussion);
             *progress.iterate.infeasibility = proof;
         }
+        ask_existence(&mut progress, cones, interior);
         let conic = with_interior && !progress.is_over() && cones.read(task.problem);
         if conic && let Some(expected) = resting {
             // Where hardly anything separates, the interior point method knows where to begin.
@@ -155,10 +181,8 @@ impl Methods {
         if conic && dear && !progress.is_over() {
             admm.iterate(&mut progress, cones, matrix, usize::MAX, (BESIDE, false));
         }
-        // What is found in a neighbourhood is only a start for the whole, and is not worth so much time.
-        let relaxes = dear && !task.within_another;
-        if relaxes && !progress.is_over() {
-            tried |= dear_sweeps.relax(&mut progress, matrix, proximal, cones, RELAXED_FIRST);
+        if dear && !progress.is_over() {
+            tried |= dear_sweeps.over_relax(&mut progress, matrix, proximal, cones, Turn::First);
         }
         if !progress.is_over() && !tried {
             proximal.attempt(&mut progress, matrix, ATTEMPT);
@@ -168,23 +192,36 @@ impl Methods {
         if !progress.is_over() {
             proximal.attempt_matched(&mut progress, matrix);
         }
+        ask_existence(&mut progress, cones, interior);
         if conic && resting.is_none() && !progress.is_over() {
             let course = Course { max_iterations: INTERIOR, goal: INTERIOR_GOAL, expected: 0.0 };
             interior.iterate(&mut progress, cones, matrix, course);
         }
-        if relaxes && !progress.is_over() {
-            dear_sweeps.relax(&mut progress, matrix, proximal, cones, RELAXED_LAST);
-        }
         if !progress.is_over() {
+            ask_existence(&mut progress, cones, interior);
             let steps = if Neighbourhoods::are_made(task) { OUTER_BESIDE } else { OUTER };
+            let mut over_relaxes = dear && dear_sweeps.are_over_relaxed(&task);
             let limits = match (task.within_another, dear) {
                 (true, _) => Limits { steps, patience: NEAR_PATIENCE, starts: NEAR_STARTS },
-                (_, true) => Limits { patience: PATIENCE, ..Limits::of_steps(steps) },
+                (_, true) => {
+                    let patience = if over_relaxes { FIRST_TURN } else { PATIENCE };
+                    Limits { patience, ..Limits::of_steps(steps) }
+                }
                 _ => Limits::of_steps(steps),
             };
             neighbourhoods.prepare(task.problem);
             let mut outer = proximal.begin(&mut progress, limits);
             while proximal.follow(&mut progress, matrix, &mut outer) {
+                if std::mem::take(&mut over_relaxes) {
+                    let turn = Turn::Last;
+                    dear_sweeps.over_relax(&mut progress, matrix, proximal, cones, turn);
+                    if progress.is_over() {
+                        break;
+                    }
+                    let limits = Limits { patience: PATIENCE, ..outer.left };
+                    outer = proximal.begin(&mut progress, limits);
+                    continue;
+                }
                 let goes_on = match neighbourhoods.solve(&mut progress, &mut solve) {
                     Some(start) => proximal.start_from(&mut progress, matrix, &mut outer, start),
                     None => proximal.start_anew(&mut progress, matrix, &mut outer),
@@ -193,6 +230,7 @@ impl Methods {
                     break;
                 }
             }
+            ask_existence(&mut progress, cones, interior);
         }
         let known = |state: &ContactState| state.phase != Phase::Unknown;
         if progress.is_solved() && task.history.iter().any(known) {
@@ -320,8 +358,8 @@ fn first_attempts(
     let sweeps_per_factorization = cost.sweeps(matrix.operations(problem));
     first.dear = sweeps_per_factorization > DEAR;
     if !progress.is_over() && first.dear {
-        dear_sweeps.read(problem, cones);
-        dear_sweeps.accelerate(progress, cones, sweeps_per_factorization);
+        dear_sweeps.read(problem, cones, sweeps_per_factorization);
+        dear_sweeps.accelerate(progress, cones);
         if !progress.is_over() && progress.best_grade() < IDENTIFIED {
             proximal.newton_alone(progress, matrix, FROM_SWEEPS);
             first.tried = true;
@@ -344,54 +382,88 @@ fn first_attempts(
     first
 }
 
+/// Asks whether a solution is proven to exist where percussions were refused as running away: if so, they count from here on.
+fn ask_existence(progress: &mut Progress<'_>, cones: &mut Cones, interior: &mut Interior) {
+    let task = progress.task;
+    if progress.is_doubtful() && !progress.is_over() && !task.within_another {
+        let exists = cones.read(task.problem) && existence::is_proven(&task, cones, interior);
+        progress.answer(exists);
+    }
+}
+
+/// Turns of over-relaxed sweeps.
+#[derive(Debug, Clone, Copy)]
+enum Turn {
+    First,
+    Last,
+}
+
 /// Sweeps in place of factorisations that are dear.
 #[derive(Debug, Clone, Default)]
 struct DearSweeps {
     bodies: BodySweeps,
-    /// Whether they may go over the velocities of bodies.
+    /// Whether sweeps may go over the velocities of bodies.
     over_bodies: bool,
+    /// Sweeps over the blocks of `G` that a factorisation takes as many operations as.
+    factorization: f64,
     accelerated: Accelerated,
-    relaxed: Relaxed,
+    over_relaxed: OverRelaxed,
 }
 
 impl DearSweeps {
-    /// Reads a problem.
-    fn read(&mut self, problem: &ContactProblem, cones: &mut Cones) {
+    /// Reads a problem of which a factorisation takes as many operations as so many sweeps over the blocks of `G`.
+    fn read(&mut self, problem: &ContactProblem, cones: &mut Cones, factorization: f64) {
         self.over_bodies = cones.read(problem) && self.bodies.read(problem, cones);
+        self.factorization = factorization;
     }
 
-    /// Accelerated sweeps from the best percussions, where a factorisation takes as many operations as so many sweeps.
-    fn accelerate(&mut self, progress: &mut Progress<'_>, cones: &Cones, factorization: f64) {
-        let most = (WORTH * factorization) as usize;
-        // Relaxed sweeps follow over bodies only.
-        let patience = if self.over_bodies { PATIENT } else { WORTH };
-        let patience = (patience * factorization) as usize;
+    /// Sweeps with as many operations as so many factorisations.
+    fn worth(&self, factorizations: f64) -> usize {
+        let of_blocks = (factorizations * self.factorization) as usize;
+        if self.over_bodies { OVER_BODIES * of_blocks } else { of_blocks }
+    }
+
+    /// Whether over-relaxed sweeps follow accelerated ones that bring nothing. What is found in a neighbourhood is only a start for
+    /// the whole, and is not worth so much time.
+    fn are_over_relaxed(&self, task: &Task<'_>) -> bool {
+        self.over_bodies && !task.within_another
+    }
+
+    /// Accelerated sweeps from the best percussions.
+    fn accelerate(&mut self, progress: &mut Progress<'_>, cones: &Cones) {
+        let patient = self.are_over_relaxed(&progress.task);
+        let patience = if patient { self.worth(SWEEPS_PATIENCE) } else { usize::MAX };
+        let most = self.worth(WORTH);
         let bodies = self.over_bodies.then_some(&mut self.bodies);
         self.accelerated.iterate(progress, bodies, cones, most, patience);
     }
 
-    /// Where no percussions are near to a solution, relaxed sweeps over the velocities of bodies until the states of contacts
-    /// settle, from where accelerated sweeps and Newton's method go on; whether that was tried.
-    fn relax(
+    /// Where no percussions are near to a solution, over-relaxed sweeps over the velocities of bodies, in the second turn from
+    /// where those of the first have led, until the states of contacts settle, from where accelerated sweeps and Newton's method
+    /// go on; whether that was tried.
+    fn over_relax(
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
         proximal: &mut ProximalPoint,
         cones: &Cones,
-        worth: f64,
+        turn: Turn,
     ) -> bool {
-        if !self.over_bodies || progress.best_grade() < RELAXED_GOAL {
+        if !self.are_over_relaxed(&progress.task) || progress.best_grade() < SETTLED_GOAL {
             return false;
         }
-        let problem = progress.task.problem;
-        let cost = Cost::of(problem, 0..problem.contacts().len());
-        let factorization = cost.sweeps(matrix.operations(problem));
-        let most = (worth * factorization) as usize;
-        self.relaxed.iterate(progress, &mut self.bodies, cones, RELAXED_GOAL, most);
-        if progress.is_over() || progress.best_grade() >= RELAXED_GOAL {
+        let most = match turn {
+            Turn::First => {
+                self.over_relaxed.begin(progress);
+                self.worth(FIRST_OVER_RELAXED)
+            }
+            Turn::Last => self.worth(LAST_OVER_RELAXED),
+        };
+        self.over_relaxed.iterate(progress, &mut self.bodies, cones, SETTLED_GOAL, most);
+        if progress.is_over() || progress.best_grade() >= SETTLED_GOAL {
             return false;
         }
-        self.accelerate(progress, cones, factorization);
+        self.accelerate(progress, cones);
         if progress.is_over() {
             return false;
         }

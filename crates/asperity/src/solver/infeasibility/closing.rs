@@ -20,13 +20,14 @@ use nalgebra::{DMatrix, DVector};
 
 use super::nonnegative;
 use super::proof::{Infeasibility, InfeasibilityKind};
-use crate::contact::{ContactProblem, Delassus, Factored, NormalForce};
+use crate::contact::{Components, ContactProblem, Delassus, Factored, Members, NormalForce};
 use crate::linear::LeastNorm;
 use crate::vectors::largest;
 
 /// Most contacts among which a proof is searched: its cost grows with their third power.
 const MOST_CONTACTS: usize = 128;
-/// Most contacts among which the nearest weights are searched: the fourth power.
+/// Most contacts among which the nearest weights are searched, all of a problem or a group of those with the largest weights:
+/// the fourth power.
 const MOST_SEARCHED: usize = 48;
 /// Times that contacts of negative weight are left out; with 3 and 48 the same is proven of the systems that `cases.rs`
 /// names.
@@ -67,23 +68,50 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
     support.retain(|(_, d)| d.is_finite());
     trim(&mut support);
     let near = |among: Weights| nearest(problem, &among).and_then(|found| polish(problem, found));
-    polish(problem, support.clone())
-        .or_else(|| {
-            let searched = [&all, &support].into_iter().find(|s| s.len() <= MOST_SEARCHED)?;
-            near(searched.clone())
-        })
-        .or_else(|| {
-            // What runs away may be hidden among many contacts that only carry loads.
-            PARTS.into_iter().find_map(|part| {
-                let mut largest = support.clone();
-                largest.retain(|(_, d)| *d > part);
-                // More of them would cost more than many solves take.
-                if largest.len() == support.len() || largest.len() > MOST_SEARCHED {
-                    return None;
-                }
-                polish(problem, largest.clone()).or_else(|| near(largest))
-            })
-        })
+    let by_all = polish(problem, support.clone());
+    if by_all.is_some() {
+        return by_all;
+    }
+    // A search among all of them leaves nothing to be found among some.
+    match [&all, &support].into_iter().find(|among| among.len() <= MOST_SEARCHED) {
+        Some(among) => near(among.clone()),
+        None => parts(problem, &support)
+            .find_map(|part| polish(problem, part.clone()).or_else(|| near(part))),
+    }
+}
+
+/// What runs away may be hidden among many contacts that only carry loads: the contacts with the largest weights, in groups
+/// that influence each other, few enough to be searched; groups of the largest weights first.
+fn parts(problem: &ContactProblem, support: &Weights) -> impl Iterator<Item = Weights> {
+    let mut before = support.len();
+    PARTS.into_iter().flat_map(move |part| {
+        let largest: Weights = support.iter().copied().filter(|(_, d)| *d > part).collect();
+        let is_new = std::mem::replace(&mut before, largest.len()) != largest.len();
+        let mut groups = if is_new { coupled(problem, largest) } else { Vec::new() };
+        // More of them would cost more than many solves take.
+        groups.retain(|group| group.len() <= MOST_SEARCHED);
+        groups
+    })
+}
+
+/// Contacts in groups that do not influence each other, those with the largest weights first.
+fn coupled(problem: &ContactProblem, mut weights: Weights) -> Vec<Weights> {
+    weights.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let mut place = vec![usize::MAX; problem.contacts().len()];
+    weights.iter().enumerate().for_each(|(k, (contact, _))| place[*contact] = k);
+    let mut components = Components::default();
+    components.separate(weights.len());
+    for (k, (contact, _)) in weights.iter().enumerate() {
+        for (other, block) in problem.delassus().blocks().row(*contact) {
+            if place[other] != usize::MAX && block.iter().any(|g| *g != 0.0) {
+                components.join(k, place[other]);
+            }
+        }
+    }
+    let mut groups = Members::default();
+    groups.update(&mut components);
+    let of = |group: usize| groups.of(group).iter().map(|&k| weights[k]).collect();
+    (0..groups.count()).map(of).collect()
 }
 
 /// Contacts with their weights in scaled rows.

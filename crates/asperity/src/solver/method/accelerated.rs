@@ -30,9 +30,6 @@ const REGULARIZED: f64 = 1e-10;
 const SOON: usize = 3;
 const FARTHEST: f64 = 100.0;
 
-/// Sweeps over the velocities of bodies in the time of one over the blocks of `G`: columns of ten spheres with 1240, 3110 and
-/// 10330 contacts take 43, 45 and 55 ns in place of 61, 85 and 105 ns per contact, this and what accelerates them together.
-const OVER_BODIES: usize = 2;
 /// Contacts from which on blocks of `G` are swept in the order of colours, which several threads may do. On one thread columns
 /// of ten spheres with 1240, 1930, 3230 and 5710 contacts take 0.8, 0.7, 2.4 and 0.26 times as long as in the order of
 /// contacts: numbers of sweeps are chaotic.
@@ -105,7 +102,7 @@ pub(crate) struct Accelerated {
 
 impl Accelerated {
     /// From the best percussions, over the velocities of bodies if there are any, which have read the problem. At most so many
-    /// sweeps, and so many since the natural map was halved; over bodies as long as these take over the blocks of `G`.
+    /// sweeps, and so many since the natural map was halved.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
@@ -117,14 +114,13 @@ impl Accelerated {
         let Self { percussion, from, image, defect, images, defects, products } = self;
         let threads = progress.task.threads;
         let claim;
-        let (mut sweep, as_long) = if let Some(bodies) = bodies {
-            (Sweep::Bodies(bodies, cones), OVER_BODIES)
+        let mut sweep = if let Some(bodies) = bodies {
+            Sweep::Bodies(bodies, cones)
         } else {
             // Whoever shares the pool with other calls would wait for them in every sweep.
             claim = threads.claim();
-            (Sweep::Blocks { free: claim.is_some() }, 1)
+            Sweep::Blocks { free: claim.is_some() }
         };
-        let (most, patience) = (as_long * most, as_long * patience);
         let (mut halved, mut halved_at) = (f64::INFINITY, 0);
         progress.start_from_best(percussion);
         sweep.start(progress, percussion);
@@ -141,7 +137,7 @@ impl Accelerated {
         }
         image.copy_from_slice(from);
         let (mut remembered, mut next, mut last) = (0, 0, f64::INFINITY);
-        let (mut sweeps, mut reset_at, mut farther) = (0, None, 0.0);
+        let (mut sweeps, mut look_at, mut reset_at, mut farther) = (0, TRIAL_SWEEPS, None, 0.0);
         while sweeps < most && !progress.task.stop.early() {
             sweep.run(progress);
             sweeps += 1;
@@ -175,7 +171,8 @@ impl Accelerated {
                 remembered = (remembered + 1).min(DEPTH);
             }
             last = size;
-            if sweeps.is_multiple_of(TRIAL_SWEEPS) {
+            if sweeps >= look_at {
+                look_at = sweeps + TRIAL_SWEEPS;
                 sweep.grade(progress, image, percussion);
                 if progress.best_grade() < 0.5 * halved {
                     (halved, halved_at) = (progress.best_grade(), sweeps);

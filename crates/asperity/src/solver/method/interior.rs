@@ -46,6 +46,15 @@ pub(crate) struct Course {
     pub(crate) expected: f64,
 }
 
+/// What the velocities of a contact have to do with its cone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Flow {
+    /// Those that open the contact and those along it are what the law says: `z = Γ(K ξ)`.
+    Law,
+    /// Contacts open as they slip: `z = K ξ`.
+    Associated,
+}
+
 /// State and scaling of one contact.
 #[derive(Debug, Clone, Copy, Default)]
 struct Point {
@@ -88,6 +97,13 @@ struct Units {
     velocity: f64,
 }
 
+impl Units {
+    fn of(problem: &ContactProblem) -> Self {
+        let size = problem.load_norm() / (problem.contacts().len() as f64).sqrt();
+        Self { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } }
+    }
+}
+
 impl Interior {
     /// Iterates until the natural map is below the goal, the problem is solved or the iterations are made; whether
     /// these are what ended it.
@@ -99,17 +115,13 @@ impl Interior {
         course: Course,
     ) -> bool {
         let problem = progress.task.problem;
-        let size = problem.load_norm() / (problem.contacts().len() as f64).sqrt();
-        let units =
-            Units { rho: problem.global_rho(), velocity: if size > 0.0 { size } else { 1.0 } };
+        let units = Units::of(problem);
         let Course { max_iterations, goal, expected } = course;
         self.start(problem, expected / (units.rho * units.velocity));
         let (mut iterations, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
         while iterations < max_iterations && !progress.task.stop.early() {
-            self.evaluate(problem, cones, units);
-            for (trial, p) in self.trial.iter_mut().zip(&self.percussion) {
-                *trial = units.rho * units.velocity * p;
-            }
+            self.evaluate(problem, cones, units, Flow::Law);
+            self.restore(units);
             let before = progress.best_grade();
             let grade = progress.grade(&self.trial);
             // Percussions that were refused seem to run away: those of a tall stack do until hardly a defect is left.
@@ -129,6 +141,38 @@ impl Interior {
         iterations == max_iterations
     }
 
+    /// Goes towards a solution of the associated problem until its percussions are accepted; false if none are in so many
+    /// iterations.
+    pub(crate) fn find_associated(
+        &mut self,
+        task: &Task<'_>,
+        cones: &Cones,
+        matrix: &mut NewtonMatrix,
+        max_iterations: usize,
+        mut accepts: impl FnMut(&[f64]) -> bool,
+    ) -> bool {
+        let units = Units::of(task.problem);
+        self.start(task.problem, 0.0);
+        for _ in 0..max_iterations {
+            self.evaluate(task.problem, cones, units, Flow::Associated);
+            self.restore(units);
+            if accepts(&self.trial) {
+                return true;
+            }
+            if task.stop.early() || !self.advance(task, cones, matrix, units, false) {
+                break;
+            }
+        }
+        false
+    }
+
+    /// Percussions in the units of the problem.
+    fn restore(&mut self, units: Units) {
+        for (trial, p) in self.trial.iter_mut().zip(&self.percussion) {
+            *trial = units.rho * units.velocity * p;
+        }
+    }
+
     fn start(&mut self, problem: &ContactProblem, expected: f64) {
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.resize(rows, 0.0);
@@ -143,8 +187,8 @@ impl Interior {
         self.points.resize(contacts, Point { x, z: unit, ..Point::default() });
     }
 
-    /// `P = T⁻¹ x`, `ξ`, `Γ(Kξ)` and its defect.
-    fn evaluate(&mut self, problem: &ContactProblem, cones: &Cones, units: Units) {
+    /// `P = T⁻¹ x`, `ξ`, `Γ(Kξ)` or what the flow has in its place, and its defect.
+    fn evaluate(&mut self, problem: &ContactProblem, cones: &Cones, units: Units, flow: Flow) {
         for (i, rows) in problem.contacts().iter().enumerate() {
             let p = cones.t_inverse[i] * self.points[i].x;
             let own = &mut self.percussion[rows.rows()];
@@ -158,7 +202,7 @@ impl Interior {
         for (i, rows) in problem.contacts().iter().enumerate() {
             let v = cones.k[i] * own_rows(&self.velocity, rows.offset, rows.len());
             let point = &mut self.points[i];
-            let speed = tangent(&v).norm();
+            let speed = if flow == Flow::Law { tangent(&v).norm() } else { 0.0 };
             point.slope = ContactMatrix::identity();
             if speed > 0.0 {
                 (1..4).for_each(|j| point.slope[(0, j)] = v[j] / speed);

@@ -71,6 +71,11 @@ pub(crate) struct Progress<'a> {
     solved: bool,
     /// The contact of the last sweep that had no solution, the others held.
     stuck: Option<usize>,
+    /// Whether percussions were not kept because they seemed to run away, whether it was asked if a solution exists, and whether
+    /// that is proven, so that they do not run away.
+    refused: bool,
+    asked: bool,
+    solvable: bool,
     /// Percussions have grown beyond those kept, and a contact goes on approaching.
     growth: Option<Growth>,
     /// Growth at which a proof that there is no solution is tried next.
@@ -106,6 +111,9 @@ impl<'a> Progress<'a> {
             best_growth: None,
             solved,
             stuck,
+            refused: false,
+            asked: false,
+            solvable: false,
             growth,
             suspicion,
             sweeps,
@@ -133,7 +141,9 @@ impl<'a> Progress<'a> {
         if !self.solved && !early {
             self.is_infeasible();
         }
-        let Self { task, mut iterate, buffers, growth, best_growth, .. } = self;
+        let Self { task, mut iterate, buffers, solvable, .. } = self;
+        let [growth, best_growth] =
+            [self.growth, self.best_growth].map(|growth| growth.filter(|_| !solvable));
         iterate.percussion.copy_from_slice(&buffers.best);
         let residual = if self.known {
             iterate.velocity.copy_from_slice(&buffers.velocity);
@@ -201,7 +211,7 @@ impl<'a> Progress<'a> {
 
     /// Whether growth is beyond all bounds or proves that there is no solution.
     pub(crate) fn is_hopeless(&mut self) -> bool {
-        let Some(growth) = self.growth else { return false };
+        let Some(growth) = self.growth.filter(|_| !self.solvable) else { return false };
         if growth.factor < self.suspicion {
             return false;
         }
@@ -212,7 +222,7 @@ impl<'a> Progress<'a> {
     /// Whether the percussions that run away prove that there is no solution.
     fn is_infeasible(&mut self) -> bool {
         let proof = &mut *self.iterate.infeasibility;
-        if self.growth.is_some() && proof.is_none() {
+        if self.growth.is_some() && !self.solvable && proof.is_none() {
             *proof = prove_closing(self.task.problem, &self.buffers.astray);
         }
         proof.is_some()
@@ -341,12 +351,14 @@ impl<'a> Progress<'a> {
         if kind >= Some(GrowthKind::Suspicious) {
             astray.copy_from_slice(percussion);
         }
-        if kind >= Some(GrowthKind::Boundless)
-            || kind == Some(GrowthKind::Suspicious) && small && self.is_infeasible()
+        let runs = kind >= Some(GrowthKind::Boundless);
+        if !self.solvable
+            && (runs || kind == Some(GrowthKind::Suspicious) && small && self.is_infeasible())
         {
+            self.refused |= runs;
             return;
         }
-        let solved = small && kind != Some(GrowthKind::Separating);
+        let solved = small && !runs && kind != Some(GrowthKind::Separating);
         if solved || !self.solved {
             (self.grade, self.residual) = measures;
             (self.known, self.solved) = (true, solved);
@@ -360,10 +372,24 @@ impl<'a> Progress<'a> {
     fn keep_latest(&mut self, percussion: &[f64], grade: f64) {
         let Buffers { latest, velocity, groups, .. } = &mut *self.buffers;
         let growth = growth::of(self.task.problem, percussion, velocity, groups);
-        if growth.is_none_or(|growth| growth.kind < GrowthKind::Boundless) {
+        if self.solvable || growth.is_none_or(|growth| growth.kind < GrowthKind::Boundless) {
             self.latest_grade = Some(grade);
             latest.clear();
             latest.extend_from_slice(percussion);
+        }
+    }
+
+    /// Whether better percussions were not kept because they seemed to run away, and it was not asked yet whether a solution
+    /// exists.
+    pub(crate) fn is_doubtful(&self) -> bool {
+        self.refused && !self.asked
+    }
+
+    /// Whether a solution is proven to exist: percussions that have grown do not run away then.
+    pub(crate) fn answer(&mut self, exists: bool) {
+        (self.asked, self.solvable) = (true, exists);
+        if exists {
+            self.growth = None;
         }
     }
 

@@ -117,7 +117,7 @@ impl Limits {
 pub(crate) struct OuterIteration {
     schedule: Schedule,
     /// What is left of the limits.
-    left: Limits,
+    pub(crate) left: Limits,
     /// Natural map of the centre, and the lowest one of all steps.
     grade: f64,
     lowest: f64,

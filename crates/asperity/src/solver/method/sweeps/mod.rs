@@ -11,7 +11,7 @@ mod swept;
 mod visitor;
 mod worker;
 
-pub(crate) use body_sweeps::BodySweeps;
+pub(crate) use body_sweeps::{BodySweeps, OVER_BODIES};
 pub(crate) use cost::Cost;
 pub(crate) use island_sweeps::Plan;
 pub(crate) use rate::{Rate, TRIAL_SWEEPS};

@@ -13,6 +13,36 @@ use super::layout::{Group, LANES, Lanes, Percussions, ROWS};
 #[repr(align(64))]
 pub(super) struct Velocities([f64; 8]);
 
+/// The velocities that percussions bring.
+pub(super) struct Brought<'a> {
+    pub(super) groups: &'a [Group],
+    pub(super) percussions: &'a [Percussions],
+    /// Of all bodies and of the ground, zero at first.
+    pub(super) velocities: &'a mut [Velocities],
+}
+
+impl Brought<'_> {
+    pub(super) fn run(self) {
+        pulp::Arch::new().dispatch(self);
+    }
+}
+
+impl pulp::NullaryFnOnce for Brought<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { groups, percussions, velocities } = self;
+        for (group, own) in groups.iter().zip(percussions) {
+            for body in 0..2 {
+                let mut side = gather(group, body, velocities);
+                bring(group, body, own, &mut side);
+                scatter(group, body, &side, velocities);
+            }
+        }
+    }
+}
+
 /// One sweep.
 pub(super) struct Sweep<'a> {
     pub(super) groups: &'a [Group],
@@ -21,12 +51,12 @@ pub(super) struct Sweep<'a> {
     /// Over-relaxation `ω`.
     pub(super) relaxation: f64,
     pub(super) percussions: &'a mut [Percussions],
-    /// Of all bodies and of the ground, zero at first.
+    /// Those that the percussions bring.
     pub(super) velocities: &'a mut [Velocities],
 }
 
 impl Sweep<'_> {
-    /// Colour by colour, from the velocities that the percussions bring.
+    /// Colour by colour.
     pub(super) fn run(self) {
         pulp::Arch::new().dispatch(self);
     }
@@ -38,13 +68,6 @@ impl pulp::NullaryFnOnce for Sweep<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { groups, colours, relaxation, percussions, velocities } = self;
-        for (group, own) in groups.iter().zip(&*percussions) {
-            for body in 0..2 {
-                let mut side = gather(group, body, velocities);
-                bring(group, body, own, &mut side);
-                scatter(group, body, &side, velocities);
-            }
-        }
         for colour in colours {
             let own = percussions[colour.clone()].iter_mut();
             for (group, own) in groups[colour.clone()].iter().zip(own) {

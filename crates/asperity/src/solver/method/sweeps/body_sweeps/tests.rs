@@ -79,7 +79,7 @@ fn sweeps_end_at_solutions() {
     let mut seed = 3;
     for (count, scale, unit) in [(1, 1.0, 1.0), (5, 1e-9, 1e20), (8, 1e3, 1e-40), (40, 1.0, 1.0)] {
         let problem = bodies_in_contact(count, scale, unit, &mut seed);
-        for sweep in [BodySweeps::sweep, BodySweeps::relaxed_sweep] {
+        for sweep in [BodySweeps::sweep, BodySweeps::over_relaxed_sweep] {
             let found = swept(&problem, 20_000, sweep);
             let mut velocity = vec![0.0; problem.rows()];
             problem.velocity(&found, &mut velocity);
@@ -103,10 +103,10 @@ fn sweeps_do_not_depend_on_those_before() {
         sweeps.percussion(&problem, &cones, &mut percussion);
         percussion
     };
-    let (plain, relaxed) = (after(BodySweeps::sweep), after(BodySweeps::relaxed_sweep));
-    assert_ne!(plain, relaxed);
+    let (plain, over_relaxed) = (after(BodySweeps::sweep), after(BodySweeps::over_relaxed_sweep));
+    assert_ne!(plain, over_relaxed);
     assert_eq!(plain, after(BodySweeps::sweep));
-    assert_eq!(relaxed, after(BodySweeps::relaxed_sweep));
+    assert_eq!(over_relaxed, after(BodySweeps::over_relaxed_sweep));
 }
 
 /// `M` does not couple the velocities of spheres, and contacts on their axes do not act on all of them; what has no contact may

@@ -1,9 +1,9 @@
-//! Over-relaxed sweeps over the velocities of bodies, colour by colour in a random order.
+//! Over-relaxed sweeps over the velocities of bodies (projected successive over-relaxation, \[Cryer1971\]), colour by colour in a
+//! random order.
 //!
-//! In wide and high packings plain sweeps do not settle for a long time: states of contacts change all over, as in a
-//! turbulent flow, until they happen to come to rest. Anderson's acceleration, which takes the map for linear, then makes
-//! what it remembers for nothing or drives the changes on, while over-relaxed sweeps (`ω` in `sweeps/body_sweeps`) come to
-//! rest sooner. In the same order every time they may go in circles.
+//! In wide and high packings plain sweeps do not settle for a long time: contacts go on changing their states all over the
+//! packing until, by chance, all of them keep their states. Anderson's acceleration takes the map of a sweep for linear. There
+//! it forgets what it remembers again and again, and brings nothing.
 
 use super::cones::Cones;
 use super::progress::Progress;
@@ -15,13 +15,19 @@ const CHECK: usize = 250;
 
 /// Buffers.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Relaxed {
+pub(crate) struct OverRelaxed {
+    /// Those that the last sweeps have led to.
     percussion: Vec<f64>,
 }
 
-impl Relaxed {
-    /// From the best percussions until their natural map is below a goal, at most so many sweeps. The problem is the one that
-    /// `bodies` have read.
+impl OverRelaxed {
+    /// From the best percussions, where sweeps begin.
+    pub(crate) fn begin(&mut self, progress: &Progress<'_>) {
+        progress.start_from_best(&mut self.percussion);
+    }
+
+    /// From where the last sweeps have led until the natural map is below a goal, at most so many sweeps. The problem is the one
+    /// that `bodies` have read.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
@@ -31,10 +37,9 @@ impl Relaxed {
         most: usize,
     ) {
         let problem = progress.task.problem;
-        progress.start_from_best(&mut self.percussion);
         bodies.start(problem, cones, &self.percussion);
         for sweeps in 1..=most {
-            bodies.relaxed_sweep();
+            bodies.over_relaxed_sweep();
             let ends = sweeps == most || progress.task.stop.early();
             if !ends && !sweeps.is_multiple_of(CHECK) {
                 continue;
@@ -45,6 +50,8 @@ impl Relaxed {
                 progress.record(Method::GaussSeidel, sweeps, 0);
                 return;
             }
+            // Rounding of the velocities must not add up.
+            bodies.forget_velocities();
         }
     }
 }
