@@ -449,16 +449,19 @@ impl DearSweeps {
         cones: &Cones,
         turn: Turn,
     ) -> bool {
-        if !self.are_over_relaxed(&progress.task) || progress.best_grade() < SETTLED_GOAL {
+        if !self.are_over_relaxed(&progress.task) {
             return false;
         }
-        let most = match turn {
-            Turn::First => {
-                self.over_relaxed.begin(progress);
-                self.worth(FIRST_OVER_RELAXED)
-            }
-            Turn::Last => self.worth(LAST_OVER_RELAXED),
-        };
+        if matches!(turn, Turn::First) {
+            self.over_relaxed.begin(progress);
+        }
+        if progress.best_grade() < SETTLED_GOAL {
+            return false;
+        }
+        let most = self.worth(match turn {
+            Turn::First => FIRST_OVER_RELAXED,
+            Turn::Last => LAST_OVER_RELAXED,
+        });
         self.over_relaxed.iterate(progress, &mut self.bodies, cones, SETTLED_GOAL, most);
         if progress.is_over() || progress.best_grade() >= SETTLED_GOAL {
             return false;

@@ -1,7 +1,8 @@
 //! Proofs that a problem of bodies has a solution.
 //!
-//! Let `K` be the product of the friction cones `{P_N ≥ 0, P_T ∈ P_N C}` of laws with convex `C` and `D`, and `G = Wᵀ M⁻¹ W`. If
-//! some velocities `v` of the bodies bring the contacts into the interior of the dual cone,
+//! Let `K` be the product of the friction cones `{P_N ≥ 0, P_T ∈ P_N C}` of laws whose `C` and `D` are ellipsoids, and
+//! `G = Wᵀ M⁻¹ W` with symmetric positive definite `M`. If some velocities `v` of the bodies bring the contacts into the interior of
+//! the dual cone,
 //!
 //! `ξ̂ = Wᵀ v + b + e γ_B`, `ξ̂·P ≥ Σ δ_i P_Ni` for all `P ∈ K`, with `δ_i > 0`,
 //!

@@ -15,7 +15,7 @@ const ASKED: f64 = 1e3;
 #[inline]
 pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_>) -> Findings {
     let Task { problem, stop, .. } = *task;
-    let Reached { ended, residual, growth, .. } = *reached;
+    let Reached { ended, residual, growth, solvable, .. } = *reached;
     let Iterate { percussion, infeasibility, .. } = iterate;
     let running = growth.and_then(|growth| growth.running());
     // Velocities are as far off as the residual, relative to what percussions bring.
@@ -29,6 +29,10 @@ pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_
     if small && !suspicious && !asked {
         **infeasibility = None;
         return Findings::default();
+    }
+    if solvable {
+        // There is no proof to the contrary.
+        return Findings { running, solvable, ..Findings::default() };
     }
     if infeasibility.is_none() && (suspicious || asked) && !stop.early() {
         **infeasibility = prove_closing(problem, percussion);
@@ -56,5 +60,5 @@ pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_
         }
     }
     let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
-    Findings { running, without_solution, candidate, ambiguous: false }
+    Findings { running, without_solution, solvable, candidate, ambiguous: false }
 }

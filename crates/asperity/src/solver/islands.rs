@@ -707,9 +707,15 @@ fn whole(
         if small && worst.status != Status::NoSolution {
             // However an island has ended, it matters only where its percussions run away.
             let unsolved = (0..reports.len()).filter(|&i| reports[i].status != Status::Converged);
-            let runs = unsolved.filter_map(|island| running(&measured, islands.of(island))).next();
-            worst.status = runs.map_or(Status::Converged, |_| Status::Unbounded);
-            worst.worst_contact = runs.unwrap_or(residual.worst_contact);
+            let runs = |island: usize| Some((running(&measured, islands.of(island))?, island));
+            // One that has stalled is proven to have a solution.
+            let stalled = |island: usize| reports[island].status == Status::Stalled;
+            let runs = unsolved.filter_map(runs).min_by_key(|(_, island)| stalled(*island));
+            (worst.status, worst.worst_contact) = match runs {
+                None => (Status::Converged, residual.worst_contact),
+                Some((contact, island)) if stalled(island) => (Status::Stalled, contact),
+                Some((contact, _)) => (Status::Unbounded, contact),
+            };
         } else if worst.status == Status::Converged {
             return None;
         }

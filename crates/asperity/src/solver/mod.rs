@@ -485,12 +485,7 @@ impl Solver {
         let mut findings = findings::judge(&task, &reached, &mut iterate);
         if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
             let methods = methods.get_or_insert_default();
-            let before = reached.ended;
             reached = methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
-            if let Ended::Unbounded(_) = reached.ended {
-                // Whether percussions run away was found out before, with the question whether a solution exists.
-                reached.ended = before;
-            }
             if reached.residual.value <= stop.tolerance {
                 findings = findings::judge(&task, &reached, &mut iterate);
             } else {

@@ -67,7 +67,7 @@ impl SolveReport {
         findings: Findings,
         tolerance: f64,
     ) -> Self {
-        let Findings { running, without_solution, ambiguous, .. } = findings;
+        let Findings { running, without_solution, solvable, ambiguous, .. } = findings;
         let worst = residual.worst_contact;
         let (status, worst_contact) = match (ended, without_solution, running) {
             (_, Some(contact), _) => (Status::NoSolution, contact),
@@ -83,6 +83,11 @@ impl SolveReport {
             (Ended::Stalled, ..) => (Status::Stalled, worst),
             (Ended::Stuck(contact), ..) => (Status::Stalled, contact),
         };
+        // Percussions that run away are those of no solution, but there is one.
+        let status = match status {
+            Status::Unbounded if solvable => Status::Stalled,
+            status => status,
+        };
         Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
     }
 }
@@ -94,6 +99,8 @@ pub(crate) struct Findings {
     pub(crate) running: Option<usize>,
     /// The contact of a proof that there is no solution.
     pub(crate) without_solution: Option<usize>,
+    /// Whether a solution is proven to exist.
+    pub(crate) solvable: bool,
     /// Percussions near which a solution may be that the method has not found.
     pub(crate) candidate: Option<Vec<f64>>,
     /// Whether some contact has several solutions.

@@ -36,7 +36,8 @@ impl Factored {
         Self::with_blocks(mass, directions, blocks)
     }
 
-    /// With `G` known already.
+    /// With `G = Wᵀ M⁻¹ W` known already, `M` symmetric positive definite. Neither is checked, and what solvers say of other
+    /// numbers need not be true.
     ///
     /// # Errors
     ///

@@ -141,9 +141,7 @@ impl<'a> Progress<'a> {
         if !self.solved && !early {
             self.is_infeasible();
         }
-        let Self { task, mut iterate, buffers, solvable, .. } = self;
-        let [growth, best_growth] =
-            [self.growth, self.best_growth].map(|growth| growth.filter(|_| !solvable));
+        let Self { task, mut iterate, buffers, growth, best_growth, solvable, .. } = self;
         iterate.percussion.copy_from_slice(&buffers.best);
         let residual = if self.known {
             iterate.velocity.copy_from_slice(&buffers.velocity);
@@ -165,7 +163,7 @@ impl<'a> Progress<'a> {
             (_, Some(contact)) => Ended::Stuck(contact),
             _ => Ended::Stalled,
         };
-        Reached { iterations, ended, residual, growth: best_growth }
+        Reached { iterations, ended, residual, growth: best_growth, solvable }
     }
 
     /// Whether hardly a contact separates with the best percussions: bodies may rest on each other then.

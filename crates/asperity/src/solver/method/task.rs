@@ -43,6 +43,8 @@ pub(crate) struct Reached {
     pub(crate) residual: Residual,
     /// How the percussions have grown, if they have.
     pub(crate) growth: Option<Growth>,
+    /// Whether a solution is proven to exist.
+    pub(crate) solvable: bool,
 }
 
 impl Reached {
@@ -55,7 +57,7 @@ impl Reached {
         groups: &mut Groups,
     ) -> Self {
         let growth = growth::of(task.problem, iterate.percussion, iterate.velocity, groups);
-        Self { iterations, ended, residual, growth }
+        Self { iterations, ended, residual, growth, solvable: false }
     }
 }
 
