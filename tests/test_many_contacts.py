@@ -152,7 +152,7 @@ def test_a_thousand_mixed_problems_are_solved(first):
 
 
 def test_iterations_that_are_lost_begin_again_beside_a_neighbourhood_of_the_worst_contact():
-    """Which of these problems need one depends on rounding, all three at the time of writing."""
+    """Which of these problems need one depends on rounding."""
     needed = 0
     for contacts, seed in ((400, 3), (500, 30), (520, 27)):
         problem = with_decimals(pile(np.random.default_rng(seed), LAWS, contacts, per_pair=4), 12)

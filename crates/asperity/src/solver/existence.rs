@@ -14,8 +14,8 @@
 //! The same bound holds where normal percussions are kept below a limit, `0 ≤ P_N ≤ R`, and contacts that reach it may
 //! approach: `P_N ξ_N ≤ 0`. That problem asks for a fixed point on a compact convex set, which Kakutani's theorem grants, and with
 //! `R` beyond the bound it is the problem itself. For Coulomb's law this is the condition of
-//! \[AcaryCadouxLemarechalMalick2011\]. Bodies in free motion that touch each other and what does not move satisfy it: there are
-//! mostly velocities that take them apart.
+//! \[AcaryCadouxLemarechalMalick2011\]. Bodies in free motion that touch each other and what does not move mostly
+//! satisfy it: there are velocities that take them apart.
 //!
 //! Such velocities do not depend on the masses. They are those on the way to a solution of the associated problem, in which
 //! contacts open as they slip, of bodies whose masses suit the numbers: its solutions minimise a convex function, and the
@@ -26,8 +26,8 @@ use crate::law::ContactVector;
 use crate::solver::method::{Cones, Interior, Task};
 use crate::solver::newton_matrix::NewtonMatrix;
 
-/// Iterations of the interior point method. Packings of 112 to 225 contacts whose masses differ by factors of 10³ to 10⁸ take two,
-/// jaws that open with 10⁻⁴ of the loads at most six.
+/// Iterations of the interior point method. Piles of 112 contacts whose masses differ by a factor of 10⁸
+/// (`pile_of_unequal_spheres` in `tests/test_certificate.py`) take two, the jaws of `existence/tests.rs` at most six.
 const ITERATIONS: usize = 12;
 /// Part of the largest load that velocities must be within the dual cone, and part of the velocities that percussions bring to
 /// a contact, which cancel: rounding leaves far less of either.
@@ -36,8 +36,8 @@ const ROUNDING: f64 = 1e-12;
 
 /// Whether a problem is proven to have a solution; false where that is not known. The cones are its own.
 pub(crate) fn is_proven(task: &Task<'_>, cones: &Cones, interior: &mut Interior) -> bool {
-    let Some(equal) = with_suitable_masses(task.problem) else { return false };
-    proves(&Task { problem: &equal, ..*task }, cones, interior, |_| {})
+    let Some(problem) = with_suitable_masses(task.problem) else { return false };
+    proves(&Task { problem: &problem, ..*task }, cones, interior, |_| {})
 }
 
 /// Whether there are percussions that bring velocities within the dual cone, which are told.

@@ -6,10 +6,10 @@ use super::measure::natural_residual::ROUNDED;
 use super::method::{Iterate, Reached, Task};
 use super::report::{Ended, Findings};
 
-/// Growth beyond which it is asked at the end of a method whether contacts close on each other, however small the residual:
-/// spheres that walls squeeze slowly in twelve rows of a packing of 984 contacts pass for solved at a tolerance of 1e-6 with a
-/// growth of 3·10³.
-const ASKED: f64 = 1e3;
+/// Growth beyond which a proof that contacts close on each other is looked for at the end of a method, however small the
+/// residual: spheres that walls squeeze slowly in twelve rows of a packing of 984 contacts (`squeezed_packing` in
+/// `tests/test_certificate.py`) pass for solved at a tolerance of 1e-6 with a growth of 3·10³.
+const WORTH_A_PROOF: f64 = 1e3;
 
 /// What the percussions in which a method ended say, and the proof if there is no solution.
 #[inline]
@@ -25,16 +25,16 @@ pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_
     // Where percussions have not grown much, it takes contacts that close on each other to hide something.
     let hidden = hides && kind != Some(GrowthKind::Grown);
     let small = residual.value <= stop.tolerance;
-    let asked = growth.is_some_and(|growth| growth.factor > ASKED);
-    if small && !suspicious && !asked {
+    let large = growth.is_some_and(|growth| growth.factor > WORTH_A_PROOF);
+    if small && !suspicious && !large {
         **infeasibility = None;
-        return Findings::default();
+        return Findings { solvable, ..Findings::default() };
     }
     if solvable {
         // There is no proof to the contrary.
         return Findings { running, solvable, ..Findings::default() };
     }
-    if infeasibility.is_none() && (suspicious || asked) && !stop.early() {
+    if infeasibility.is_none() && (suspicious || large) && !stop.early() {
         **infeasibility = prove_closing(problem, percussion);
     }
     if small && running.is_none() && infeasibility.is_none() && !hidden {

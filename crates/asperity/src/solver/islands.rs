@@ -17,7 +17,7 @@ use super::measure::natural_residual::{Measured, Residual, is_worse, residual_of
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Past, Plan, Sweeper, Swept, Task};
-use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
+use super::report::{Ended, Findings, Method, SolveReport, Stage, Status, running_away};
 use crate::contact::{ContactProblem, ContactState, Members, Memory, Part, put, take};
 use crate::threads::Threads;
 
@@ -668,7 +668,7 @@ fn graded(
         let converged = ended.status == Status::Converged;
         (if converged { Status::Stalled } else { ended.status }, worst_contact)
     } else if let Some(contact) = running(measured, contacts) {
-        (Status::Unbounded, contact)
+        (running_away(ended.solvable), contact)
     } else {
         (Status::Converged, worst_contact)
     };
@@ -707,14 +707,13 @@ fn whole(
         if small && worst.status != Status::NoSolution {
             // However an island has ended, it matters only where its percussions run away.
             let unsolved = (0..reports.len()).filter(|&i| reports[i].status != Status::Converged);
-            let runs = |island: usize| Some((running(&measured, islands.of(island))?, island));
-            // One that has stalled is proven to have a solution.
-            let stalled = |island: usize| reports[island].status == Status::Stalled;
-            let runs = unsolved.filter_map(runs).min_by_key(|(_, island)| stalled(*island));
-            (worst.status, worst.worst_contact) = match runs {
+            let runs = unsolved.filter_map(|island| {
+                Some((running(&measured, islands.of(island))?, reports[island].solvable))
+            });
+            // An island that may have no solution matters more than one that has some.
+            (worst.status, worst.worst_contact) = match runs.min_by_key(|(_, solvable)| *solvable) {
+                Some((contact, solvable)) => (running_away(solvable), contact),
                 None => (Status::Converged, residual.worst_contact),
-                Some((contact, island)) if stalled(island) => (Status::Stalled, contact),
-                Some((contact, _)) => (Status::Unbounded, contact),
             };
         } else if worst.status == Status::Converged {
             return None;
@@ -733,6 +732,7 @@ fn whole(
         residual: residual.value,
         worst_contact,
         ambiguous,
+        solvable: reports.iter().all(|report| report.solvable),
     })
 }
 

@@ -269,7 +269,8 @@ impl Workspace {
         }
         let Residual { value, worst_contact } = residual;
         let (status, residual) = (Status::Converged, value);
-        SolveReport { status, iterations, residual, worst_contact, ambiguous }
+        let solvable = false;
+        SolveReport { status, iterations, residual, worst_contact, ambiguous, solvable }
     }
 
     /// Whether the buffers have the sizes of this problem.

@@ -55,6 +55,8 @@ pub struct SolveReport {
     pub worst_contact: usize,
     /// Whether some contact had more than one solution.
     pub ambiguous: bool,
+    /// Whether a solution is proven to exist.
+    pub(crate) solvable: bool,
 }
 
 impl SolveReport {
@@ -83,13 +85,14 @@ impl SolveReport {
             (Ended::Stalled, ..) => (Status::Stalled, worst),
             (Ended::Stuck(contact), ..) => (Status::Stalled, contact),
         };
-        // Percussions that run away are those of no solution, but there is one.
-        let status = match status {
-            Status::Unbounded if solvable => Status::Stalled,
-            status => status,
-        };
-        Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
+        let status = if status == Status::Unbounded { running_away(solvable) } else { status };
+        Self { status, iterations, residual: residual.value, worst_contact, ambiguous, solvable }
     }
+}
+
+/// The status where percussions run away: they are no solution, but one may be proven to exist.
+pub(crate) fn running_away(solvable: bool) -> Status {
+    if solvable { Status::Stalled } else { Status::Unbounded }
 }
 
 /// What was found out about the percussions in which a solve ended.

@@ -71,8 +71,8 @@ pub(crate) struct Progress<'a> {
     solved: bool,
     /// The contact of the last sweep that had no solution, the others held.
     stuck: Option<usize>,
-    /// Whether percussions were not kept because they seemed to run away, whether it was asked if a solution exists, and whether
-    /// that is proven, so that they do not run away.
+    /// Whether better percussions were not kept because they seemed to run away, whether it was asked if a solution exists, and
+    /// whether that is proven: better ones are kept then though they have grown, but are not a solution while contacts approach.
     refused: bool,
     asked: bool,
     solvable: bool,
@@ -383,7 +383,7 @@ impl<'a> Progress<'a> {
         self.refused && !self.asked
     }
 
-    /// Whether a solution is proven to exist: percussions that have grown do not run away then.
+    /// Takes in whether a solution is proven to exist: if so, better percussions are kept though they have grown.
     pub(crate) fn answer(&mut self, exists: bool) {
         (self.asked, self.solvable) = (true, exists);
         if exists {
