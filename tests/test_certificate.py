@@ -769,6 +769,60 @@ def test_no_solution_error_needs_growth_not_only_an_approach():
         close_jaws(0.0, squeeze=1.0).solve(tolerance=1e-8)
 
 
+def chain(masses, closing, rng):
+    """Return particles of these masses in a row between two walls, one of which comes nearer."""
+    count = len(masses)
+    directions = np.zeros((3 * count, 3 * (count + 1)))
+    for body in range(count):
+        own = slice(3 * body, 3 * body + 3)
+        directions[own, own] = np.eye(3)
+        directions[own, 3 * body + 3 : 3 * body + 6] = -np.eye(3)
+    velocity = np.zeros((count, 3))
+    velocity[:, 0], velocity[:, 1] = rng.normal(size=count), 0.1
+    free = directions.T @ velocity.ravel()
+    free[-3] -= closing
+    return asp.ContactProblem.from_bodies(
+        np.diag(np.repeat(masses, 3)), directions=directions, free_velocity=free, laws=LAW
+    )
+
+
+@pytest.mark.parametrize("count", [2, 5, 11, 23, 40])
+def test_heavy_bodies_do_not_hide_light_ones_that_are_squeezed(count):
+    """Whatever the percussions, normal velocities add up to what the walls close by.
+
+    If they leave as much room, it takes no percussions at all to find velocities that separate.
+    """
+    proven = 0
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        masses = 10.0 ** rng.uniform(-3.0, 3.0, size=count)
+        problem = chain(masses, 1e-5, rng)
+        assert problem.free_velocity[::3].sum() == pytest.approx(-1e-5, rel=1e-9)
+        solution = problem.solve(tolerance=1e-8, on_failure="record")
+        if solution.status is Status.NO_SOLUTION:
+            proven += 1
+            assert proves_no_solution(problem, solution.infeasibility)
+            assert np.all(solution.infeasibility.direction[::3] > 0.0)
+        # Room in place of closing.
+        assert chain(masses, -1e-5, rng).solve(tolerance=1e-8).converged
+    assert proven >= 8
+
+
+def test_proofs_among_bodies_need_weights_that_move_none():
+    problem = chain(np.array([1e-5, 1.0, 1e5]), 1e-5, np.random.default_rng(0))
+    weights = np.zeros(12)
+    weights[::3] = 0.25
+    claim = {"kind": "closing", "contact": 0, "closing_velocity": 2.5e-6, "residual": 0.0}
+    assert proves_no_solution(problem, asp.Infeasibility(direction=weights, **claim))
+    # Nothing proves it where only G is known, which may hold other bodies.
+    unknown = problem.replace(delassus=problem.delassus)
+    assert not proves_no_solution(unknown, asp.Infeasibility(direction=weights, **claim))
+    for contact in range(4):
+        other = weights.copy()
+        other[3 * contact] *= 1.0 + 1e-9
+        assert not proves_no_solution(problem, asp.Infeasibility(direction=other, **claim))
+
+
 def squeezed_packing(side, rows, *, closing):
     """Return side² columns of ten spheres, of which walls squeeze rows, and the rows' contacts.
 

@@ -6,16 +6,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 12] = [
+const SOLVER: [(&str, &[&str]); 13] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
-    ("infeasibility", &["measure", "one_contact"]),
+    ("suitable_masses", &[]),
+    ("infeasibility", &["measure", "one_contact", "suitable_masses"]),
     ("newton_matrix", &[]),
     ("report", &["measure"]),
     ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
     ("findings", &["measure", "infeasibility", "report", "method"]),
     ("neighbourhood", &["measure", "report", "method"]),
-    ("existence", &["newton_matrix", "method"]),
+    ("existence", &["suitable_masses", "newton_matrix", "method"]),
     (
         "auto",
         &[

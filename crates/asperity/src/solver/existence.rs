@@ -21,10 +21,11 @@
 //! contacts open as they slip, of bodies whose masses suit the numbers: its solutions minimise a convex function, and the
 //! interior point method finds them.
 
-use crate::contact::{ContactProblem, Csr, Delassus, Factored};
+use crate::contact::ContactProblem;
 use crate::law::ContactVector;
 use crate::solver::method::{Cones, Interior, Task};
 use crate::solver::newton_matrix::NewtonMatrix;
+use crate::solver::suitable_masses::with_suitable_masses;
 
 /// Iterations of the interior point method. Piles of 112 contacts whose masses differ by a factor of 10⁸
 /// (`pile_of_unequal_spheres` in `tests/test_certificate.py`) take two, the jaws of `existence/tests.rs` at most six.
@@ -59,29 +60,6 @@ fn proves(
         proves
     };
     interior.find_associated(task, &cones, &mut matrix, ITERATIONS, proves)
-}
-
-/// The same contacts between bodies of other masses, diagonal and such that units drop out: `M_kk = Σ_j W_kj²`.
-///
-/// `None` where the bodies are not known, or numbers are beyond those of a problem.
-fn with_suitable_masses(problem: &ContactProblem) -> Option<ContactProblem> {
-    let Delassus::Factored(factored) = problem.delassus() else { return None };
-    let directions = factored.directions();
-    let count = directions.columns();
-    let mut masses = vec![0.0; count];
-    for row in 0..directions.rows() {
-        let (columns, values) = directions.row(row);
-        columns.iter().zip(values).for_each(|(&k, w)| masses[k] += w * w);
-    }
-    // What no contact moves.
-    masses.iter_mut().filter(|mass| **mass == 0.0).for_each(|mass| *mass = 1.0);
-    let places = (0..count).collect();
-    let mass = Csr::new("mass", count, count, (0..=count).collect(), places, masses).ok()?;
-    let sizes: Vec<usize> = problem.contacts().iter().map(|rows| rows.len()).collect();
-    let operator = Factored::new(mass, directions.clone(), &sizes).ok()?;
-    let loads = problem.free_velocity().iter().zip(problem.restitution()).map(|(b, e)| b + e);
-    let contacts = problem.contacts().iter().map(|rows| (rows.law.clone(), rows.normal));
-    ContactProblem::new(operator, loads.collect(), contacts).ok()
 }
 
 /// Whether percussions bring velocities within the dual cones of all contacts.

@@ -27,6 +27,7 @@ mod newton_matrix;
 mod one_contact;
 mod report;
 mod solution;
+mod suitable_masses;
 
 pub use infeasibility::{Case, CaseState, Infeasibility, InfeasibilityKind, Unsolvable};
 pub use islands::{Island, Islands};

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::*;
-use crate::contact::{Csr, Factored, Memory, NormalForce};
+use crate::contact::{Csr, Delassus, Factored, Memory, NormalForce};
 use crate::law::{FrictionLaw, Law};
 use crate::random::random;
 use crate::set::{Convex, Ellipsoid, Star, Vector};

@@ -15,6 +15,9 @@
 //! satisfies `Σ s_j |P_j| ≥ −d·(b + e γ_B)/(η max_i s_i d_i)`. Both are asked for: that `Gᵀd` is rounding, and that
 //! such percussions are beyond all that `G` can hold, [`HUGE`] times those that the loads call for. `s_j` makes `η`
 //! independent of units and masses.
+//!
+//! Where `G = Wᵀ M⁻¹ W` is that of bodies, `W d = 0` whatever the masses. With those of `suitable_masses.rs` its rounding
+//! does not hide what close contacts of light bodies beside heavy ones do.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,6 +25,7 @@ use super::nonnegative;
 use super::proof::{Infeasibility, InfeasibilityKind};
 use crate::contact::{Components, ContactProblem, Delassus, Factored, Members, NormalForce};
 use crate::linear::LeastNorm;
+use crate::solver::suitable_masses::with_suitable_masses;
 use crate::vectors::largest;
 
 /// Most contacts among which a proof is searched: its cost grows with their third power.
@@ -58,6 +62,12 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
     if problem.delassus().is_matrix_free() {
         return None;
     }
+    let suitable = with_suitable_masses(problem);
+    search(suitable.as_ref().unwrap_or(problem), percussion)
+}
+
+/// The same by the operator of this problem.
+fn search(problem: &ContactProblem, percussion: &[f64]) -> Option<Infeasibility> {
     // In the rows' own scale, s_i P_i, units and masses drop out.
     let pushes = |i: usize| scale_of(problem, i) * percussion[problem.contacts()[i].offset];
     let all: Weights = (0..problem.contacts().len())
