@@ -823,6 +823,43 @@ def test_proofs_among_bodies_need_weights_that_move_none():
         assert not proves_no_solution(problem, asp.Infeasibility(direction=other, **claim))
 
 
+def test_light_directions_of_a_body_that_contacts_hardly_feel_are_no_rounding():
+    """Three contacts that close but for an angle of 8e-9, along which a body has hardly any mass.
+
+    Percussions of 10⁹ N s under loads of 1 m/s bring it to move out of the way.
+    """
+    slope, angle, light, closing = 2.5e-3, 8e-9, 2e-9, 1.4e-3
+    normal, tangent = np.array([0.8, 0.6]), np.array([-0.6, 0.8])
+    directions = np.zeros((6, 6))
+    directions[0, [0, 2]] = 1.0, -1.0
+    directions[1:3, 2] = slope * (-normal + angle * tangent)
+    directions[1:3, 4] = normal + angle * tangent
+    directions[[3, 4, 5], [1, 3, 5]] = 1.0
+    mass = np.eye(6)
+    mass[0, 0] = 6e5
+    mass[1:3, 1:3] = np.outer(normal, normal) + light * np.outer(tangent, tangent)
+    free = np.array([1.0, 0.0, -1.0 - closing, 0.0, 0.0, 0.0])
+    law = asp.FrictionLaw.isotropic(1e-13, dimension=1)
+    problem = asp.ContactProblem.from_bodies(
+        mass, directions=directions, free_velocity=free, laws=law
+    )
+    exact = np.zeros(6)
+    exact[::2] = np.linalg.solve(problem.delassus.toarray()[::2, ::2], -free[::2])
+    assert np.all(exact[::2] > 0.0)
+    assert problem.residual(exact) < 1e-8
+    for solver in (asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint(), asp.ADMM()):
+        assert problem.solve(solver, tolerance=1e-8).converged
+    weights = np.array([1.0, 0.0, 1.0, 0.0, slope, 0.0])
+    claim = asp.Infeasibility(
+        kind="closing",
+        contact=0,
+        direction=weights / weights.sum(),
+        closing_velocity=closing / weights.sum(),
+        residual=0.0,
+    )
+    assert not proves_no_solution(problem, claim)
+
+
 def squeezed_packing(side, rows, *, closing):
     """Return side² columns of ten spheres, of which walls squeeze rows, and the rows' contacts.
 

@@ -132,9 +132,9 @@ class Infeasibility(Value):
         direction: d, with sum one, shape ``(rows,)``; of the other kinds the contact's normal row.
         closing_velocity: −d·(b + e∘γ_B) in m/s; of the other kinds the speed at which the contact
             approaches without percussions.
-        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding, where masses of
-            bodies differ too much for that with M_kk = Σⱼ W_kj² in G = WᵀM⁻¹W; of cases the most
-            that one of them leaves to rounding.
+        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding; of bodies with
+            G = WᵀM⁻¹W of the masses M_kk = Σⱼ W_kj²; of cases the most that one of them leaves to
+            rounding.
         cases: all that the contacts can do; of the other kinds none.
 
     >>> import numpy as np

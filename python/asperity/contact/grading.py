@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,13 +12,9 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact import ContactProblem, Infeasibility, InfeasibleCase
 from asperity.contact.arguments import sizes
-from asperity.contact.operator import assembled
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 __all__ = ["natural_map", "proves_no_solution"]
 
@@ -27,6 +22,8 @@ State = str | tuple[float, float]
 
 # Percussions over those that the loads call for beyond which they are none.
 _HUGE = 5e9
+# Velocities that they bring to contacts over the loads beyond which they are none.
+_FASTEST = 5e7
 
 
 def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
@@ -81,9 +78,12 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     with s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from
     below: Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these
     contacts. Where the problem is one of bodies, these are asked as well, as G may have lost the
-    heavy ones beside the light ones: W d must vanish, up to 2e-10 of the largest weight. As that
-    does not depend on the masses, all this may hold for G = WᵀM⁻¹W with M_kk = Σⱼ W_kj² instead,
-    where it is not hidden by the rounding of masses that differ by many powers of ten.
+    heavy ones beside the light ones: W d must vanish, up to 2e-10 of the largest weight. Or
+    else W d is rounding, |(W d)ₖ| ≤ 16 ε maxⱼ |W_kj| Σ dⱼ over the contacts of the body, and what
+    that leaves bounds the velocities u that percussions bring to the bodies. As
+    Σ dᵢξᵢ = (W d)·u + d·(b + e∘γ_B), a solution has Σₖ |(W d)ₖ||uₖ| ≥ −d·(b + e∘γ_B), which must
+    take velocities at contacts, uₖ maxⱼ |W_kj|, of 5e7 times the largest load. Masses that differ
+    by many powers of ten do not hide that.
 
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
@@ -122,44 +122,56 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         return _covers(problem, whole, possible) and all(
             _is_impossible(problem, case, free, islands) for case in possible
         )
-    return _closes(problem, proof.direction, problem.delassus) or (
-        problem.directions is not None
-        and _closes(problem, proof.direction, _with_suitable_masses(problem.directions))
-    )
-
-
-def _closes(problem: ContactProblem, weights: Array, delassus: Array | csr_array) -> bool:
-    """Return whether weights are a proof of the kind ``"closing"`` with this operator."""
-    free, scale = problem.free_velocity + _restitution(problem), np.sqrt(delassus.diagonal())
+    weights = proof.direction
     normal = np.zeros(free.size, dtype=bool)
     for rows, force in zip(problem.row_slices, problem.normal_force, strict=True):
         normal[rows.start] = force is None
-    largest = (scale * weights).max()
-    if not largest > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
+    if not weights.max() > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
         return False
-    changed = np.abs(delassus.T @ weights) / scale
     closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
-    called_for = (np.abs(free) / scale)[weights > 0.0].max()
     return bool(
-        changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
-        and closing >= _HUGE * changed.max() * called_for
-        and closing > 1e-13 * sizes_of_load
-        # Weights as percussions move no body, up to rounding.
-        and not _moved(problem, weights, scale).any()
+        closing > 1e-13 * sizes_of_load
+        and (_keeps_bodies(problem, weights, free) or _vanishes(problem, weights, free))
     )
 
 
-def _with_suitable_masses(directions: csr_array) -> csr_array:
-    """Return the operator of bodies with the masses M_kk = Σⱼ W_kj², where units drop out."""
-    from scipy.sparse import csr_array, diags_array
+def _keeps_bodies(problem: ContactProblem, weights: Array, free: Array) -> bool:
+    """Return whether contacts that open ask for velocities of bodies far beyond the loads."""
+    if problem.directions is None:
+        return False
+    planar = np.concatenate(
+        [
+            np.arange(rows.stop - rows.start) < (3 if force is None else 2)
+            for rows, force in zip(problem.row_slices, problem.normal_force, strict=True)
+        ]
+    )
+    levers = abs(problem.directions)
+    lever = levers.max(axis=1).toarray().ravel()
+    touched = lever > 0.0
+    moved = np.abs(problem.directions @ weights)[touched] / lever[touched]
+    explained = 16.0 * np.finfo(float).eps * (levers.sign() @ weights)[touched]
+    return bool(
+        (moved <= explained).all()
+        and -weights @ free >= _FASTEST * moved.sum() * np.abs(free[planar]).max()
+    )
 
-    mass = directions.power(2).sum(axis=1)
-    return assembled(csr_array(diags_array(np.where(mass > 0.0, mass, 1.0))), directions)
+
+def _vanishes(problem: ContactProblem, weights: Array, free: Array) -> bool:
+    """Return whether Gᵀd is rounding, so that percussions would be far beyond the loads."""
+    scale = np.sqrt(problem.delassus.diagonal())
+    changed = np.abs(problem.delassus.T @ weights) / scale
+    called_for = (np.abs(free) / scale)[weights > 0.0].max()
+    return bool(
+        changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
+        and -weights @ free >= _HUGE * changed.max() * called_for
+        # Weights as percussions move no body, up to rounding.
+        and not _moved(problem, weights).any()
+    )
 
 
 def _keeps_lost_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
     """Return whether weights move no body that brings so little of G that G may have lost it."""
-    moved = _moved(problem, weights, np.sqrt(problem.delassus.diagonal()))
+    moved = _moved(problem, weights)
     if problem.directions is None or problem.mass is None:
         return not moved.any()
     levers = abs(problem.directions)
@@ -169,10 +181,11 @@ def _keeps_lost_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
     return not (moved & ~held).any()
 
 
-def _moved(problem: ContactProblem, weights: Array, scale: Array) -> NDArray[np.bool_]:
+def _moved(problem: ContactProblem, weights: Array) -> NDArray[np.bool_]:
     """Return which velocities of bodies weights as percussions change; none if none is known."""
     if problem.directions is None:
         return np.zeros(0, dtype=bool)
+    scale = np.sqrt(problem.delassus.diagonal())
     explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
     momentum = np.abs(problem.directions @ weights)
     return ~(momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained)

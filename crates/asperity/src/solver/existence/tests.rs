@@ -16,12 +16,16 @@ fn ellipse(a: f64, b: f64) -> Convex<2> {
     Convex::from(Ellipsoid::new(Vector::<2>::new(a, b)).unwrap())
 }
 
-/// Particles of which each is four times as heavy as the one before, with random contacts in pairs and with the ground; the
-/// directions of slip are those of other ellipses than the reservoirs.
-fn particles(count: usize, contacts: usize, seed: &mut u64) -> ContactProblem {
-    let mass = DMatrix::from_fn(3 * count, 3 * count, |i, j| {
-        if i == j { 4.0_f64.powi((i / 3) as i32) } else { 0.0 }
-    });
+/// Bodies of three velocities, which their inertia couples, each four times as heavy as the one before, with random contacts
+/// in pairs and with the ground; the directions of slip are those of other ellipses than the reservoirs, and a part of the
+/// loads is restitution.
+fn bodies(count: usize, contacts: usize, seed: &mut u64) -> ContactProblem {
+    let mut mass = DMatrix::zeros(3 * count, 3 * count);
+    for body in 0..count {
+        let root = DMatrix::from_fn(3, 3, |i, j| random(seed) - 0.5 + f64::from(i == j));
+        let own = 4.0_f64.powi(body as i32) * (&root * root.transpose());
+        mass.view_mut((3 * body, 3 * body), (3, 3)).copy_from(&own);
+    }
     let mut directions = DMatrix::zeros(3 * contacts, 3 * count);
     for i in 0..contacts {
         let frame = DMatrix::from_fn(3, 3, |_, _| random(seed) - 0.5).qr().q();
@@ -30,10 +34,12 @@ fn particles(count: usize, contacts: usize, seed: &mut u64) -> ContactProblem {
             directions.view_mut((3 * i, 3 * body), (3, 3)).copy_from(&(sign * &frame));
         }
     }
-    let free = (0..3 * contacts).map(|_| random(seed) - 0.5).collect();
+    let mut velocities = || (0..3 * contacts).map(|_| random(seed) - 0.5).collect::<Vec<f64>>();
+    let (free, before) = (velocities(), velocities());
     let reservoir = Star::from(ellipse(0.5, 0.3));
     let law: Law = FrictionLaw::new(reservoir, ellipse(0.2, 0.4)).unwrap().into();
-    of_bodies(&mass, &directions, free, &law)
+    let problem = of_bodies(&mass, &directions, free, &law);
+    problem.with_restitution(&vec![0.3; contacts], &vec![0.1; contacts], &before).unwrap()
 }
 
 fn of_bodies(
@@ -81,10 +87,14 @@ fn proof(problem: &ContactProblem) -> Option<Proof> {
         let (columns, values) = suitable.directions().row(row);
         columns.iter().zip(values).for_each(|(&k, w)| of_bodies[k] += w * p);
     }
+    for (k, velocity) in of_bodies.iter_mut().enumerate() {
+        *velocity /= suitable.mass().row(k).1[0];
+    }
     let mut energy = 0.0;
-    for (k, momentum) in of_bodies.iter().enumerate() {
-        let [own, suitable] = [own, suitable].map(|factored| factored.mass().row(k).1[0]);
-        energy += own * (momentum / suitable).powi(2);
+    for (k, velocity) in of_bodies.iter().enumerate() {
+        let (columns, masses) = own.mass().row(k);
+        energy +=
+            columns.iter().zip(masses).map(|(&l, m)| velocity * m * of_bodies[l]).sum::<f64>();
     }
     Some(Proof { velocity, energy })
 }
@@ -94,7 +104,7 @@ fn proof(problem: &ContactProblem) -> Option<Proof> {
 fn solutions_are_within_the_bound() {
     let (mut seed, mut nearest, mut counts) = (5, 0.0_f64, [0, 0]);
     for case in 0..400 {
-        let problem = particles(2 + case % 5, 3 + case % 11, &mut seed);
+        let problem = bodies(2 + case % 5, 3 + case % 11, &mut seed);
         let Some(Proof { velocity, energy }) = proof(&problem) else {
             counts[0] += 1;
             continue;

@@ -16,8 +16,14 @@
 //! such percussions are beyond all that `G` can hold, [`HUGE`] times those that the loads call for. `s_j` makes `η`
 //! independent of units and masses.
 //!
-//! Where `G = Wᵀ M⁻¹ W` is that of bodies, `W d = 0` whatever the masses. With those of `suitable_masses.rs` its rounding
-//! does not hide what close contacts of light bodies beside heavy ones do.
+//! Where `G = Wᵀ M⁻¹ W` is that of bodies, `Gᵀd` vanishes where `W d` does, whatever the masses. Weights are then searched with
+//! the masses of `suitable_masses.rs`, so that rounding does not hide light bodies beside heavy ones, and `W d` is asked as well.
+//! With the velocities `u` that percussions bring to the bodies
+//!
+//! `Σ d_i ξ_i = (W d)·u + d·(b + e γ_B)`,
+//!
+//! where `W d` is rounding, so that a solution has `Σ_k |(W d)_k| |u_k| ≥ −d·(b + e γ_B)`. That must take velocities at
+//! contacts, `u_k max_j |W_kj|`, beyond [`FASTEST`] times the loads.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -46,6 +52,11 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// Percussions over those that normal loads call for, `Σ s_j |P_j|` over `max_i |b_Ni|/s_i`, from which on they are no
 /// solution: with all digits of `G`, contacts are proven to close that do so with a hundred-thousandth of the loads.
 pub(crate) const HUGE: f64 = 1e10;
+/// Velocities that percussions bring to contacts over the loads, from which on they are no solution. As percussions bring no
+/// energy to bodies that nothing drives, these become faster by no more than the square root of the ratio of their masses.
+const FASTEST: f64 = 1e8;
+/// `|(W d)_k|` relative to `max_j |W_kj|` and the sum of the weights of the body's contacts, which rounding explains.
+const IN_DIRECTIONS: f64 = 8.0 * f64::EPSILON;
 /// Errors of the weights relative to the largest one: what projections onto the kernel of `G` leave over.
 const MOVED: f64 = 1e-10;
 /// Smallest closing velocity relative to the free velocities of the contacts, in their normal rows.
@@ -248,7 +259,12 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
         }
     }
     let rests = match problem.delassus() {
-        Delassus::Factored(factored) => keeps_bodies_at_rest(factored, &direction),
+        Delassus::Factored(factored) => {
+            let fastest = (0..problem.contacts().len()).map(|i| planar_load(problem, i));
+            let fastest = fastest.fold(0.0, f64::max);
+            brought_to_bodies(factored, &direction)
+                .is_some_and(|brought| closing >= FASTEST * brought * fastest)
+        }
         _ => true,
     };
     // The comparisons also turn away NaN.
@@ -265,12 +281,40 @@ fn certify(problem: &ContactProblem, support: &[(usize, f64)]) -> Option<Infeasi
     })
 }
 
-/// Whether weights as percussions move no body.
+/// The largest load of a contact along its normal and its plane; drilling has another unit.
+fn planar_load(problem: &ContactProblem, contact: usize) -> f64 {
+    let rows = &problem.contacts()[contact];
+    let planar = problem.load(contact).into_iter().take(rows.len().min(rows.normal_rows() + 2));
+    planar.fold(0.0, |m: f64, b| m.max(b.abs()))
+}
+
+/// `Σ_k |(W d)_k|/max_j |W_kj|`, what weights as percussions bring to the bodies, if rounding of the entries of `W` explains it.
 ///
-/// `W d = 0` makes `G d = 0` whatever the masses. `G` alone does not tell: beside a body of the mass 1 it holds nothing
-/// of one of the mass 10¹⁷, which percussions move nevertheless.
-fn keeps_bodies_at_rest(factored: &Factored, weights: &[f64]) -> bool {
-    moved(factored, weights).next().is_none()
+/// A velocity `u_k` of the bodies comes to `u_k max_j |W_kj|` at some contact. `Gᵀd` does not tell as much: bodies whose
+/// velocities contacts hardly feel are in it with the square of that, and beside a body of the mass 1 it holds nothing of one of
+/// the mass 10¹⁷, which percussions move nevertheless.
+fn brought_to_bodies(factored: &Factored, weights: &[f64]) -> Option<f64> {
+    let directions = factored.directions();
+    let mut momentum = vec![0.0; directions.columns()];
+    let mut lever = vec![0.0_f64; directions.columns()];
+    let mut touching = vec![0.0; directions.columns()];
+    for (row, d) in weights.iter().enumerate() {
+        let (columns, values) = directions.row(row);
+        for (&k, w) in columns.iter().zip(values) {
+            momentum[k] += w * d;
+            lever[k] = lever[k].max(w.abs());
+            touching[k] += d;
+        }
+    }
+    let mut sum = 0.0;
+    for ((momentum, lever), touching) in momentum.iter().zip(&lever).zip(&touching) {
+        // The comparison also turns away NaN.
+        if *lever > 0.0 && !(momentum.abs() <= IN_DIRECTIONS * lever * touching) {
+            return None;
+        }
+        sum += if *lever > 0.0 { momentum.abs() / lever } else { 0.0 };
+    }
+    Some(sum)
 }
 
 /// Part of `G_jj` that a velocity brings, from which on `G` tells what percussions do with it: its rounding is 2e-10 of

@@ -41,8 +41,8 @@ pub struct Infeasibility {
     pub direction: Vec<f64>,
     /// `−d·(b + e γ_B)`, the velocity in m/s with which the contacts close.
     pub closing_velocity: f64,
-    /// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`: what of the closing velocity percussions change,
-    /// where masses of bodies differ too much for `G` to tell with `M_kk = Σ_j W_kj²` in `G = Wᵀ M⁻¹ W`; of cases, the most that any of them leaves to rounding.
+    /// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`: what of the closing velocity percussions change; of bodies
+    /// with `G = Wᵀ M⁻¹ W` of the masses `M_kk = Σ_j W_kj²`; of cases, the most that any of them leaves to rounding.
     pub residual: f64,
     /// The cases, which together are all that the contacts can do; of the other kinds none.
     pub cases: Vec<Case>,

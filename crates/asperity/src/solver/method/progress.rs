@@ -357,10 +357,12 @@ impl<'a> Progress<'a> {
             return;
         }
         let solved = small && !runs && kind != Some(GrowthKind::Separating);
-        if solved || !self.solved {
+        self.growth = None;
+        // What passes the measure of contacts but is not kept as solved may be worse than what was there.
+        if solved || !self.solved && measures.0 < self.grade {
             (self.grade, self.residual) = measures;
             (self.known, self.solved) = (true, solved);
-            (self.growth, self.best_growth) = (None, growth);
+            self.best_growth = growth;
             self.buffers.best.copy_from_slice(percussion);
         }
     }
