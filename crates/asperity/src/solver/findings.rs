@@ -12,7 +12,7 @@ use crate::contact::{ContactProblem, NormalForce};
 /// `tests/test_certificate.py`) pass for solved at a tolerance of 1e-6 with a growth of 3·10³.
 const WORTH_A_PROOF: f64 = 1e3;
 /// Most contacts of a problem in which the proof is also looked for where a single contact has grown by as much, see
-/// [`largest_growth`]. Twenty chains each of 6, 12, 24 and 41 contacts between masses of 10⁻³ to 10³ kg, which have solutions,
+/// [`largest_growth`]. Ten chains each of 6, 12, 24 and 41 contacts between masses of 10⁻³ to 10³ kg, which have solutions,
 /// took no longer to solve than without, as far as a noisy machine tells.
 const FEW: usize = 48;
 
