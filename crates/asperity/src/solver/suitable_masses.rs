@@ -1,7 +1,7 @@
 //! The same contacts between bodies of other masses.
 //!
-//! Whether velocities of the bodies take contacts apart, and whether percussions move no body, does not depend on the
-//! masses. `G = Wᵀ M⁻¹ W` with masses that differ by many powers of ten hides both behind its rounding.
+//! Whether velocities of the bodies take contacts apart, and whether percussions move no body at all, does not depend on the
+//! masses; how far percussions that nearly do so move them does. `G = Wᵀ M⁻¹ W` with masses that differ by many powers of ten hides both behind its rounding.
 
 use crate::contact::{ContactProblem, Csr, Delassus, Factored};
 
