@@ -85,5 +85,6 @@ fn largest_growth(problem: &ContactProblem, percussion: &[f64]) -> f64 {
             load = load.max((problem.free_velocity()[row] + problem.restitution()[row]).abs());
         }
     }
-    brought / load
+    // Contacts close on each other by their loads alone.
+    if load > 0.0 { brought / load } else { 0.0 }
 }
