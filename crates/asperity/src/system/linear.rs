@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
-use super::{Blocks, Configuration, Constancy, ContactLaw, System, SystemError, TimeDependence};
+use super::{
+    Blocks, Configuration, Constancy, ContactLaw, MotionBounds, System, SystemError, TimeDependence,
+};
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::law::Law;
 use crate::vectors::{dot, unrolled};
@@ -286,6 +288,17 @@ impl System for LinearSystem {
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let LinearContact { rows, gap, .. } = &self.contacts[contact];
         Ok(gap + dot(rows, at.q))
+    }
+
+    /// `|w_N|ᵀ|q̈|`.
+    fn gap_acceleration(
+        &self,
+        _at: &Configuration<'_>,
+        contact: usize,
+        bounds: &MotionBounds,
+    ) -> Option<f64> {
+        let terms = self.contacts[contact].rows.iter().zip(&bounds.accelerations);
+        Some(terms.map(|(w, a)| w.abs() * a).sum())
     }
 
     fn rows(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::pose::{Pose, Poses, Twist};
+use super::pose::{Pose, Poses, Speeds, Twist};
 use super::surface::{Frame, Surface, Timed, tangent};
 use crate::system::Moment;
 
@@ -106,6 +106,41 @@ impl Contact {
             Touching::Spheres { centres, radii } => {
                 let (gap, point, _) = spheres(centres, radii, poses);
                 (gap, point)
+            }
+        }
+    }
+
+    /// A bound on `|g̈_N|` while it does not overlap, from these poses on for `duration`; none with a plane that moves itself.
+    ///
+    /// With a plane on a body, and the arm `d` from its point to the contact, it is `|a| + 2ω|v| + (ω² + α)|d|` with
+    /// velocity and acceleration of one end of the arm relative to the other. Of spheres whose centres are R apart where
+    /// they touch it is `|a| + |v|²/R`. As they would meet within a time Δt that is too long for this to be seen, it is
+    /// made `|a| + 8|v|²/R`: from `R/2|v|` on, `⅛|g̈_N|Δt²` is more than `½|v|Δt`, by which a gap can fall below those at both ends.
+    pub(super) fn gap_acceleration(
+        &self,
+        poses: &Poses,
+        speeds: impl Fn(usize) -> Speeds,
+        duration: f64,
+    ) -> Option<f64> {
+        let first = speeds(self.body);
+        let second = self.other.map(&speeds);
+        let of_second = |arm: f64| second.as_ref().map_or([0.0; 2], |speeds| speeds.of_point(arm));
+        match &self.touching {
+            Touching::Plane { timed: Some(timed), .. } if timed.moves() => None,
+            Touching::Plane { point, surface, .. } => {
+                let [v1, a1] = first.of_point(point.norm());
+                let (Some(speeds), Some(pose)) = (&second, &poses.second) else { return Some(a1) };
+                let ([v2, a2], [turning, turning_rate]) =
+                    (of_second(surface.point.norm()), speeds.turning());
+                let arm = (poses.first.point(point) - pose.point(&surface.point)).norm();
+                let (velocity, arm) = (v1 + v2, arm + (v1 + v2) * duration);
+                let turned = turning * turning + turning_rate;
+                Some(a1 + a2 + 2.0 * turning * velocity + turned * arm)
+            }
+            Touching::Spheres { centres, radii } => {
+                let [v1, a1] = first.of_point(centres[0].norm());
+                let [v2, a2] = of_second(centres[1].norm());
+                Some(a1 + a2 + 8.0 * (v1 + v2).powi(2) / (radii[0] + radii[1]))
             }
         }
     }

@@ -14,6 +14,29 @@ pub struct Pose {
 /// Velocity `(v, Ω)` of a body, or what is dual to it: v in the world's axes, Ω in the body's.
 pub(super) type Twist = Vector6<f64>;
 
+/// Bounds on the components of a body's velocity and acceleration.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Speeds {
+    pub(super) velocity: Twist,
+    pub(super) acceleration: Twist,
+}
+
+impl Speeds {
+    /// Bounds on velocity and acceleration of a point of the body at this distance from its centre:
+    /// `v + rω` and `a + r(ω² + α)`.
+    pub(super) fn of_point(&self, arm: f64) -> [f64; 2] {
+        let [turning, turning_rate] = self.turning();
+        let velocity = linear(&self.velocity).norm() + arm * turning;
+        let turned = turning * turning + turning_rate;
+        [velocity, linear(&self.acceleration).norm() + arm * turned]
+    }
+
+    /// Bounds on its angular velocity ω and angular acceleration α.
+    pub(super) fn turning(&self) -> [f64; 2] {
+        [angular(&self.velocity).norm(), angular(&self.acceleration).norm()]
+    }
+}
+
 /// The poses of the two bodies of a contact; the second one may be the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Poses {

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::pose::{Twist, angular, linear, twist};
+use super::pose::{Speeds, Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
 use crate::system::{
-    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, Rotation, Step,
-    System, SystemError, TimeDependence,
+    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, MotionBounds,
+    Rotation, Step, System, SystemError, TimeDependence,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -113,6 +113,21 @@ impl System for RigidBodies {
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {
         let contact = &self.contacts[contact];
         Ok(contact.gap(at.moment(), &contact.poses(|body| self.pose_at(at, body))).0)
+    }
+
+    fn gap_acceleration(
+        &self,
+        at: &Configuration<'_>,
+        contact: usize,
+        bounds: &MotionBounds,
+    ) -> Option<f64> {
+        let contact = &self.contacts[contact];
+        let speeds = |body| Speeds {
+            velocity: self.twist(&bounds.velocities, body),
+            acceleration: self.twist(&bounds.accelerations, body),
+        };
+        let poses = contact.poses(|body| self.pose_at(at, body));
+        contact.gap_acceleration(&poses, &speeds, bounds.duration)
     }
 
     fn rows(

@@ -236,6 +236,11 @@ impl Timed {
         (!constant || motion.is_some()).then_some(Self { velocity, spin, motion })
     }
 
+    /// Whether the plane itself moves, and not just its material.
+    pub(super) fn moves(&self) -> bool {
+        self.motion.is_some()
+    }
+
     /// The plane at a time.
     pub(super) fn at(&self, surface: &Surface, at: Moment) -> Surface {
         let (velocity, [spin]) = (self.velocity.value(at), self.spin.value(at));

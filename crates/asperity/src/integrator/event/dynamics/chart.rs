@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::integrator::event::state::State;
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, Rotation, System, SystemError, full_rows};
+use crate::system::{Configuration, MotionBounds, Rotation, System, SystemError, full_rows};
 
 /// Angle in rad from which on the chart moves to the present attitude, and how far a step may turn it: θ stays far from
 /// a full turn, and most steps follow each other in one chart.
@@ -154,6 +154,27 @@ impl<'a> Chart<'a> {
     /// Gap of a unilateral contact.
     pub(crate) fn gap(&self, t: f64, contact: usize) -> Result<f64, SystemError> {
         self.system.gap(&self.configuration(t), contact)
+    }
+
+    /// Makes bounds on `w` those on the velocities of the system: no rotation of the chart is longer than its vector, so that
+    /// `|Ω| ≤ |w|` and `|Ω̇| ≤ |ẇ| + |w|²`.
+    pub(crate) fn push_bounds(&self, bounds: &mut MotionBounds) {
+        for turn in &self.rotations {
+            let speed = turn.part(&bounds.velocities).norm();
+            let rate = turn.part(&bounds.accelerations).norm() + speed * speed;
+            turn.set_part(&mut bounds.velocities, &Vector3::repeat(speed));
+            turn.set_part(&mut bounds.accelerations, &Vector3::repeat(rate));
+        }
+    }
+
+    /// A bound on `|g̈_N|` of a unilateral contact from where the chart has been placed, if the system has one.
+    pub(crate) fn gap_acceleration(
+        &self,
+        t: f64,
+        contact: usize,
+        bounds: &MotionBounds,
+    ) -> Option<f64> {
+        self.system.gap_acceleration(&self.configuration(t), contact, bounds)
     }
 
     /// Rows of a contact for the velocities of the system, the normal one first if it is unilateral, and their χ; its

@@ -12,9 +12,16 @@ const LEBESGUE: f64 = 2.0;
 /// Height over the largest value of an event function that may be the error of the polynomial.
 const MARGIN: f64 = 1e-10;
 
-/// Where an event function that is not positive at the nodes may be so between them: the number of the node before,
-/// and the place relative to the step. `values` are those of the start and of the first stages.
-pub(crate) fn hidden_maximum(values: &[f64]) -> Option<(usize, f64)> {
+/// The polynomial through values at the nodes, at a place relative to the step.
+pub(crate) fn interpolated(values: &[f64; NODES], x: f64) -> f64 {
+    let mut nodes = [0.0; NODES];
+    nodes[1..].copy_from_slice(&Tableau::radau().c);
+    (0..NODES).map(|j| values[j] * lagrange_at(&nodes, j, x)).sum()
+}
+
+/// Where an event function that is not positive at the nodes may be so between them, relative to the step. `values` are
+/// those of the start and of the first stages.
+pub(crate) fn hidden_maximum(values: &[f64]) -> Option<f64> {
     if values.len() < 3 {
         return None;
     }
@@ -47,7 +54,7 @@ pub(crate) fn hidden_maximum(values: &[f64]) -> Option<(usize, f64)> {
                 let shift = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
                 let top = here - 0.25 * (left - right) * shift;
                 if top > MARGIN * largest {
-                    return Some((i, ends[0] + (k as f64 + shift) * width));
+                    return Some(ends[0] + (k as f64 + shift) * width);
                 }
             }
         }
@@ -65,7 +72,7 @@ mod tests {
         let c = Tableau::radau().c;
         let values: Vec<f64> = [0.0].iter().chain(&c).map(|&x| function(x)).collect();
         assert!(values.iter().all(|v| *v < 0.0));
-        let (_, x) = hidden_maximum(&values).unwrap();
+        let x = hidden_maximum(&values).unwrap();
         assert!((x - 0.4).abs() < 1e-6);
         let low: Vec<f64> = values.iter().map(|v| v - 2e-3).collect();
         assert_eq!(hidden_maximum(&low), None);

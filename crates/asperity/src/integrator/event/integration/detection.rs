@@ -4,6 +4,7 @@ use crate::contact::Phase;
 use crate::integrator::event::collocation::{STAGES, Tableau};
 use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::event_function::between_stages;
+use crate::integrator::event::event_function::root::Value;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::variables::Integration;
 use crate::integrator::event::state::EvaluationError;
@@ -12,25 +13,24 @@ use crate::integrator::event::state::EvaluationError;
 pub(crate) enum Detection {
     /// No event.
     None,
-    /// The resistance of a slipping contact has passed through zero.
-    Singular,
+    /// The step is too long: the resistance of a slipping contact has passed through zero, or gaps swing too often.
+    TooLong,
     /// Event functions that have become positive.
     Events(Bracket),
 }
 
-/// Event functions that become positive between two times from the start of a step.
+/// Event functions that have become positive at a time from the start of a step.
 pub(crate) struct Bracket {
-    pub(crate) low: f64,
     pub(crate) high: f64,
     pub(crate) triggered: Vec<Triggered>,
 }
 
-/// An event function that becomes positive.
+/// An event function that has become positive.
 pub(crate) struct Triggered {
     /// Number of the contact, or the number of contacts for the section.
     pub(crate) number: usize,
-    /// The values at both times.
-    pub(crate) low: f64,
+    /// When it was not yet positive, and what it is now.
+    pub(crate) low: Value,
     pub(crate) high: f64,
 }
 
@@ -47,35 +47,40 @@ impl Integration<'_> {
             self.evaluate_stage(stage)?;
             let singular = |c: &ContactVariables| c.mode == Phase::Slip && c.resistance <= 0.0;
             if self.dynamics.contacts.iter().any(singular) {
-                return Ok(Detection::Singular);
+                return Ok(Detection::TooLong);
             }
             let mut triggered = Vec::new();
             for number in 0..self.stage_values.len() {
                 let (q, u) = (&self.step.q[own.clone()], &self.step.u[own.clone()]);
-                let low = self.stage_values[number][stage];
                 let value = self.event_function(number, q, u);
                 self.stage_values[number][stage + 1] = value;
-                let function = Triggered { number, low, high: value };
+                let function = self.function_since(number, stage, value);
                 if self.is_event(&function, self.state.t + high) {
                     triggered.push(function);
                 }
             }
-            if (!triggered.is_empty() || stage + 1 == STAGES)
-                && let Some(hidden) = self.event_between_stages(stage + 1)?
-            {
-                return Ok(Detection::Events(hidden));
+            if !triggered.is_empty() || stage + 1 == STAGES {
+                match self.event_between_stages(stage + 1)? {
+                    Detection::None => {}
+                    found => return Ok(found),
+                }
             }
             if !triggered.is_empty() {
-                let low = self.time_of_node(stage);
-                return Ok(Detection::Events(Bracket { low, high, triggered }));
+                return Ok(Detection::Events(Bracket { high, triggered }));
             }
         }
         Ok(Detection::None)
     }
 
     /// The time of the start, or of the stage before the `node`-th, from the start.
-    fn time_of_node(&self, node: usize) -> f64 {
+    pub(crate) fn time_of_node(&self, node: usize) -> f64 {
         if node == 0 { 0.0 } else { Tableau::radau().c[node - 1] * self.step.h }
+    }
+
+    /// An event function with its value at a node and a later one.
+    fn function_since(&self, number: usize, node: usize, high: f64) -> Triggered {
+        let value = self.stage_values[number][node];
+        Triggered { number, low: Value { at: self.time_of_node(node), value }, high }
     }
 
     /// Whether something happens between two values of an event function, the later one at `t`. A section is crossed
@@ -85,40 +90,44 @@ impl Integration<'_> {
             return high > 0.0;
         }
         let after = self.options.section.as_ref().is_some_and(|section| t > section.after);
-        high >= 0.0 && low < 0.0 && after
+        high >= 0.0 && low.value < 0.0 && after
     }
 
-    /// The first event function that becomes positive, and is not any more, between two of the first stages.
-    fn event_between_stages(&mut self, stages: usize) -> Result<Option<Bracket>, EvaluationError> {
-        let mut first: Option<(usize, f64)> = None;
-        for values in &self.stage_values {
-            if let Some((node, x)) = between_stages::hidden_maximum(&values[..=stages])
-                && first.is_none_or(|(_, earliest)| x < earliest)
-            {
-                first = Some((node, x));
-            }
-        }
-        let Some((node, x)) = first else { return Ok(None) };
-        let high = x * self.step.h;
+    /// The first event function that has become positive within the first stages, and may not be so at any of them.
+    fn event_between_stages(&mut self, stages: usize) -> Result<Detection, EvaluationError> {
+        let Some(closings) = self.closings(stages)? else { return Ok(Detection::TooLong) };
+        let gap = |number: usize| {
+            self.dynamics.contacts.get(number).is_some_and(ContactVariables::is_free)
+        };
+        let others = self.stage_values.iter().enumerate().filter(|(number, _)| !gap(*number));
+        let hidden =
+            others.filter_map(|(_, values)| between_stages::hidden_maximum(&values[..=stages]));
+        let times = closings.iter().map(|closing| closing.high.at);
+        let Some(high) = times.chain(hidden.map(|x| x * self.step.h)).reduce(f64::min) else {
+            return Ok(Detection::None);
+        };
+        let node = (1..=stages).rev().find(|&k| self.time_of_node(k) < high).unwrap_or_default();
         match self.solve_to(high) {
             Ok(()) => {
                 let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
-                let functions = (0..self.stage_values.len()).map(|number| Triggered {
-                    number,
-                    low: self.stage_values[number][node],
-                    high: self.event_function(number, q, u),
+                let functions = (0..self.stage_values.len()).map(|number| {
+                    let function =
+                        self.function_since(number, node, self.event_function(number, q, u));
+                    match closings.iter().find(|closing| closing.contact == number) {
+                        Some(closing) => Triggered { low: closing.low, ..function },
+                        None => function,
+                    }
                 });
                 let triggered: Vec<_> =
                     functions.filter(|f| self.is_event(f, self.state.t + high)).collect();
                 if !triggered.is_empty() {
-                    let low = self.time_of_node(node);
-                    return Ok(Some(Bracket { low, high, triggered }));
+                    return Ok(Detection::Events(Bracket { high, triggered }));
                 }
             }
             Err(StateError::Diverged) => {}
             Err(StateError::Evaluation(error)) => return Err(error),
         }
         self.evaluate_stage(STAGES - 1)?;
-        Ok(None)
+        Ok(Detection::None)
     }
 }

@@ -45,7 +45,7 @@ impl Integration<'_> {
         let mut first: Option<(usize, Crossing)> = None;
         for function in &bracket.triggered {
             let number = function.number;
-            let low = Value { at: bracket.low, value: function.low.min(0.0) };
+            let low = Value { value: function.low.value.min(0.0), ..function.low };
             let high = Value { at: bracket.high, value: function.high };
             let mut crossing = self.crossing(number, low, high, width)?;
             // At the low end the function was not yet positive in the whole step. A step that ends there may say that it is: the

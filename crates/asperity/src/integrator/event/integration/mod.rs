@@ -5,6 +5,7 @@
 //! | `variables.rs` | everything that changes during an integration |
 //! | `attempt.rs` | attempts of steps, and states inside them |
 //! | `sampling.rs` | what is kept of the motion |
+//! | `closing.rs` | gaps that close within a step, found by bounds on their second derivatives |
 //! | `detection.rs`, `location.rs` | event functions along a step; the time of the first event |
 //! | `decision.rs` | the modes after an event |
 //! | `release.rs`, `impact.rs`, `transition.rs` | stick that ends, impacts, all other events |
@@ -14,6 +15,7 @@
 
 mod attempt;
 mod breaks;
+mod closing;
 mod decision;
 mod detection;
 mod impact;

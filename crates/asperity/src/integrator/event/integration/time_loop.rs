@@ -135,7 +135,7 @@ impl Integration<'_> {
             return Ok(self.reject(self.step_size.h));
         }
         match self.detect_events()? {
-            Detection::Singular => Ok(self.reject(0.5 * h)),
+            Detection::TooLong => Ok(self.reject(0.5 * h)),
             Detection::None if self.dynamics.narrow_stencil(self.step.end(&self.step.u)) => {
                 Ok(self.reject(h))
             }

@@ -6,11 +6,14 @@ use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
-use crate::vectors::{add, norm};
+use crate::vectors::{largest, norm};
 
 /// Slip over the speed of a contact below which it is asked whether rounding turns its friction force: it does so of laws
 /// whose direction sets are three hundred times as long as wide.
 const NEARLY_ZERO: f64 = 1e-9;
+/// Part of the velocities that changes in a time in which accelerations do not: of these it changes as much, and of what is
+/// extrapolated with constant ones its square, which is rounding.
+const UNCHANGING: f64 = 1e-8;
 /// Part of the friction force that rounding of the slip may change while the slip still tells the force.
 const TURNED: f64 = 0.03;
 
@@ -93,9 +96,12 @@ impl Integration<'_> {
             self.dynamics.contacts[i].mode = Phase::Stick;
             before[i] = Some(Phase::Unknown);
         }
-        self.state.t = (self.state.t + left).min(self.end_of_piece());
-        add(&mut self.state.q, left, &self.state.u);
-        add(&mut self.state.u, left, &self.a0);
+        // Where the deceleration is rounding, too, the slip ends here: the projection takes it out.
+        let unchanging = left * largest(&self.a0) <= UNCHANGING * self.step_size.speed();
+        if unchanging && self.state.t + left <= self.end_of_piece() {
+            let start = self.state.clone();
+            self.state.extrapolate(&start, &self.a0, left);
+        }
         self.decide_modes(&before)
     }
 

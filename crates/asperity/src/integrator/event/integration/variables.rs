@@ -12,7 +12,7 @@ use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, Negligible, Scale, State, ZERO_VELOCITY};
 use crate::integrator::observer::Observer;
-use crate::system::{Break, InitialState, System};
+use crate::system::{Break, InitialState, MotionBounds, System};
 use crate::vectors::largest;
 
 /// Why the integration ends here, if it does.
@@ -57,6 +57,8 @@ pub(crate) struct Integration<'a> {
     /// Event functions at the present state, contacts first, then the section; those along the attempt.
     pub(crate) event_values: Vec<f64>,
     pub(crate) stage_values: Vec<[f64; NODES]>,
+    /// Bounds on the motion along the attempt.
+    pub(crate) bounds: MotionBounds,
     /// Number of the next sample, what samples are read from, and the last one.
     pub(crate) samples: usize,
     pub(crate) dense_output: DenseOutput,
@@ -99,6 +101,7 @@ impl<'a> Integration<'a> {
             uncounted: 0,
             event_values: vec![0.0; contacts + 1],
             stage_values: vec![[0.0; NODES]; contacts + 1],
+            bounds: MotionBounds::default(),
             samples: 1,
             dense_output: DenseOutput::new(n),
             sampled: State { t: 0.0, q: vec![0.0; n], u: vec![0.0; n] },

@@ -1,0 +1,150 @@
+//! Gaps that close within a step, however often they do.
+//!
+//! Pieces of the step in which the gap is the polynomial through its values at the nodes, to rounding, have their impacts where
+//! this one has; others are halved. With `|g̈_N| ≤ L` a gap that is `g₀` and `g₁` at the ends of a piece of length `w` stays
+//! above the parabola through both that bends by L: where that one is positive nothing needs to be looked at.
+
+use crate::integrator::event::collocation::{STAGES, Tableau};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics};
+use crate::integrator::event::event_function::NODES;
+use crate::integrator::event::event_function::between_stages::{hidden_maximum, interpolated};
+use crate::integrator::event::event_function::root::Value;
+use crate::integrator::event::integration::variables::Integration;
+use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, shortest_step};
+use crate::system::MotionBounds;
+
+/// Where in a piece the polynomial through its nodes is compared with the gap: it is off most where their products are
+/// largest.
+const FARTHEST: f64 = 0.73;
+/// Pieces of a step above which a shorter step is the cheaper one.
+const MOST_PIECES: usize = 1000;
+
+/// Where the gap of a contact closes: two times between which it does so.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Closing {
+    pub(crate) contact: usize,
+    pub(crate) low: Value,
+    pub(crate) high: Value,
+}
+
+/// The first times at which gaps of open contacts close in a step, or none where it is too long to say.
+pub(crate) type Closings = Option<Vec<Closing>>;
+
+/// The highest value between two places of a function whose second derivative is above `−bend`.
+fn peak(a: Value, b: Value, bend: f64) -> f64 {
+    let (width, ends) = (b.at - a.at, a.value.max(b.value));
+    let (bow, slope) = (0.5 * bend * width, (b.value - a.value) / width);
+    if slope.abs() >= bow { ends } else { a.value + 0.5 * (slope + bow).powi(2) / bend }
+}
+
+impl Integration<'_> {
+    /// Where gaps of open contacts close first within the first stages of the attempt.
+    pub(crate) fn closings(&mut self, stages: usize) -> Result<Closings, EvaluationError> {
+        let mut found = Vec::new();
+        if !self.dynamics.contacts.iter().any(ContactVariables::is_free) {
+            return Ok(Some(found));
+        }
+        self.bound_motion();
+        for contact in 0..self.memory.len() {
+            if !self.dynamics.contacts[contact].is_free() {
+                continue;
+            }
+            match self.closing(contact, stages)? {
+                Some(closing) => found.extend(closing),
+                None => return Ok(None),
+            }
+        }
+        self.dynamics.chart.place(self.step.end(&self.step.q));
+        Ok(Some(found))
+    }
+
+    /// Bounds on velocities and accelerations in the attempt: the largest ones at its start and stages, with the range of
+    /// these for what lies between.
+    fn bound_motion(&mut self) {
+        let (n, step) = (self.dynamics.n, &self.step);
+        let MotionBounds { duration, velocities, accelerations } = &mut self.bounds;
+        *duration = step.h;
+        for (bounds, start, stages) in
+            [(velocities, &self.state.u, &step.u), (accelerations, &self.a0, &step.a)]
+        {
+            bounds.clear();
+            bounds.extend((0..n).map(|k| {
+                let values = stages.iter().skip(k).step_by(n).chain([&start[k]]);
+                let (least, most) =
+                    values.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+                most.abs().max(least.abs()) + (most - least)
+            }));
+        }
+        self.dynamics.chart.push_bounds(&mut self.bounds);
+    }
+
+    /// Where the gap of an open contact closes first within the first stages of the attempt, if it does; none at all where too
+    /// many pieces are needed.
+    fn closing(
+        &mut self,
+        contact: usize,
+        stages: usize,
+    ) -> Result<Option<Option<Closing>>, EvaluationError> {
+        let bend = self.dynamics.chart.gap_acceleration(self.state.t, contact, &self.bounds);
+        let bend = bend.unwrap_or(f64::INFINITY);
+        let node =
+            |k: usize| Value { at: self.time_of_node(k), value: self.stage_values[contact][k] };
+        if (0..stages).all(|k| peak(node(k), node(k + 1), bend) <= 0.0) {
+            return Ok(Some(None));
+        }
+        let end = node(stages);
+        let known: Option<[Value; NODES]> = (stages == STAGES).then(|| std::array::from_fn(node));
+        // The start counts as closed or not as it has been decided on; the polynomial goes through what it is.
+        let start = self.gap_function(contact, 0.0)?;
+        let unseen = CLOSED_GAP * self.dynamics.contacts[contact].reach;
+        let (mut a, mut ends) = (start, vec![end]);
+        for _ in 0..MOST_PIECES {
+            let Some(&b) = ends.last() else { return Ok(Some(None)) };
+            if b.value <= 0.0 && peak(a, b, bend) <= 0.0 {
+                ends.pop();
+                a = b;
+                continue;
+            }
+            let width = b.at - a.at;
+            let whole = known.filter(|_| width == self.step.h);
+            let mut values = whole.unwrap_or([a; NODES]);
+            (values[0], values[STAGES]) = (a, b);
+            if whole.is_none() {
+                for (value, c) in values[1..STAGES].iter_mut().zip(&Tableau::radau().c) {
+                    *value = self.gap_function(contact, a.at + c * width)?;
+                }
+            }
+            let heights = values.map(|place| place.value);
+            let at = a.at + FARTHEST * width;
+            let off = self.gap_function(contact, at)?.value - interpolated(&heights, FARTHEST);
+            if off.abs() > unseen && width > shortest_step(self.state.t) {
+                ends.push(self.gap_function(contact, a.at + 0.5 * width)?);
+                continue;
+            }
+            let positive = values[1..].iter().find(|place| place.value > 0.0).copied();
+            let hidden = hidden_maximum(&heights).map(|x| a.at + x * width);
+            let high = match hidden.filter(|x| positive.is_none_or(|high| *x < high.at)) {
+                Some(x) => Some(self.gap_function(contact, x)?),
+                None => positive,
+            };
+            if let Some(high) = high {
+                let before = values.iter().rev().find(|place| place.at < high.at);
+                return Ok(Some(Some(Closing { contact, low: *before.unwrap_or(&a), high })));
+            }
+            ends.pop();
+            a = b;
+        }
+        Ok(None)
+    }
+
+    /// The event function of an open contact at a time of the polynomial of the attempt.
+    fn gap_function(&mut self, contact: usize, at: f64) -> Result<Value, EvaluationError> {
+        self.probe.guess_from(at, &self.step, 0.0);
+        self.probe.h = at;
+        self.probe.stages(&self.state);
+        let Dynamics { chart, latest, .. } = &mut self.dynamics;
+        chart.place(self.probe.end(&self.probe.q));
+        let gap = chart.gap((self.state.t + at).min(*latest), contact)?;
+        Ok(Value { at, value: -gap - self.dynamics.rounded_overlap(contact) })
+    }
+}
