@@ -217,6 +217,17 @@ def test_samples_do_not_change_the_motion():
     assert grid.force[slipping, 0] == pytest.approx(np.array(expected), rel=1e-9)
 
 
+def test_samples_of_bodies_in_space_are_states_of_the_motion():
+    body = asp.Body(
+        1.0, inertia=[0.01, 0.02, 0.025], angular_velocity=(1, 2, 3), velocity=(0.3, 0.2, 1)
+    )
+    system = asp.RigidBodies([body])
+    motion = asp.integrate(system, t_end=1.0)
+    grid = asp.integrate(system, t_end=1.0, sample_every=0.1)
+    assert (grid.q[-1] == motion.q[-1]).all()
+    assert (grid.u[-1] == motion.u[-1]).all()
+
+
 def test_motions_are_values():
     motion = asp.integrate(belt(), t_end=10.0, q0=[20.2, 2.7])
     assert pickle.loads(pickle.dumps(motion)) == motion

@@ -83,8 +83,10 @@ def integrate(
 
     Between events every contact is open, sticks (γ̇ = 0) or slips (λ = λ_N f(γ)), and the motion is
     smooth: Radau IIA collocation of order 9. The beginning and the end of stick, opening and
-    impacts are located to rounding; contact problems of accelerations and of impacts decide what
-    comes next, by the rule of selection of `simulate`. What `simulate` converges to for Δt → 0.
+    impacts are located to rounding. Gaps are followed between the stages of a step, in pieces in
+    which they are polynomials to 1e-12 of their extent, so that none closes unseen. Contact
+    problems of accelerations and of impacts decide what comes next, by the rule of selection of
+    `simulate`. What `simulate` converges to for Δt → 0.
 
     Args:
         system: a system with as many coordinates as velocities but for ``rotations``; the

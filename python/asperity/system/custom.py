@@ -29,6 +29,8 @@ class System:
     `direction`, with unilateral ones `normal` and `gap`. All are evaluated at the midpoint of a
     time step and must depend on their arguments alone. Parameter names are checked when the class
     is defined. A class that is itself only a base says ``class Base(System, abstract=True)``.
+    `integrate` asks `gap` between the stages of its steps, too, until it is resolved as a piecewise
+    polynomial: it should be smooth, and exact to rounding.
 
     What never changes is computed once if the class says so: ``constant_mass = True`` for M,
     ``constant_contacts = True`` for W, w_N and χ of all contacts (not for gaps).

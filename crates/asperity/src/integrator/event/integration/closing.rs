@@ -13,9 +13,11 @@ use crate::integrator::event::integration::variables::Integration;
 use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, shortest_step};
 use crate::system::MotionBounds;
 
-/// Where in a piece the polynomial through its nodes is compared with the gap: it is off most where their products are
-/// largest.
-const FARTHEST: f64 = 0.73;
+/// Where in a piece the polynomial through its nodes is compared with the gap: in intervals where it is off most.
+const COMPARED: [f64; 2] = [0.16, 0.73];
+/// Gap over the largest difference found there from which on a piece needs no better polynomial: kinks of a user's gap far
+/// above the ground.
+const CLEAR: f64 = 100.0;
 /// Pieces of a step above which a shorter step is the cheaper one.
 const MOST_PIECES: usize = 1000;
 
@@ -115,9 +117,13 @@ impl Integration<'_> {
                 }
             }
             let heights = values.map(|place| place.value);
-            let at = a.at + FARTHEST * width;
-            let off = self.gap_function(contact, at)?.value - interpolated(&heights, FARTHEST);
-            if off.abs() > unseen && width > shortest_step(self.state.t) {
+            let mut off: f64 = 0.0;
+            for x in COMPARED {
+                let here = self.gap_function(contact, a.at + x * width)?;
+                off = off.max((here.value - interpolated(&heights, x)).abs());
+            }
+            let clear = heights.iter().all(|height| *height < -CLEAR * off);
+            if !clear && off > unseen && width > shortest_step(self.state.t) {
                 ends.push(self.gap_function(contact, a.at + 0.5 * width)?);
                 continue;
             }

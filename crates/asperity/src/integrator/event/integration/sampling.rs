@@ -11,14 +11,23 @@ use crate::integrator::event::state::{EvaluationError, State};
 const RARELY: usize = 256;
 
 impl Integration<'_> {
-    /// Samples from the present state up to `t`, a time inside the attempt.
+    /// Samples between the present state and `t`, a time inside the attempt.
     pub(crate) fn sample_before(&mut self, t: f64) -> Result<(), EvaluationError> {
         self.sample(t, t - self.state.t, false).map(|_| ())
     }
 
-    /// Samples from the present state up to `t`, the end of the attempt; whether there were any.
+    /// Samples between the present state and `t`, the end of the attempt; whether there were any.
     pub(crate) fn sample_attempt(&mut self, t: f64) -> Result<bool, EvaluationError> {
         self.sample(t, self.step.h, true)
+    }
+
+    /// Keeps the end of a step where all of them are kept, or where a sample is due.
+    pub(crate) fn sample_end(&mut self) {
+        let due = self.options.sample.map(|dt| self.options.t_start + self.samples as f64 * dt);
+        if due.is_none_or(|due| due == self.state.t) {
+            self.record();
+            self.samples += 1;
+        }
     }
 
     fn sample(&mut self, t: f64, h: f64, whole: bool) -> Result<bool, EvaluationError> {
@@ -26,7 +35,7 @@ impl Integration<'_> {
         // The end of the run is a sample of its own.
         let start = self.options.t_start;
         let time = |k: usize| start + k as f64 * dt;
-        let due = |k: usize| time(k) < t || (time(k) == t && whole);
+        let due = |k: usize| time(k) < t;
         if !due(self.samples) {
             return Ok(false);
         }

@@ -29,9 +29,7 @@ impl Integration<'_> {
         (self.smooth, self.starting) = (true, false);
         self.linearised = self.linearised.filter(|_| self.dynamics.constant);
         self.reset_event_functions(false);
-        if self.options.sample.is_none() {
-            self.record();
-        }
+        self.sample_end();
         Ok(())
     }
 
