@@ -8,6 +8,7 @@ mod drilling;
 mod frames;
 mod free_flight;
 mod friction;
+mod gaps;
 mod impacts;
 mod moving;
 mod stepping;

@@ -29,8 +29,13 @@ pub(crate) struct Closing {
     pub(crate) high: Value,
 }
 
-/// The first times at which gaps of open contacts close in a step, or none where it is too long to say.
-pub(crate) type Closings = Option<Vec<Closing>>;
+/// What a gap does in a step.
+enum Search {
+    StaysOpen,
+    Closes(Closing),
+    /// It swings so often that a shorter step is needed.
+    Unresolved,
+}
 
 /// The highest value between two places of a function whose second derivative is above `−bend`.
 fn peak(a: Value, b: Value, bend: f64) -> f64 {
@@ -40,8 +45,11 @@ fn peak(a: Value, b: Value, bend: f64) -> f64 {
 }
 
 impl Integration<'_> {
-    /// Where gaps of open contacts close first within the first stages of the attempt.
-    pub(crate) fn closings(&mut self, stages: usize) -> Result<Closings, EvaluationError> {
+    /// Where gaps of open contacts close first within the first stages of the attempt; nothing where it is too long to say.
+    pub(crate) fn closings(
+        &mut self,
+        stages: usize,
+    ) -> Result<Option<Vec<Closing>>, EvaluationError> {
         let mut found = Vec::new();
         if !self.dynamics.contacts.iter().any(ContactVariables::is_free) {
             return Ok(Some(found));
@@ -52,8 +60,9 @@ impl Integration<'_> {
                 continue;
             }
             match self.closing(contact, stages)? {
-                Some(closing) => found.extend(closing),
-                None => return Ok(None),
+                Search::StaysOpen => {}
+                Search::Closes(closing) => found.push(closing),
+                Search::Unresolved => return Ok(None),
             }
         }
         self.dynamics.chart.place(self.step.end(&self.step.q));
@@ -80,19 +89,14 @@ impl Integration<'_> {
         self.dynamics.chart.push_bounds(&mut self.bounds);
     }
 
-    /// Where the gap of an open contact closes first within the first stages of the attempt, if it does; none at all where too
-    /// many pieces are needed.
-    fn closing(
-        &mut self,
-        contact: usize,
-        stages: usize,
-    ) -> Result<Option<Option<Closing>>, EvaluationError> {
+    /// Whether the gap of an open contact closes within the first stages of the attempt, and where it does so first.
+    fn closing(&mut self, contact: usize, stages: usize) -> Result<Search, EvaluationError> {
         let bend = self.dynamics.chart.gap_acceleration(self.state.t, contact, &self.bounds);
         let bend = bend.unwrap_or(f64::INFINITY);
         let node =
             |k: usize| Value { at: self.time_of_node(k), value: self.stage_values[contact][k] };
         if (0..stages).all(|k| peak(node(k), node(k + 1), bend) <= 0.0) {
-            return Ok(Some(None));
+            return Ok(Search::StaysOpen);
         }
         let end = node(stages);
         let known: Option<[Value; NODES]> = (stages == STAGES).then(|| std::array::from_fn(node));
@@ -101,7 +105,7 @@ impl Integration<'_> {
         let unseen = CLOSED_GAP * self.dynamics.contacts[contact].reach;
         let (mut a, mut ends) = (start, vec![end]);
         for _ in 0..MOST_PIECES {
-            let Some(&b) = ends.last() else { return Ok(Some(None)) };
+            let Some(&b) = ends.last() else { return Ok(Search::StaysOpen) };
             if b.value <= 0.0 && peak(a, b, bend) <= 0.0 {
                 ends.pop();
                 a = b;
@@ -135,12 +139,13 @@ impl Integration<'_> {
             };
             if let Some(high) = high {
                 let before = values.iter().rev().find(|place| place.at < high.at);
-                return Ok(Some(Some(Closing { contact, low: *before.unwrap_or(&a), high })));
+                let low = *before.unwrap_or(&a);
+                return Ok(Search::Closes(Closing { contact, low, high }));
             }
             ends.pop();
             a = b;
         }
-        Ok(None)
+        Ok(Search::Unresolved)
     }
 
     /// The event function of an open contact at a time of the polynomial of the attempt.
