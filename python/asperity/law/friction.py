@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,8 +32,9 @@ class FrictionLaw(Questions):
 
     The contact sticks where k_C(−λ) < 1 and slips where k_C(−λ) = 1, with γ normal to D at −αλ.
     Both sets hold −λ per unit normal force and are scaled by it; where a contact has the constant
-    normal force 1, they may hold −λ in newtons instead. Only the shape of D matters: it is
-    normalised to the largest scale inside C.
+    normal force 1, they may hold −λ in newtons instead. Only the shape of D matters: the attribute
+    ``direction`` is D at the largest scale inside C, and laws are equal whose D differ in scale.
+    `replace`, files and the law as text have D as it was given.
 
     Args:
         reservoir: force reservoir C, star-shaped.
@@ -49,8 +50,8 @@ class FrictionLaw(Questions):
 
     >>> from asperity import Ellipse, FrictionLaw
     >>> law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0))
-    >>> round(law.direction.b, 9)
-    0.2
+    >>> law, round(law.direction.b, 9)
+    (FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0)), 0.2)
     >>> law.force([4.0, 9.0], normal_force=10.0).round(3).tolist()
     [-1.897, -1.897]
     """
@@ -72,13 +73,13 @@ class FrictionLaw(Questions):
         arrays.of_kind(report, "report", kinds, "a FlowReport, an EngineReport or None")
         factor = None if rate is None else rate._core
         core = _core.Law(reservoir._core, direction._convex("normality", "direction"), factor)
+        self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
         if core.is_associated:
             direction = reservoir
         elif core.direction_scale != 1.0:
             direction = direction.scaled(core.direction_scale)
             core = core.with_direction(direction._core)
-        self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
-        self._keep(_core=core)
+        self._keep(_core=core, direction=direction)
 
     def _repr_svg_(self) -> str | None:
         """Return the picture of a planar law for a notebook; None of others."""
@@ -446,6 +447,10 @@ class FrictionLaw(Questions):
 
         return LawFile.load(path).law
 
+    def _compared(self) -> Iterator[tuple[str, Any]]:
+        # With D at the largest scale inside C: its own has no effect.
+        return ((name, getattr(self, name)) for name in self._parameters)
+
     def _misfit(self, phi: Array, force: Array) -> float:
         error = np.linalg.norm(-self.force(arrays.unit_vectors(phi)) - force, axis=-1)
         return float(error.max() / np.linalg.norm(force, axis=-1).max())
@@ -463,7 +468,7 @@ class FrictionLaw(Questions):
         >>> FrictionLaw.associated(Ellipse(0.6, 0.2)).rotated(0.5).reservoir
         Ellipse(0.6, 0.2, angle=0.5)
         """
-        sets = (self.reservoir.rotated(angle), self.direction.rotated(angle))
+        sets = (self.reservoir.rotated(angle), self._parameters["direction"].rotated(angle))
         report = self.report
         if isinstance(report, EngineReport):
             report = report.rotated(angle)
