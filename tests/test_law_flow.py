@@ -337,7 +337,7 @@ CORNERED = [
     asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.3)),
     asp.FrictionLaw.associated(asp.Rectangle(0.6, 0.2, angle=0.3)),
     asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Rectangle(0.5, 0.3, angle=0.3)),
-    asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Rectangle(1.0, 0.03)),
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Rectangle(1.0, 0.03, angle=0.1)),
     asp.FrictionLaw(
         asp.Ellipse(0.5, 0.3), asp.Polygon([[0.7, -0.3], [0.5, 0.4], [-0.2, 0.6], [-0.5, -0.4]])
     ),

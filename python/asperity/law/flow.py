@@ -21,12 +21,12 @@ from asperity.sets import Ellipse, PolarCurve, SupportCurve
 # so many times as wide as the next one.
 _MOST, _SMALLEST_STEP, _EVEN = 20_000, 1e-6, 4.0
 # A step is at most this part of the angle by which the force is short of a right one from sliding.
-_STEEP = 0.05
+_STEEP = 0.02
 # Samples jump where the force turns by more than this in rad and by so many steps, as in the core.
 _JUMP, _STEPS = 0.3, 10.0
 # Directions along a flat side of D are so far apart in rad, a little more than the core joins, and
 # forces there in asinh(tan ψ), for which the core's quadrature is right to seven digits.
-_APART, _SHARE = 1.25e-7, 0.3
+_APART, _SHARE = 1.25e-7, 0.15
 
 FlowRule: TypeAlias = Callable[[Array], ArrayLike]
 """From angles φ of the sliding direction, ``(n,)``, to −λ/λ_N, ``(n, 2)``."""
