@@ -99,7 +99,7 @@ def numbers_of(law):
     return [
         f"law.{part}.{name}"
         for part in ("reservoir", "direction")
-        for name, value in getattr(law, part)._parameters.items()
+        for name, value in law._parameters[part]._parameters.items()
         if isinstance(value, float)
     ]
 
@@ -113,7 +113,7 @@ def test_what_the_core_makes_equals_what_python_makes():
         front = "" if hasattr(system, "law") else "contacts[0]."
         for name in numbers_of(law)[: rng.integers(3)]:
             part, argument = name.split(".")[1:]
-            value = getattr(law, part)._parameters[argument]
+            value = law._parameters[part]._parameters[argument]
             replace[front + name] = value * np.array([1.0, 0.95, 0.9])
         variants = Variants(system, replace)
         of_the_core += variants.of_the_core() is not None
@@ -387,8 +387,10 @@ def test_what_does_not_fit_together_is_refused():
         ({"replace": {"belt_velocity": [1.0, 2.0, 3.0]}}, r"must have shape \(..., 2\)"),
         ({"replace": {"mass": ["heavy"]}}, "real numbers"),
         ({"q0": np.zeros((2, 3))}, "q0"),
-        ({"q0": np.zeros((4, 2)), "u0": np.zeros((3, 2))}, "broadcast"),
-        ({"q0": np.zeros((0, 2))}, "a run at least"),
+        ({"q0": np.zeros((4, 2)), "u0": np.zeros((3, 2))}, "^u0: must broadcast .* q0 "),
+        ({"u0": np.zeros((3, 2)), "replace": {"mass": [1.0, 2.0]}}, "^u0: .* replace "),
+        ({"q0": np.zeros((3, 2)), "replace": {"mass": [1.0, 2.0]}}, "^q0: must broadcast"),
+        ({"u0": np.zeros((0, 2))}, "^u0: must give a run at least"),
         ({"q0": [[np.nan, 0.0]]}, "finite"),
         ({"keep": "all"}, "keep"),
         ({"keep": 0}, "keep"),
@@ -408,6 +410,8 @@ def test_what_does_not_fit_together_is_refused():
             asp.simulate_many(BELT, **{**STEPS, **given})
     with pytest.raises(asp.ParameterError, match="one system"):
         asp.simulate_many([BELT], **STEPS, replace={"mass": [1.0]})
+    with pytest.raises(asp.ParameterError, match=r"^u0: must broadcast .* systems "):
+        asp.simulate_many([BELT, BELT], **STEPS, u0=np.zeros((3, 2)))
     with pytest.raises(asp.ParameterError, match="systems"):
         asp.simulate_many([], **STEPS)
     with pytest.raises(asp.ParameterError, match="systems"):
@@ -662,6 +666,38 @@ def test_laws_of_all_sets_are_made_to_the_bit(reservoir, direction):
     for index in range(6):
         law = system.law.replace(reservoir=reservoir.replace(**{name: values[index]}))
         assert_is(many, index, asp.simulate(system.replace(law=law), **options))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "made"),
+    [
+        ("radius", 3.0, asp.Disk),
+        ("a", 3.0, lambda a: asp.Ellipse(a, 1.0)),
+        ("a", 0.03, lambda a: asp.Ellipse(a, 0.01, angle=0.3)),
+        ("b", 2.0, lambda b: asp.Superellipse(3.0, b, 2.5)),
+        ("b", 2.0, lambda b: asp.Superellipse(3.0, b, 2.5, angle=0.2)),
+        ("a", 3.0, lambda a: asp.Rectangle(a, 1.0, angle=0.1)),
+        ("cap", 1.0, lambda cap: asp.CappedRectangle(3.0, 2.0, cap=cap)),
+        ("upper", [0.2, 0.3], lambda upper: asp.Box(lower=[-0.1, -0.2], upper=upper)),
+        ("vertices[0, 0]", 7.0, lambda x: asp.Polygon([[x, -3.0], [5.0, 6.0], [-5.0, -4.0]])),
+        ("matrix[0, 1]", 0.2, lambda m: asp.Mapped(asp.Disk(4.0), [[1.0, m], [0.0, 0.5]])),
+        ("sets[1].a", 4.0, lambda a: asp.Disk(3.0) + asp.Ellipse(a, 1.0)),
+    ],
+)
+def test_lengths_of_direction_sets_are_those_that_were_written(name, value, made):
+    """Each makes the law that its constructor makes; the one that is there changes nothing."""
+    values, sizes = np.multiply.outer([1.0, 1.1, 1.2], value), [0.6, 0.5, 0.7]
+
+    def point(index):
+        law = asp.FrictionLaw(asp.Ellipse(sizes[index], 0.3, angle=0.2), made(values[index]))
+        return asp.SlidingPoint(1.0, law=law)
+
+    names = {f"law.direction.{name}": values, "law.reservoir.a": sizes}
+    options = {"dt": 0.01, "t_end": 0.4, "u0": [1.0, 0.5]}
+    many = asp.simulate_many(point(0), replace=names, **options)
+    for index in range(3):
+        assert repr(many.system(index)) == repr(point(index))
+        assert_is(many, index, asp.simulate(point(index), **options))
 
 
 def test_borders_of_what_can_be_replaced():

@@ -1,5 +1,7 @@
 """The extended law against its definition, closed forms and finite differences."""
 
+import pickle
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -116,6 +118,24 @@ def test_scale_of_the_direction_set_does_not_matter():
     for law in laws:
         np.testing.assert_allclose(law.force(slip), laws[0].force(slip), rtol=1e-12)
         assert asp.FrictionLaw(law.reservoir, law.direction) == law
+
+
+def test_the_direction_set_is_kept_as_it_was_written(tmp_path):
+    reservoir, written = asp.Ellipse(0.6, 0.3), asp.Ellipse(3.0, 1.0)
+    law = asp.FrictionLaw(reservoir, written)
+    assert repr(law) == "FrictionLaw(Ellipse(0.6, 0.3), Ellipse(3.0, 1.0))"
+    assert (law.direction.a, law.direction.b) == pytest.approx((0.6, 0.2))
+    law.save(tmp_path / "law.toml")
+    copies = pickle.loads(pickle.dumps(law)), asp.FrictionLaw.load(tmp_path / "law.toml")
+    for same in (*copies, law.replace(rate=None), law.rotated(0.3).rotated(-0.3)):
+        assert repr(same) == repr(law)
+    wider = law.replace(reservoir=asp.Ellipse(0.9, 0.3))
+    assert repr(wider) == "FrictionLaw(Ellipse(0.9, 0.3), Ellipse(3.0, 1.0))"
+    # Its scale makes no other law, and older files hold the largest inside C.
+    again = asp.FrictionLaw(reservoir, law.direction)
+    assert (again, hash(again)) == (law, hash(law))
+    np.testing.assert_array_equal(again.force([1.0, 0.5]), law.force([1.0, 0.5]))
+    assert law != asp.FrictionLaw(reservoir, asp.Ellipse(3.0, 1.1))
 
 
 def test_collinear_law_opposes_sliding_and_associated_law_dissipates_most():

@@ -333,13 +333,89 @@ def test_repeated_directions_are_averaged():
     np.testing.assert_allclose(twice.force(slip), once.force(slip), atol=1e-12)
 
 
+CORNERED = [
+    asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.3)),
+    asp.FrictionLaw.associated(asp.Rectangle(0.6, 0.2, angle=0.3)),
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Rectangle(0.5, 0.3, angle=0.3)),
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Rectangle(1.0, 0.03, angle=0.1)),
+    asp.FrictionLaw(
+        asp.Ellipse(0.5, 0.3), asp.Polygon([[0.7, -0.3], [0.5, 0.4], [-0.2, 0.6], [-0.5, -0.4]])
+    ),
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(0.5, 0.3) + asp.Rectangle(0.5, 0.3)),
+    asp.FrictionLaw(asp.Disk(2.7), asp.Polygon([[-0.93, 0.1], [0.76, -0.16], [1.05, -0.02]])),
+]
+"""Laws whose force jumps."""
+
+
+@pytest.mark.parametrize("law", CORNERED, ids=identify)
+def test_flow_rules_that_jump_return_the_law(law):
+    found = asp.FrictionLaw.from_flow_rule(lambda phi: -law.force(unit(phi)))
+    ratio = found.direction.radius(THETA) / law.direction.radius(THETA)
+    assert ratio.max() / ratio.min() == pytest.approx(1.0, abs=1e-4)
+    # A jump lies between two of these directions at most.
+    error = np.linalg.norm(found.force(unit(DENSE)) - law.force(unit(DENSE)), axis=1)
+    assert np.median(error) < 1e-6
+    size = np.linalg.norm(law.force(unit(DENSE)), axis=1).max()
+    assert np.count_nonzero(error > 5e-3 * size) <= 8
+    assert found.report.misfit < 1e-3
+    assert found.report.closure == pytest.approx(1.0, abs=1e-9)
+    turn = np.array([[np.cos(0.01), -np.sin(0.01)], [np.sin(0.01), np.cos(0.01)]])
+    with pytest.raises(asp.ParameterError, match=r"f: must (close|oppose)"):
+        asp.FrictionLaw.from_flow_rule(lambda phi: -law.force(unit(phi)) @ turn)
+
+
+@pytest.mark.parametrize("law", CORNERED[:-1], ids=identify)
+@pytest.mark.parametrize("shift", [0.0, 0.0123])
+def test_exact_samples_of_forces_that_jump_are_met(law, shift):
+    phi = 2.0 * np.pi * np.arange(360) / 360 + shift
+    force = -law.force(unit(phi))
+    found = asp.FrictionLaw.from_samples(phi, force)
+    # Beside a jump either force is right.
+    near = [-found.force(unit(phi + beside)) for beside in (-2e-5, 0.0, 2e-5)]
+    error = np.linalg.norm(near - force, axis=-1).min(axis=0)
+    assert error.max() < 0.02 * np.linalg.norm(force, axis=1).max()
+    assert found.report.closure == pytest.approx(1.0, abs=2e-3)
+    theta = phi + law.deflection(phi)
+    np.testing.assert_allclose(
+        found.reservoir.radius(theta), law.reservoir.radius(theta), rtol=1e-6
+    )
+
+
 def test_exact_samples_of_a_rectangle_return_it():
-    rectangle = asp.Rectangle(0.6, 0.2, angle=0.3)
+    """All its sides lie at the same place between two samples, so that closure has to find it."""
     phi = 2.0 * np.pi * np.arange(360) / 360
-    force = -asp.FrictionLaw.associated(rectangle).force(unit(phi))
-    law = asp.FrictionLaw.from_samples(phi, force)
-    theta = DENSE[::20]
-    np.testing.assert_allclose(law.reservoir.radius(theta), rectangle.radius(theta), rtol=1e-9)
+    law = asp.FrictionLaw.from_samples(phi, -CORNERED[1].force(unit(phi)))
+    np.testing.assert_allclose(
+        law.reservoir.radius(THETA), CORNERED[1].reservoir.radius(THETA), rtol=1e-9
+    )
+    np.testing.assert_allclose(
+        law.direction.radius(THETA), CORNERED[1].direction.radius(THETA), rtol=1e-5
+    )
+
+
+def test_samples_that_turn_too_fast_to_be_resolved_are_met():
+    """D is 20 times as long as wide; the law missed one of these samples by 61 %."""
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(20.0, 1.0))
+    phi = 2.0 * np.pi * np.arange(360) / 360 + 0.0123
+    force = -law.force(unit(phi))
+    found = asp.FrictionLaw.from_samples(phi, force)
+    assert np.abs(found.force(unit(phi)) + force).max() < 0.01
+    assert found.report.misfit < 0.01
+
+
+def test_laws_that_miss_their_samples_are_refused():
+    phi = 2.0 * np.pi * np.arange(36) / 36
+    force = -CORNERED[0].force(unit(phi))
+    with pytest.raises(
+        asp.ParameterError, match=r"off by 1\d\d% .* in the direction [14]\.\d+ rad"
+    ):
+        asp.FrictionLaw.from_samples(phi, force)
+    assert asp.FrictionLaw.from_samples(phi, force, misfit_tolerance=2.0).report.misfit > 1.0
+    # Noise is no miss.
+    noise = 0.1 * np.random.default_rng(3).normal(size=(360, 2))
+    phi = 2.0 * np.pi * np.arange(360) / 360
+    found = asp.FrictionLaw.from_samples(phi, unit(phi) + noise)
+    assert found.report.misfit > 0.2
 
 
 def test_report_is_dropped_with_other_sets_and_kept_by_turning():

@@ -82,7 +82,8 @@ class Value:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Value) or type(self) is not type(other):
             return NotImplemented
-        return all(_same(mine, other._parameters[name]) for name, mine in self._compared())
+        pairs = zip(self._compared(), other._compared(), strict=True)
+        return all(_same(mine, its) for (_, mine), (_, its) in pairs)
 
     def __hash__(self) -> int:
         return hash((type(self), *(_hashable(value) for _, value in self._compared())))

@@ -66,18 +66,20 @@ class Members:
         sizes = (None, None) if own is None else (len(own.q), len(own.u))
         self.q0 = _states(q0, "q0", sizes[0])
         self.u0 = _states(u0, "u0", sizes[1] or variants.first.dof)
-        shapes = {"systems": variants.shape}
+        shapes = {"replace" if variants.values else "systems": variants.shape}
         shapes |= {
             name: s.shape[:-1] for name, s in (("q0", self.q0), ("u0", self.u0)) if s is not None
         }
-        try:
-            self.shape = np.broadcast_shapes(*shapes.values())
-        except ValueError:
-            listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-            raise DimensionError("q0", f"must broadcast with the others: {listed}") from None
+        self.shape: tuple[int, ...] = ()
+        for name, shape in shapes.items():
+            if 0 in shape:
+                raise DimensionError(name, f"must give a run at least, gives the shape {shape}")
+            try:
+                self.shape = np.broadcast_shapes(self.shape, shape)
+            except ValueError:
+                listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+                raise DimensionError(name, f"must broadcast with the others: {listed}") from None
         self.count = math.prod(self.shape)
-        if not self.count:
-            raise DimensionError("q0", f"must give a run at least, gives the shape {self.shape}")
         self.axes = _axes(axes, len(self.shape))
 
     def __len__(self) -> int:

@@ -55,8 +55,8 @@ def simulate_many(
         replace: values by dotted names of what they replace in the system, such as ``"mass"``,
             ``"law.reservoir.angle"``, ``"bodies[3].mass"`` or ``"pairs[*].law.reservoir.a"``:
             numbers of shape ``(...)``, arrays whose last axes are those of the part, or a sequence
-            of objects such as laws. What is made of them is what the constructors make: a law's D
-            is brought to the largest scale inside its C again.
+            of objects such as laws. What is made of them is what the constructors make of these
+            and of all else that they were given.
         axes: names of the axes to which systems, values and start states are broadcast.
         keep: ``"end"``; or every how many steps a sample is kept; or quantities that are found
             on the way: ``"extent"`` of the coordinates, ``"stick_share"``, ``"rest_time"``, a

@@ -315,13 +315,15 @@ def _law_change(
     law: FrictionLaw, contact: int, keys: tuple[Key, ...], values: Array
 ) -> list[_CoreChange] | None:
     """Return the change of a number of a law; None where Python has to make the law."""
+    # As it was given, which is what the table holds.
+    direction = law._parameters["direction"]
     # The table of a turned one is rounded where D is scaled.
-    if isinstance(law.direction, Superellipse) and (law.direction.angle or "angle" in keys):
+    if isinstance(direction, Superellipse) and (direction.angle or "angle" in keys):
         return None
     # What the constructor of a rate refuses the core may take.
     if keys[:1] == ("rate",):
         return None
-    if not all(type(one) in _BY_NUMBERS for one in (law.reservoir, law.direction)):
+    if not all(type(one) in _BY_NUMBERS for one in (law.reservoir, direction)):
         return None
     if not keys or not isinstance(part_at(law, keys), float):
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ from asperity.sets.star import checked_set, same_dimension
 # Tolerances of a flow rule's closure and convexity, and of the law that is made of it.
 _EXACT, _RESOLVED = 1e-6, 1e-2
 _DIRECTIONS = 1440
+# In rad: directions are not told apart that are so near to each other.
+_BESIDE = 1e-5
 
 
 class FrictionLaw(Questions):
@@ -32,8 +34,9 @@ class FrictionLaw(Questions):
 
     The contact sticks where k_C(−λ) < 1 and slips where k_C(−λ) = 1, with γ normal to D at −αλ.
     Both sets hold −λ per unit normal force and are scaled by it; where a contact has the constant
-    normal force 1, they may hold −λ in newtons instead. Only the shape of D matters: it is
-    normalised to the largest scale inside C.
+    normal force 1, they may hold −λ in newtons instead. Only the shape of D matters: the attribute
+    ``direction`` is D at the largest scale inside C, and laws are equal whose D differ in scale.
+    `replace`, files and the law as text have D as it was given.
 
     Args:
         reservoir: force reservoir C, star-shaped.
@@ -49,8 +52,8 @@ class FrictionLaw(Questions):
 
     >>> from asperity import Ellipse, FrictionLaw
     >>> law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0))
-    >>> round(law.direction.b, 9)
-    0.2
+    >>> law, round(law.direction.b, 9)
+    (FrictionLaw(Ellipse(0.6, 0.2), Ellipse(3.0, 2.0)), 0.2)
     >>> law.force([4.0, 9.0], normal_force=10.0).round(3).tolist()
     [-1.897, -1.897]
     """
@@ -72,13 +75,13 @@ class FrictionLaw(Questions):
         arrays.of_kind(report, "report", kinds, "a FlowReport, an EngineReport or None")
         factor = None if rate is None else rate._core
         core = _core.Law(reservoir._core, direction._convex("normality", "direction"), factor)
+        self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
         if core.is_associated:
             direction = reservoir
         elif core.direction_scale != 1.0:
             direction = direction.scaled(core.direction_scale)
             core = core.with_direction(direction._core)
-        self._set(reservoir=reservoir, direction=direction, rate=rate, report=report)
-        self._keep(_core=core)
+        self._keep(_core=core, direction=direction)
 
     def _repr_svg_(self) -> str | None:
         """Return the picture of a planar law for a notebook; None of others."""
@@ -234,7 +237,8 @@ class FrictionLaw(Questions):
 
         C is the curve f. D has the support function h_D(φ) = h_D(0) exp∫(l_p/l_t)dφ, with l_t and
         l_p the force against sliding and across it; it exists if the integral over a turn
-        vanishes, and is convex if the force's angle θ never falls while φ grows.
+        vanishes, and is convex if the force's angle θ never falls while φ grows. Where f jumps, D
+        and C are straight; the place is found to 1e-6 rad.
 
         Args:
             f: function from angles φ in rad, shape ``(n,)``, to −λ/λ_N, shape ``(n, 2)``.
@@ -257,9 +261,9 @@ class FrictionLaw(Questions):
 
     @classmethod
     def _from_rule(cls, f: flow.FlowRule, n: int, argument: str) -> FrictionLaw:
-        phi, force = flow.resolved(f, n, argument)
-        *sets, numbers = flow.sets_of(phi, force, _EXACT, _EXACT, argument)
-        misfit = cls(*sets)._misfit(*flow.between(f, phi, argument))
+        phi, force, least = flow.resolved(f, n, argument)
+        *sets, numbers = flow.sets_of(phi, force, _EXACT, _EXACT, argument, least)
+        misfit = float(cls(*sets)._misses(*flow.between(f, phi, argument)).max())
         if misfit > _RESOLVED:
             raise ParameterError(
                 argument, f"must be resolved by {len(phi)} directions, the law is {misfit:.2g} off"
@@ -276,6 +280,7 @@ class FrictionLaw(Questions):
         smoothing: str | int | None = "auto",
         closure_tolerance: float = 0.2,
         convexity_tolerance: float = 0.2,
+        misfit_tolerance: float = 0.2,
     ) -> FrictionLaw:
         """Make the law of forces measured over the sliding direction.
 
@@ -284,8 +289,9 @@ class FrictionLaw(Questions):
         those of closure spread over the turn, those of convexity levelled. ``law.report`` gives
         them in numbers.
 
-        Where C has a corner or D a straight side, the samples on both sides decide how well it is
-        met: forces in between do not occur in sliding.
+        Where the force jumps from one sample to the next, D gets a straight side, whose normal
+        lies between both where D closes. C is straight there: forces in between do not occur in
+        sliding.
 
         Args:
             phi: angles φ of the sliding directions from e₁ in rad, in any order, also repeated;
@@ -295,6 +301,8 @@ class FrictionLaw(Questions):
             closure_tolerance: largest |ln r_D(2π)/r_D(0)| that is repaired.
             convexity_tolerance: largest decrease of the force's angle θ(φ) that is repaired, in
                 rad.
+            misfit_tolerance: largest distance of the law's force from a sample, or from the series
+                that smooths them, relative to the largest force.
 
         Raises:
             ParameterError: if a defect is larger, with its number; if the law does not dissipate.
@@ -313,15 +321,25 @@ class FrictionLaw(Questions):
         angles = arrays.array(phi, "phi", (None,))
         forces = arrays.array(force, "force", (angles.size, 2))
         data = samples.prepared(angles, forces, smoothing)
+        allowed = arrays.non_negative(misfit_tolerance, "misfit_tolerance")
         *sets, numbers = flow.sets_of(
             data.phi,
             data.force,
             arrays.non_negative(closure_tolerance, "closure_tolerance"),
             arrays.non_negative(convexity_tolerance, "convexity_tolerance"),
         )
+        made = cls(*sets)
+        misses = made._misses(data.phi, data.force)
+        if misses.max() > allowed:
+            raise ParameterError(
+                "force",
+                f"must be met by a law: the one found is off by {misses.max():.0%} of the largest "
+                f"force in the direction {data.phi[misses.argmax()]:.4g} rad; give more samples "
+                "near it, or allow it by misfit_tolerance",
+            )
         report = flow.FlowReport(
             *numbers,
-            misfit=cls(*sets)._misfit(angles, forces),
+            misfit=float(made._misses(angles, forces).max()),
             samples=angles.size,
             order=data.order,
             noise=data.noise,
@@ -446,9 +464,19 @@ class FrictionLaw(Questions):
 
         return LawFile.load(path).law
 
-    def _misfit(self, phi: Array, force: Array) -> float:
-        error = np.linalg.norm(-self.force(arrays.unit_vectors(phi)) - force, axis=-1)
-        return float(error.max() / np.linalg.norm(force, axis=-1).max())
+    def _compared(self) -> Iterator[tuple[str, Any]]:
+        # With D at the largest scale inside C: its own has no effect.
+        return ((name, getattr(self, name)) for name in self._parameters)
+
+    def _misses(self, phi: Array, force: Array) -> Array:
+        """Return by how much of the largest force the law misses each of them."""
+        # Where it jumps the force is any in between.
+        before, at, after = (
+            -self.force(arrays.unit_vectors(phi + off)) for off in (-_BESIDE, 0.0, _BESIDE)
+        )
+        off = np.minimum(_distance(force, before, at), _distance(force, at, after))
+        found: Array = off / np.linalg.norm(force, axis=-1).max()
+        return found
 
     def replace(self, **changes: Any) -> FrictionLaw:
         """Return a copy with some parameters changed; other sets come without the report."""
@@ -463,11 +491,20 @@ class FrictionLaw(Questions):
         >>> FrictionLaw.associated(Ellipse(0.6, 0.2)).rotated(0.5).reservoir
         Ellipse(0.6, 0.2, angle=0.5)
         """
-        sets = (self.reservoir.rotated(angle), self.direction.rotated(angle))
+        sets = (self.reservoir.rotated(angle), self._parameters["direction"].rotated(angle))
         report = self.report
         if isinstance(report, EngineReport):
             report = report.rotated(angle)
         return FrictionLaw(*sets, rate=self.rate, report=report)
+
+
+def _distance(points: Array, first: Array, last: Array) -> Array:
+    """Return distances of points from segments."""
+    along, to = last - first, points - first
+    length = np.maximum((along**2).sum(axis=-1), np.finfo(float).tiny)
+    share = np.clip((to * along).sum(axis=-1) / length, 0.0, 1.0)
+    distances: Array = np.linalg.norm(to - share[:, None] * along, axis=-1)
+    return distances
 
 
 def _round(radius: float, dimension: int) -> StarSet:

@@ -62,7 +62,8 @@ def _chosen(phi: Array, force: Array) -> Samples:
     if expected <= _QUIET * float(np.hypot(*force.T).mean()):
         return kept
     smooth = _smooth(phi, force, _best_order(phi, force))
-    return smooth if smooth.noise <= _BIAS * expected else kept
+    fits = smooth.noise <= _BIAS * expected and (np.diff(smooth.phi) > 0.0).all()
+    return smooth if fits else kept
 
 
 def _smooth(phi: Array, force: Array, order: int) -> Samples:
