@@ -9,7 +9,7 @@ from asperity._base.progress import Count
 from asperity._base.threads import Stop, in_threads
 from asperity.cycles.orbit import LimitCycle
 from asperity.cycles.search import limit_cycle
-from asperity.errors import AsperityError
+from asperity.errors import AsperityError, NoCycleError
 from asperity.runs.model import Model
 
 # A run through an interval of instability ends after so many members in a row without a cycle.
@@ -128,9 +128,12 @@ class Continuation:
         """Continue a cycle from one value to another, by way of the middle if need be."""
         start, end = ends
         try:
-            return limit_cycle(
+            found = limit_cycle(
                 self.member(end), near=near, tolerance=self.tolerance, progress=stop.ask
             )
+            if found._orientation == near._orientation:
+                return found
+            raise NoCycleError(f"the branch of cycles is lost on the way from {start:.9g}")
         except AsperityError:
             if not halvings:
                 raise

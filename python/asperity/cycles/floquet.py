@@ -23,7 +23,7 @@ _ISOLATED = 1e-4
 _NEXT, _TURNS, _RETURNED = 0.05, 4, 1e-3
 
 
-def multipliers(returns: ReturnMap, fixed: Return) -> Complex:
+def multipliers(returns: ReturnMap, fixed: Return, tolerance: float) -> Complex:
     """Return the multipliers by falling modulus.
 
     Raises:
@@ -32,7 +32,7 @@ def multipliers(returns: ReturnMap, fixed: Return) -> Complex:
     sharp = replace(returns, tolerance=_SHARP)
     ahead, behind = (sharp.jacobian(fixed.state, fixed, step) for step in (_ASIDE, -_ASIDE))
     known = np.linalg.eigvals(0.5 * (ahead + behind))
-    if np.abs(known - 1.0).min(initial=np.inf) < _ISOLATED or _has_neighbours(returns, fixed):
+    if np.abs(known - 1.0).min(initial=np.inf) < _ISOLATED or _has_neighbours(returns, fixed, tolerance):
         raise NoCycleError(f"periodic orbits form a continuum, of period {fixed.period:.6g} s")
     # Deviations from contacts that stay closed or stick are gone at the next turn.
     whole = np.zeros(len(fixed.state) - 1, dtype=complex)
@@ -40,7 +40,7 @@ def multipliers(returns: ReturnMap, fixed: Return) -> Complex:
     return whole
 
 
-def _has_neighbours(returns: ReturnMap, fixed: Return) -> bool:
+def _has_neighbours(returns: ReturnMap, fixed: Return, tolerance: float) -> bool:
     """Whether a slightly smaller or larger orbit is periodic, too.
 
     The largest of the harmonic motions along γ is the rim of a continuum, where derivatives to
@@ -51,7 +51,8 @@ def _has_neighbours(returns: ReturnMap, fixed: Return) -> bool:
         last = state = place.onto(middle + share * (fixed.state - middle))
         for _ in range(_TURNS):  # what decays quickly has to be gone
             last, state = state, returns(state, fixed.period).state
-        if returns.defect(last, state) < _RETURNED * returns.defect(state, fixed.state):
+        apart = returns.defect(state, fixed.state)
+        if apart > tolerance and returns.defect(last, state) < _RETURNED * apart:
             return True
     return False
 

@@ -148,7 +148,7 @@ def _continued(system: Model, near: LimitCycle, tolerance: float) -> LimitCycle:
         raise ParameterError("near", f"must be the cycle of a system with {system.dof} coordinates")
     section, state = middle(near.motion)
     returns = ReturnMap(system, section, extent(near.motion), _SHARPER * tolerance)
-    return _found(returns, state, near.period, tolerance)
+    return _found(returns, state, near.period, tolerance, near)
 
 
 def _beginnings(
@@ -218,9 +218,15 @@ def _followed(
     return _found(returns, state, period, tolerance)
 
 
-def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) -> LimitCycle:
+def _found(
+    returns: ReturnMap,
+    state: Array,
+    period: float,
+    tolerance: float,
+    near: LimitCycle | None = None,
+) -> LimitCycle:
     """Converge to the fixed point and measure the cycle."""
-    fixed, iterations = fixed_point(returns, state, period, tolerance)
+    fixed, iterations = fixed_point(returns, state, period, tolerance, near)
     fixed = _once_around(returns, fixed)
     closed = returns(fixed.state, fixed.period, dt=fixed.period / _SAMPLES)
     if has_died_out(closed.motion, returns.scale):
@@ -229,7 +235,7 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
         closed.period,
         closed.motion,
         returns.section,
-        multipliers(returns, Return(fixed.state, closed.period, closed.motion)),
+        multipliers(returns, Return(fixed.state, closed.period, closed.motion), tolerance),
         residual=returns.defect(fixed.state, closed.state),
         iterations=iterations,
     )
