@@ -97,6 +97,17 @@ class BifurcationDiagram(SavedResult, Value):
         return np.array([cycle is not None and cycle.is_stable for cycle in self.cycles])
 
     @property
+    def branches(self) -> NDArray[np.int64]:
+        """Numbers of the branches of cycles, shape ``(n,)``; −1 where there is none.
+
+        Neighbours with one number have the same sign of det(1 − P′), P being the return map: it
+        changes where a branch turns back, as where a stable and an unstable cycle meet.
+        """
+        signs = np.array([0 if c is None else 1 if c._is_positive else -1 for c in self.cycles])
+        begins = (signs != 0) & (np.diff(signs, prepend=0) != 0)
+        return np.where(signs != 0, np.cumsum(begins) - 1, -1)
+
+    @property
     def periods(self) -> Array:
         """Periods of the cycles in s, shape ``(n,)``; NaN where there is none."""
         return np.array([np.nan if c is None else c.period for c in self.cycles])
@@ -186,6 +197,7 @@ class BifurcationDiagram(SavedResult, Value):
             "kind": (np.array(self.kinds), "", "kind of the equilibrium"),
             "cycle_stable": (self.cycle_stable, "", "whether there is a stable limit cycle"),
             "period": (self.periods, "s", "period of the limit cycle"),
+            "branch": (self.branches, "", "number of the branch of limit cycles"),
             "failure": (np.array(self.failures, dtype=np.str_), "", "why nothing was found"),
         }
         # A parameter may have the name of a column.

@@ -9,7 +9,7 @@ from asperity._base.progress import Count
 from asperity._base.threads import Stop, in_threads
 from asperity.cycles.orbit import LimitCycle
 from asperity.cycles.search import limit_cycle
-from asperity.errors import AsperityError, NoCycleError
+from asperity.errors import AsperityError
 from asperity.runs.model import Model
 
 # A run through an interval of instability ends after so many members in a row without a cycle.
@@ -56,6 +56,7 @@ class Continuation:
         for part in [*starts, *followed]:
             found.add(part)
         self._fill(found)
+        self._explain(found)
         return found
 
     def _intervals(self) -> list[range]:
@@ -99,6 +100,17 @@ class Continuation:
                 if unstable and index not in found.cycles and side in found.cycles:
                     self._try(index, (side, found.cycles[side]), found, stop)
 
+    def _explain(self, found: Found) -> None:
+        """Give a reason to the unstable equilibria at which the runs have not arrived."""
+        failed = dict(found.failures)
+        for index, unstable in enumerate(self.unstable):
+            if unstable and index not in found.cycles and index not in failed:
+                near = min(failed, key=lambda other: abs(other - index))
+                found.failures[index] = (
+                    f"not searched for, as the search failed at {self.values[near]:.9g}: "
+                    f"{failed[near]}"
+                )
+
     def _try(
         self, index: int, near: tuple[int, LimitCycle] | None, found: Found, stop: Stop
     ) -> bool:
@@ -128,12 +140,9 @@ class Continuation:
         """Continue a cycle from one value to another, by way of the middle if need be."""
         start, end = ends
         try:
-            found = limit_cycle(
+            return limit_cycle(
                 self.member(end), near=near, tolerance=self.tolerance, progress=stop.ask
             )
-            if found._orientation == near._orientation:
-                return found
-            raise NoCycleError(f"the branch of cycles is lost on the way from {start:.9g}")
         except AsperityError:
             if not halvings:
                 raise

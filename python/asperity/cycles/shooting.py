@@ -107,7 +107,7 @@ def fixed_point(
         directions = returns.place(image).tangents(here)
         jacobian = returns.jacobian(here, image)
         matrix = np.eye(len(jacobian)) - jacobian
-        if near is not None and (np.linalg.det(matrix) > 0.0) != near._orientation:
+        if near is not None and (np.linalg.det(matrix) > 0.0) != near._is_positive:
             here, image = image.state, returns(image.state, image.period)
             continue
         change = np.linalg.lstsq(
