@@ -17,8 +17,8 @@ Complex = NDArray[np.complex128]
 # The multipliers are found by central differences of motions that are integrated as sharply as
 # this, with steps relative to the scale of the states.
 _SHARP, _ASIDE = 1e-13, 1e-5
-# Their error is about the square of what the two sides differ by, which falls with the step: shorter
-# ones keep 1e-6, down to where rounding takes over.
+# Their error is about the square of what the two sides differ by, which falls with the step:
+# shorter ones keep it below 1e-6, down to where rounding takes over.
 _SIDES, _SHORTEST = 1e-3, 1e-6
 # A multiplier that is one to this accuracy belongs to a continuum of periodic orbits.
 _ISOLATED = 1e-4
