@@ -35,8 +35,8 @@ class BifurcationDiagram(SavedResult, Value):
         values: its values, ascending, shape ``(n,)``.
         stabilities: of the equilibria; None where there is no steady sliding.
         cycles: limit cycles; None where none was found.
-        failures: why there is no equilibrium, or why the search for a cycle beside an unstable
-            one failed; empty where all went well.
+        failures: why there is no equilibrium, or why no cycle was found beside an unstable one if
+            cycles were looked for; empty where all went well.
     """
 
     parameter: str
@@ -249,7 +249,7 @@ def bifurcation_diagram(
     continued from value to value to both sides, also past the ends of the interval, until it is
     lost; so a cycle that coexists with a stable equilibrium is found if it hangs together with an
     unstable interval. Of several equilibria or cycles at one value one is found; branches are not
-    followed around folds.
+    followed around folds, and continuation does not change from one to another.
 
     Args:
         family: function that makes a system; called as ``family(**{parameter: value})``.
