@@ -33,6 +33,7 @@ def belt():
         coordinate_units=["m", "rad"],
         kinds=["neutral", "neutral", "unstable", "unstable", "asymptotically stable", "none"],
         cycle_stable=cycle,
+        branches=np.where(cycle, 0, -1),
         cycle_minima=np.where(cycle, values - 1.0, np.nan)[:, None] * [1.0, 2.0],
         cycle_maxima=np.where(cycle, values + 1.0, np.nan)[:, None] * [1.0, 2.0],
     )
@@ -184,6 +185,21 @@ def test_unstable_cycles_are_dotted():
     lines = drawn(plot_bifurcation, diagram)[1:5]
     assert [line.get_linestyle() for line in lines] == ["-", "-", ":", ":"]
     np.testing.assert_allclose(lines[2].get_ydata(), [np.nan, 0.0, 1.0, 2.0, np.nan, np.nan])
+
+
+def test_lines_do_not_cross_from_one_branch_of_cycles_to_another():
+    diagram = belt()
+    # The cycle at 1 is alone on its branch; those at 2 and 3 lie on another one.
+    diagram.cycle_stable = diagram.values == 1.0
+    diagram.branches = np.array([-1, 0, 1, 1, -1, -1])
+    filling, *lines = drawn(plot_bifurcation, diagram)[:5]
+    paths = [path.get_extents().intervalx.tolist() for path in filling.get_paths()]
+    assert [2.0, 3.0] in paths
+    assert not any(low < 2.0 < high for low, high in paths)
+    for line, own in ((lines[0], [1.0]), (lines[2], [2.0, 3.0])):
+        there = np.isfinite(line.get_ydata())
+        assert line.get_xdata()[there].tolist() == own
+    assert (lines[0].get_marker(), lines[2].get_marker()) == (".", "None")
 
 
 def test_bifurcation_without_cycles_draws_equilibria_only():

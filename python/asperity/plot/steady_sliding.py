@@ -202,7 +202,8 @@ def plot_bifurcation(
 ) -> Axes:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
-    Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted.
+    Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted. Lines
+    join cycles of one branch; one that is alone on its branch is a point.
 
     Args:
         diagram: as of `asperity.bifurcation_diagram`; with ``diagram.replace(values=…)`` in other
@@ -228,8 +229,11 @@ def plot_bifurcation(
         lower, upper = diagram.cycle_minima[:, number], diagram.cycle_maxima[:, number]
         if np.isfinite(lower).any():
             filling: dict[str, Any] = {"color": look.ORANGE, "alpha": 0.15, "linewidth": 0.0}
-            ax.fill_between(values, lower, upper, **filling)
-            _cycle_lines(ax, diagram, lower, upper)
+            here, after = diagram.branches[:-1], diagram.branches[1:]
+            ends = np.flatnonzero((here != after) & (here >= 0) & (after >= 0)) + 1
+            apart, lower, upper = (np.insert(x, ends, np.nan) for x in (values, lower, upper))
+            ax.fill_between(apart, lower, upper, **filling)
+            _cycle_lines(ax, apart, lower, upper, np.insert(diagram.cycle_stable, ends, False))
         rest = diagram.equilibria[:, number]
         for kind, options in _KINDS.items():
             shown = _with_next(np.array([found == kind for found in diagram.kinds]))
@@ -243,16 +247,20 @@ def plot_bifurcation(
         return ax
 
 
-def _cycle_lines(ax: Axes, diagram: BifurcationDiagram, lower: Array, upper: Array) -> None:
+def _cycle_lines(
+    ax: Axes, values: Array, lower: Array, upper: Array, stable: NDArray[np.bool_]
+) -> None:
     """Draw extremes of cycles, solid where stable and dotted where not."""
     for kind, style in (("stable", "-"), ("unstable", ":")):
-        own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)
-        shown = _with_next(own)
-        for values, label in ((lower, f"{kind} limit cycle, extremes"), (upper, None)):
-            drawn = np.where(shown, values, np.nan)
-            if np.isfinite(drawn).any():
+        shown = _with_next((stable == (kind == "stable")) & np.isfinite(lower))
+        for extremes, label in ((lower, f"{kind} limit cycle, extremes"), (upper, None)):
+            drawn = np.where(shown, extremes, np.nan)
+            if (there := np.isfinite(drawn)).any():
+                beside = np.append(there[1:], False) | np.append(False, there[:-1])
                 options: dict[str, Any] = {"color": look.ORANGE, "linestyle": style}
-                ax.plot(diagram.values, drawn, label=label, **options)
+                if (alone := there & ~beside).any():
+                    options |= {"marker": ".", "markevery": np.flatnonzero(alone).tolist()}
+                ax.plot(values, drawn, label=label, **options)
 
 
 def _eigenvalues(given: Any, n: int) -> _Complex:
