@@ -112,7 +112,7 @@ def test_steps_are_refused_where_the_scheme_amplifies_what_the_motion_does_not()
 
 @pytest.mark.long
 def test_steps_of_a_thousand_systems_are_refused_where_the_scheme_alone_amplifies():
-    # Of these 1000 are not at a border.
+    # Of these 1049 are not at a border.
     check_random_systems(1300, 8000)
 
 
