@@ -23,6 +23,9 @@ class LinearSystem(Value):
 
     A matrix may be given as a scalar (times the identity), as its diagonal, or in full.
 
+    In time stepping K q + B q̇ acts explicitly, so that `simulate` needs Δt² k + 2 Δt b ≤ 4 for the
+    largest such sum of a direction with unit mass that contacts do not hold: Δt ≤ 2/ω undamped.
+
     Args:
         mass: M, symmetric positive definite, shape ``(n, n)``.
         stiffness: K, shape ``(n, n)``; need not be symmetric. Default 0.
