@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _TABLES = ("results.csv", "path.csv", "run.npz")
 _PICTURES = ("path.png", "history.png")
 FILES = (*_TABLES, *_PICTURES, "report.html")
-"""What `simulate_scenario` writes; ``draws.csv`` too with bands."""
+"""What `simulate_scenario` writes; ``draws.csv`` too with bands, without them it is removed."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -227,8 +227,7 @@ def simulate_scenario(
         ConfigurationError: with file, line and key of what is wrong.
         AsperityError: if the motion cannot be computed.
     """
-    files = (*FILES, "draws.csv") if bands else FILES
-    folder = None if out is None else ResultFolder(Path(out), files)
+    folder = None if out is None else ResultFolder(Path(out), (*FILES, "draws.csv"))
     scenario = Scenario.load(path, law=law)
     run = scenario.run()
     quantities = tuple(scenario.quantities(run))
