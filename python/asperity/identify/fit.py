@@ -42,6 +42,7 @@ from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KI
 from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
 from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
+from asperity.identify.fitting.uncertainty.mountings import Mountings
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.identified_law import IdentifiedLaw
@@ -226,7 +227,8 @@ class Fit(SavedResult, Value):
         return Path(path)
 
     def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
-        known, family = self.covariance, self._family
+        known = None if self.covariance is None else self.covariance.merged()
+        family = self._family
         parts = (None,) * 3 if known is None else known.parts
         degrees = (math.inf,) * 3 if known is None else known.degrees
         values = [
@@ -359,6 +361,11 @@ class Fit(SavedResult, Value):
     def outliers(self) -> Outliers:
         """Samples that are farther from the model than noise explains."""
         return outliers(self._samples, self.residuals)
+
+    @property
+    def mountings(self) -> Mountings | None:
+        """How the second of two runs differs from the first; None for one run and for many."""
+        return self._causes.mountings
 
     @cached_property
     def drift(self) -> Drift:
