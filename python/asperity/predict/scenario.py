@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asperity._base.progress import Progress
 from asperity._base.result import counted
 from asperity._base.storage.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
+from asperity._base.value import keep_views
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
 from asperity.law.file import SCHEMA as law_schema
@@ -96,6 +98,9 @@ class Scenario:
     options: RunOptions
     bands: BandOptions
 
+    def __post_init__(self) -> None:
+        keep_views(self)
+
     @classmethod
     def load(
         cls, path: str | os.PathLike[str], *, law: str | os.PathLike[str] | None = None
@@ -162,13 +167,13 @@ class Scenario:
         self,
         laws: Mapping[str, FrictionLaw] | None = None,
         *,
-        progress: Callable[..., object] | None = None,
+        progress: Progress = None,
     ) -> Run:
         """Compute the motion.
 
         Args:
             laws: by the names of their files in the scenario; default those of the files.
-            progress: called with what is done and what there is to do.
+            progress: as of `simulate` and `integrate`.
 
         Raises:
             AsperityError: as `simulate` and `integrate`.
