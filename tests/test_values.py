@@ -201,6 +201,23 @@ def test_repr_is_the_constructor_call(value):
         assert eval(repr(value), {**NAMES, "csr_array": csr_array}) == value
 
 
+def test_long_curves_are_not_printed():
+    theta = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+    law = asp.FrictionLaw(asp.PolarCurve(theta, np.full(180, 0.3)), asp.Disk(0.3))
+    assert str(law).startswith("FrictionLaw(PolarCurve(<180 numbers>, <180 numbers>), ")
+    assert str(asp.Ellipse(0.3, 0.2)) == repr(asp.Ellipse(0.3, 0.2))
+    assert str(MOTION) == repr(MOTION)
+
+
+def test_sizes_of_sets_are_numbers():
+    for disk, axis in ((asp.Disk(0.3), 0.3), (asp.Ball(2.0), 2.0)):
+        assert isinstance(disk.radius, float)
+        assert disk.radius == axis
+        assert type(pickle.loads(pickle.dumps(disk.radius))) is float
+    assert asp.Disk(0.3).radius(np.zeros(2)).tolist() == [0.3, 0.3]
+    assert asp.Ellipse(0.4, 0.3).a == 0.4
+
+
 @every_value
 def test_pickle_and_copies_are_equal(value):
     for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
