@@ -121,6 +121,7 @@ WRONG = [
     ("duration = 1.0 ", "duration = 0.0 ", "[run] duration", "positive"),
     ("duration = 1.0 ", "# ", "[run] duration", "is missing"),
     ("step = 1e-4 ", "step = 2.0 ", "[run] step", "longer than the duration"),
+    ("step = 1e-4 ", "step = 1e-12 ", "[run] step", "at most 1e+09 steps"),
     ("step = 1e-4 ", 'method = "magic" #', "[run] method", "not known"),
     ("step = 1e-4 ", 'step = "fine" #', "[run] step", "a number"),
     ("samples = 400 ", "samples = 3 ", "[bands] samples", "at least 40"),

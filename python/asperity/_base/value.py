@@ -70,6 +70,28 @@ class View(Mapping[Key, Part]):
         return View, (self._parts,)
 
 
+class Handed(np.ndarray):
+    """A read-only array whose parts are copies that may be written into.
+
+    Others take only such: the rotations of SciPy 1.17 refuse buffers that are read-only, and parts
+    of results, such as positions of a body, are what they are given.
+    """
+
+    def __getitem__(self, key: Any) -> Any:
+        part = self.view(np.ndarray)[key]
+        return part.copy() if isinstance(part, np.ndarray) and not self.flags.writeable else part
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        plain = [one.view(np.ndarray) if isinstance(one, Handed) else one for one in inputs]
+        return getattr(ufunc, method)(*plain, **options)
+
+    def __repr__(self) -> str:
+        return repr(self.view(np.ndarray))
+
+    def __reduce__(self) -> Any:
+        return self.view(np.ndarray).__reduce__()
+
+
 class Value:
     """Base of immutable objects that are equal when their parameters are.
 
@@ -77,6 +99,8 @@ class Value:
     Arrays and mappings among them are kept as copies that refuse writing.
     """
 
+    _hands_out: ClassVar[bool] = False
+    """Whether parts of its arrays are copies, see `Handed`: those of results, which others take."""
     _descriptive: ClassVar[frozenset[str]] = frozenset()
     """Parameters that say where a value is from or what its parts are called: not compared."""
 
@@ -93,7 +117,10 @@ class Value:
 
     def _keep(self, **attributes: Any) -> None:
         for name, attribute in attributes.items():
-            object.__setattr__(self, name, _frozen(attribute))
+            kept = _frozen(attribute)
+            if self._hands_out and isinstance(kept, np.ndarray):
+                kept = kept.view(Handed)
+            object.__setattr__(self, name, kept)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(

@@ -42,6 +42,8 @@ _SAMPLES = 20_000
 # Time stepping is of first order, and the time until rest is known to a step at best: with so many
 # to a hundredth.
 _FEWEST_STEPS = 100
+# More take hours: the step is a slip of the hand.
+_MOST_STEPS = 1e9
 
 
 @dataclass(frozen=True)
@@ -270,6 +272,11 @@ def _options(file: TomlFile) -> RunOptions:
     step = float(values.get("step", duration))
     if step > duration:
         raise file.error("run.step", f"must not be longer than the duration, got {step!r}")
+    if duration / step > _MOST_STEPS:
+        raise file.error(
+            "run.step",
+            f"must leave at most {_MOST_STEPS:.0e} steps, {step!r} s makes {duration / step:.2g}",
+        )
     output = float(values.get("output", max(duration / _SAMPLES, 0.0 if event_driven else step)))
     return RunOptions(duration, step, bool(values.get("until_rest", False)), event_driven, output)
 
