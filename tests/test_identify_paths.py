@@ -393,6 +393,13 @@ def test_the_size_of_c_against_a_dependence_on_the_speed_is_said(round_films):
     assert 100.0 * (change - 1.0) == pytest.approx(-stated, abs=0.03)
 
 
+def test_directions_in_degrees_are_called_so(few):
+    paths, launches = few.draw(0)
+    told = [one.replace(direction=float(np.rad2deg(one.direction))) for one in launches]
+    with pytest.raises(FitError, match=r"must be in rad; .* read in degrees: np.deg2rad"):
+        fit_paths(paths, system=few.system, reservoir="circle", direction="circle", launch=told)
+
+
 def test_a_model_that_does_not_fit_is_named(few):
     paths, launches = few.draw(0)
     fit = fit_paths(

@@ -93,6 +93,21 @@ def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter(
     assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
 
 
+def test_of_many_eigenvalues_those_that_grow_are_picked_out():
+    values = np.linspace(0.0, 1.0, 11)
+    still = -1e4 + 1j * np.arange(1.0, 31.0) * 100.0
+    grows = 30.0 * values[:, None] - 10.0 + 1j * 2.0 * np.pi * 50.0
+    half = np.hstack([np.broadcast_to(still, (11, 30)), grows])
+    ax = plot_root_locus(np.hstack([half, half.conj()]), values=values, unit="Hz")
+    assert len(ax.collections) == 31
+    heavy = [one for one in ax.collections if one.get_linewidths()[0] > 2.0]
+    assert len(heavy) == 1
+    np.testing.assert_allclose(heavy[0].get_segments()[-1][-1], [20.0, 50.0])
+    assert [text.get_text() for text in ax.texts] == ["50"]
+    assert ax.get_xlim()[0] == -200.0
+    assert "Hz" in ax.get_ylabel()
+
+
 def test_what_a_chart_and_a_diagram_know_need_not_be_said():
     law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
     system = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])

@@ -36,6 +36,8 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
 def with_gaps(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
     """Return a C-contiguous float64 array that may hold NaN and infinity."""
     refuse_masked(value, argument)
+    if hasattr(value, "toarray"):
+        raise ParameterError(argument, "must be dense: .toarray() makes a sparse matrix so")
     try:
         raw = np.asarray(value)
     except ValueError:
@@ -46,6 +48,17 @@ def with_gaps(value: ArrayLike, argument: str, shape: Sequence[int | None] | Non
     if shape is not None:
         check_shape(converted, argument, shape)
     return converted
+
+
+def constant(value: ArrayLike, argument: str, shape: Sequence[int | None]) -> Array:
+    """Return a finite array; functions of time are refused with a word on who takes them."""
+    if callable(value):
+        raise ParameterError(
+            argument,
+            "must be constant: functions of time are taken by the bodies and planes of "
+            "RigidBodies, and by a System of one's own",
+        )
+    return array(value, argument, shape)
 
 
 def refuse_masked(value: Any, argument: str) -> None:

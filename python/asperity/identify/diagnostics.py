@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.identify.fitting.models.coordinates import Scale
+from asperity.identify.forces.dependence import load_dependence, several_loads
 
 if TYPE_CHECKING:
     from asperity.identify.fit import Fit
@@ -130,6 +132,7 @@ def _unlike_noise(fit: Fit) -> list[str]:
             f"forces drift by {fit.drift.size:+.2%} from the first turn of a run to its last: a "
             "gain, a zero or the friction changes; the confidence intervals do not include this"
         )
+    sentences += _runs(fit)
     for channel, step, noise in fit.coarse_channels:
         sentences.append(
             f"the {channel} channel has steps of {step:.3g}, which its noise of {noise:.2g} does "
@@ -137,6 +140,37 @@ def _unlike_noise(fit: Fit) -> list[str]:
             "include them"
         )
     return sentences
+
+
+def _runs(fit: Fit) -> list[str]:
+    """Return by how much two runs differ, or how coefficients at several loads do."""
+    loads, found = several_loads(fit.data), fit.mountings
+    differ = f"friction coefficients differ between loads of {_enumerated(loads)} N"
+    if found is not None and found.matters:
+        remedy = "fit each load on its own" if loads else "record a third, or fit each on its own"
+        if fit.confidence is not None:
+            remedy = f"the confidence intervals take the runs for two values; {remedy}"
+        return [
+            f"{differ if loads else 'the two runs differ'} by more than turns scatter: from the "
+            f"first run to the second, forces per unit normal force change by {found.level:+.2%} "
+            f"(from turn to turn by {found.scatter:.2%}), {_changes(fit, np.abs(found.steps))}; "
+            f"{remedy}"
+        ]
+    if len(loads) > 2:
+        power = load_dependence(fit.data)
+        if not power.is_independent:
+            return [
+                f"{differ}: they go with the load to the power {power.exponent:.2g} "
+                f"({power.low:.2g} … {power.high:.2g}), and one law for all is a mean of them: fit "
+                "each load on its own"
+            ]
+    return []
+
+
+def _enumerated(loads: Sequence[float]) -> str:
+    """Return each load once."""
+    *others, last = dict.fromkeys(f"{one:.4g}" for one in loads) or [""]
+    return f"{', '.join(others)} and {last}"
 
 
 _ERRORS = {

@@ -114,7 +114,7 @@ class Configuration(Value):
     {'angle': 'deg'}
     """
 
-    sections: dict[str, Any]
+    sections: Mapping[str, Any]
     folder: str
     # What it was loaded from: errors name the lines in it.
     _file: TomlFile | None = None
@@ -262,7 +262,7 @@ class Configuration(Value):
         ends = [given.get(name) for name in ("from", "to")]
         if ends == [None, None]:
             return None
-        low, high = (one if isinstance(one, list) else [one] for one in ends)
+        low, high = (one if isinstance(one, tuple) else [one] for one in ends)
         if len(low) != len(high):
             raise ParameterError(
                 section, f"must have as many ends as begins: {len(low)} from, {len(high)} to"

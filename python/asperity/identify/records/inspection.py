@@ -126,7 +126,7 @@ class Inspection(Value):
 
     path: str
     columns: tuple[Column, ...]
-    sections: dict[str, Any]
+    sections: Mapping[str, Any]
     notes: tuple[str, ...]
 
     def __init__(
