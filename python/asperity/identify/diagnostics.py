@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.identify.fitting.data.samples import WRAPPED, is_wrapped
 from asperity.identify.fitting.models.coordinates import Scale
 from asperity.identify.forces.dependence import load_dependence, several_loads
 
@@ -31,6 +32,8 @@ UNITS_AND_SCALE = (
 # error: 33 of 40 confidence intervals of 95 % held the truth with 5 %, 37 of 40 with 1 % and with
 # none.
 _MUCH = 0.03
+# Few dry pairings have larger coefficients; kgf for N makes those above 0.2 as large.
+_LARGE = 2.0
 # Between forces farther apart than this, the shape of C is a guess of its model.
 _WIDEST_GAP = np.deg2rad(30.0)
 # Farther apart, forces turn by as much as that without a leap.
@@ -66,9 +69,10 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
     """Return sentences on what the data cannot tell or the models cannot hold."""
     sentences = _records_missing(fit)
     if fit.turns == 1:
+        cure = "record at least 2 turns (10 are better)"
         sentences.append(
             "there are no confidence intervals: one complete turn has no scatter between turns; "
-            "record at least 2 turns (10 are better)"
+            + (WRAPPED if is_wrapped(fit._samples) else cure)
         )
     for (name, estimate), stuck in zip(fit.parameters.items(), fit.at_bounds, strict=False):
         if stuck:
@@ -84,6 +88,12 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
     if fit.gaps:
         arcs = ", ".join(f"{a:.0f}°…{b:.0f}°" for a, b in np.rad2deg(fit.gaps))
         sentences.append(f"C is not identifiable: hardly any force has a direction θ within {arcs}")
+    friction = float(np.median(np.linalg.norm(fit.means[1], axis=-1)))
+    if friction > _LARGE and getattr(fit.data, "raw", None) is not None:
+        sentences.append(
+            f"friction coefficients are {friction:.2g}, above {_LARGE:g}: is the normal force in "
+            "kgf, under the heading N, or a channel in another unit?"
+        )
     defects = fit.defects
     if "closure" in defects and defects["closure"].matters:
         sentences.append(

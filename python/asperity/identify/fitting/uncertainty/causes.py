@@ -14,9 +14,11 @@ from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.coverage import coverage
 from asperity.identify.fitting.data.samples import (
+    WRAPPED,
     Samples,
     by_axes,
     clusters_of,
+    is_wrapped,
     runs_of,
 )
 from asperity.identify.fitting.least_squares.descent import Descent
@@ -151,6 +153,8 @@ class Causes:
 
     def _covariance(self, sums: Sums, *, away: bool) -> Covariance:
         common = shared(self.family, self._means(away=away), self.descent.p, self.data)
+        if self.samples.turns == 1 and is_wrapped(self.samples):
+            raise FitError(f"data: {WRAPPED}")
         scatter, leverage = scatter_of(sums, clusters_of(self.samples, self.data))
         for name, known in zip(self.family.coordinates, leverage.single, strict=True):
             # Derivatives by angles are as large as they are cut off where samples are on axes.
