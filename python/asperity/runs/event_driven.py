@@ -23,9 +23,14 @@ from asperity.runs.origin import EventDriven, Origin
 from asperity.runs.run import Run
 from asperity.runs.section import Section
 from asperity.runs.state import State
-from asperity.runs.time_stepping import beginning, raise_with, without_solution
+from asperity.runs.time_stepping import (
+    beginning,
+    raise_with,
+    rounded_overlap,
+    without_solution,
+)
 from asperity.status import Outcome, Status
-from asperity.system.rigid import plane_motion
+from asperity.system.rigid import RigidBodies, plane_motion
 
 _ENDS = {
     "finished": Outcome.FINISHED,
@@ -210,13 +215,18 @@ def integrate(
 
 
 def touching(system: Model, state: State) -> State:
-    """Return the state with the contacts that time stepping has let overlap moved apart.
+    """Return the state with contacts that overlap but touch moved apart.
 
-    Steps close a contact up to half a step late, and it stays as deep as it then is: in a state
-    with the memory of contacts, which only steps leave, it touches if its gap is not positive.
+    Those touch that do so by rounding of places, as in `simulate`. Its steps close a contact up to
+    half a step late, and it stays as deep as it then is: in a state with the memory of contacts,
+    which only steps leave, it touches if its gap is not positive.
     """
-    if state.contacts is None or _core.deepest_overlap(system._core, state.t, state.q) is None:
+    deepest = _core.deepest_overlap(system._core, state.t, state.q)
+    if deepest is None:
         return state
+    rounding = rounded_overlap(system, state.q) if isinstance(system, RigidBodies) else 0.0
+    if state.contacts is None and -deepest[1] > rounding:
+        return state  # The core names the contact.
     q, touch = state.q, np.array(False)
     for _ in range(_CORRECTIONS):
         here = _core.evaluate(system._core, state.t, q, state.u)

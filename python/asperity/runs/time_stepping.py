@@ -205,6 +205,12 @@ def beginning(
     return found
 
 
+def rounded_overlap(system: RigidBodies, q: Array) -> float:
+    """Return the overlap in m up to which bodies touch: rounding of their places by their users."""
+    positions = q.reshape(len(system.bodies), -1)[:, : len(system.gravity)]
+    return _ROUNDED_OVERLAP * float(np.abs(positions).max())
+
+
 def _refuse_overlap(system: RigidBodies, q: Array, argument: str) -> None:
     """Refuse bodies that lie in each other or in a plane at the time 0."""
     if not system.planar:
@@ -218,8 +224,7 @@ def _refuse_overlap(system: RigidBodies, q: Array, argument: str) -> None:
     if deepest is None:
         return
     contact, gap = deepest
-    positions = q.reshape(len(system.bodies), -1)[:, : len(system.gravity)]
-    if -gap > _ROUNDED_OVERLAP * float(np.abs(positions).max()):
+    if -gap > rounded_overlap(system, q):
         raise ParameterError(
             argument,
             f"must not let bodies overlap: {system.labels.contacts[contact]} does by "
