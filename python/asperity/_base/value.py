@@ -81,9 +81,12 @@ class Handed(np.ndarray):
         part = self.view(np.ndarray)[key]
         return part.copy() if isinstance(part, np.ndarray) and not self.flags.writeable else part
 
-    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        plain = [one.view(np.ndarray) if isinstance(one, Handed) else one for one in inputs]
-        return getattr(ufunc, method)(*plain, **options)
+    def __array_ufunc__(
+        self, ufunc: Any, method: str, *inputs: Any, out: tuple[Any, ...] = (), **options: Any
+    ) -> Any:
+        if out:
+            options["out"] = tuple(map(_plain, out))
+        return getattr(ufunc, method)(*map(_plain, inputs), **options)
 
     def __repr__(self) -> str:
         return repr(self.view(np.ndarray))
@@ -258,6 +261,10 @@ def _check_of(hint: Any, ending: str = "") -> Check:
     if hint in (int, float, bool) or (isinstance(hint, type) and issubclass(hint, Enum)):
         return lambda value, _: hint(value)
     return lambda value, _: value
+
+
+def _plain(value: Any) -> Any:
+    return value.view(np.ndarray) if isinstance(value, Handed) else value
 
 
 def _build(kind: type[Value], parameters: dict[str, Any]) -> Value:
