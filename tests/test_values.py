@@ -303,6 +303,16 @@ def test_no_mapping_of_a_value_can_be_changed():
     assert repr(configuration.sections["units"]) == "{'angle': 'deg'}"
 
 
+def test_arrays_made_of_those_of_a_result_may_be_written_into():
+    motion = asp.integrate(asp.LinearSystem(1.0, stiffness=1.0), t_end=1.0, q0=[1.0])
+    moved = motion.q.copy()
+    moved += 1.0
+    np.multiply(moved, 2.0, out=moved)
+    assert moved.tolist() == (2.0 * (np.array(motion.q) + 1.0)).tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        np.multiply(moved, 2.0, out=motion.q)
+
+
 @every_value
 def test_parameters_are_those_of_the_signature(value):
     assert set(value._parameters) == set(inspect.signature(type(value)).parameters)

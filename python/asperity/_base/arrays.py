@@ -36,13 +36,13 @@ def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = 
 def with_gaps(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
     """Return a C-contiguous float64 array that may hold NaN and infinity."""
     refuse_masked(value, argument)
-    if hasattr(value, "toarray"):
-        raise ParameterError(argument, "must be dense: .toarray() makes a sparse matrix so")
     try:
         raw = np.asarray(value)
     except ValueError:
         raise DimensionError(argument, "must be a rectangular array of numbers") from None
     if raw.dtype.kind not in _NUMERIC_KINDS:
+        if hasattr(value, "toarray"):
+            raise ParameterError(argument, "must be dense: .toarray() makes a sparse matrix so")
         raise ParameterError(argument, f"must hold real numbers, got {value!r}")
     converted = np.asarray(raw, dtype=np.float64, order="C")
     if shape is not None:
