@@ -7,9 +7,9 @@
 //! v′ = v − Δt B v − Δt² K x,   x′ = x + v′;        Δt ẋ = v,   Δt v̇ = −Δt B v − Δt² K x.
 //! ```
 //!
-//! A step is too long where more motions grow in the scheme than there are that grow. Is `B` symmetric and not negative, and
-//! `K` symmetric, these are those with `Δt² k + 2Δt b > 4`: for `(λ − 1)² + Δt b (λ − 1) + Δt² k λ = 0` has a root below −1
-//! then, and no other root passes the unit circle, in the directions of whatever eigenvectors these numbers are.
+//! A step is too long where the scheme amplifies more motions than the exact flow does. If `K` is symmetric and `B` is symmetric
+//! and positive semidefinite, it amplifies those with `Δt² k + 2Δt b > 4`: `(λ − 1)² + Δt b (λ − 1) + Δt² k λ = 0` then has a
+//! root below −1, and no other root leaves the unit circle.
 
 use nalgebra::{Complex, ComplexField, DMatrix, SymmetricEigen};
 
@@ -24,7 +24,8 @@ const PARALLEL: f64 = 1e-12;
 /// Growth per radian of a motion which the step resolves that counts as the error of a method of first order: gyroscopic
 /// forces, which act explicitly, too, would allow no step.
 const SLOW: f64 = 1e-3;
-/// How much `√ε` of the largest eigenvalue is of what rounding makes of a double one.
+/// What rounding makes of a double eigenvalue over `√ε` of the largest one, and of a fourfold one, as free motions under
+/// follower forces have, over `⁴√ε`.
 const ROUNDING: f64 = 4.0;
 /// Iterations per eigenvalue: the QR algorithm takes two or three of them.
 const SWEEPS: usize = 50;
@@ -43,8 +44,8 @@ pub(super) fn check(system: &LinearSystem, dt: f64) -> Result<(), ArgumentError>
     };
     let Some(longest) = system.longest_step(dt, find) else { return Ok(()) };
     let message = format!(
-        "must be at most {longest:?} s, got {dt:?}: stiffness and damping act explicitly, and in longer steps motions grow \
-         that do not grow"
+        "must be at most {longest:?} s, got {dt:?}: stiffness and damping act explicitly, and longer steps amplify motions \
+         that are stable"
     );
     refuse("dt", message)
 }
@@ -142,14 +143,19 @@ impl FreeMotion {
         let fastest = rates.iter().map(|rate| rate.modulus()).fold(1.0, f64::max);
         let rounding = ROUNDING * f64::EPSILON.sqrt() * fastest;
         let grows = |rate: &&Complex<f64>| rate.re > rounding;
+        let multiple = ROUNDING * f64::EPSILON.sqrt().sqrt();
         let grows_in_steps = |factor: &&Complex<f64>| {
-            let resolved = if factor.re > 0.0 { SLOW * (*factor - 1.0).modulus() } else { 0.0 };
+            let change = (*factor - 1.0).modulus();
+            if change < multiple {
+                return false;
+            }
+            let resolved = if factor.re > 0.0 { SLOW * change } else { 0.0 };
             factor.modulus().ln() > 2.0 * rounding + resolved
         };
         let (growing, in_steps) =
             (rates.iter().filter(grows), factors.iter().filter(grows_in_steps));
-        // Those that turn by more than a quarter in a step, or the other way each time, also among themselves: slow ones
-        // may grow less than they should, and do not make up for it.
+        // Motions that turn by more than a quarter in a step are also counted by themselves: slow motions that the scheme does
+        // not amplify enough must not make up for them.
         let rapid = growing.clone().filter(|rate| rate.modulus() >= 1.0).count();
         let rapid_in_steps = in_steps.clone().filter(|factor| factor.re < 0.0).count();
         in_steps.count() <= growing.count() && rapid_in_steps <= rapid

@@ -1,7 +1,7 @@
 //! Gaps that close within a step, however often they do.
 //!
 //! Pieces of the step in which the gap is the polynomial through its values at the nodes, to rounding, have their impacts where
-//! this one has; others are halved. With `|g̈_N| ≤ L` a gap that is `g₀` and `g₁` at the ends of a piece of length `w` stays
+//! this one has; others are halved, unless halving does not help, where a user's gap is noise. With `|g̈_N| ≤ L` a gap that is `g₀` and `g₁` at the ends of a piece of length `w` stays
 //! above the parabola through both that bends by L: where that one is positive nothing needs to be looked at.
 
 use crate::integrator::event::collocation::{STAGES, Tableau};
@@ -18,8 +18,14 @@ const COMPARED: [f64; 2] = [0.16, 0.73];
 /// Gap over the largest difference found there from which on a piece needs no better polynomial: kinks of a user's gap far
 /// above the ground.
 const CLEAR: f64 = 100.0;
+/// Differences are noise of a user's gap if they are at most this part of the contact's reach and halving a piece eight times
+/// leaves more than a sixteenth of them: of those at kinks it leaves a 256th. The noise may be four times as large.
+const MOST_NOISE: f64 = 1e-6;
+const HALVINGS: usize = 8;
+const LEFT: f64 = 1.0 / 16.0;
+const NOISE: f64 = 4.0;
 /// Pieces of a step above which a shorter step is the cheaper one.
-const MOST_PIECES: usize = 1000;
+const MOST_PIECES: usize = 200;
 
 /// Where the gap of a contact closes: two times between which it does so.
 #[derive(Debug, Clone, Copy)]
@@ -102,8 +108,10 @@ impl Integration<'_> {
         let known: Option<[Value; NODES]> = (stages == STAGES).then(|| std::array::from_fn(node));
         // The start counts as closed or not as it has been decided on; the polynomial goes through what it is.
         let start = self.gap_function(contact, 0.0)?;
-        let unseen = CLOSED_GAP * self.dynamics.contacts[contact].reach;
-        let (mut a, mut ends) = (start, vec![end]);
+        let reach = self.dynamics.contacts[contact].reach;
+        let (mut a, mut ends, mut unseen) = (start, vec![end], CLOSED_GAP * reach);
+        // Differences by the number of halvings, and the noise that they have shown.
+        let (mut differences, mut noise) = (Vec::new(), 0.0);
         for _ in 0..MOST_PIECES {
             let Some(&b) = ends.last() else { return Ok(Search::StaysOpen) };
             if b.value <= 0.0 && peak(a, b, bend) <= 0.0 {
@@ -128,17 +136,25 @@ impl Integration<'_> {
             }
             let clear = heights.iter().all(|height| *height < -CLEAR * off);
             if !clear && off > unseen && width > shortest_step(self.state.t) {
-                ends.push(self.gap_function(contact, a.at + 0.5 * width)?);
+                differences.truncate(ends.len() - 1);
+                differences.push(off);
+                let before = differences.len().checked_sub(HALVINGS + 1).map(|k| differences[k]);
+                if off <= MOST_NOISE * reach && before.is_some_and(|d| off > LEFT * d) {
+                    noise = NOISE * off;
+                    unseen = unseen.max(noise);
+                } else {
+                    ends.push(self.gap_function(contact, a.at + 0.5 * width)?);
+                }
                 continue;
             }
-            let positive = values[1..].iter().find(|place| place.value > 0.0).copied();
+            let positive = values[1..].iter().find(|place| place.value > noise).copied();
             let hidden = hidden_maximum(&heights).map(|x| a.at + x * width);
             let high = match hidden.filter(|x| positive.is_none_or(|high| *x < high.at)) {
-                Some(x) => Some(self.gap_function(contact, x)?),
-                None => positive,
+                Some(x) => Some(self.gap_function(contact, x)?).filter(|high| high.value > noise),
+                None => None,
             };
-            if let Some(high) = high {
-                let before = values.iter().rev().find(|place| place.at < high.at);
+            if let Some(high) = high.or(positive) {
+                let before = values.iter().rev().find(|p| p.at < high.at && p.value <= 0.0);
                 let low = *before.unwrap_or(&a);
                 return Ok(Search::Closes(Closing { contact, low, high }));
             }

@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactState, Phase};
 use crate::integrator::event::collocation::{STAGES, slip_rate};
+use crate::integrator::event::dynamics::ROWS;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
@@ -11,6 +12,8 @@ use crate::vectors::{largest, norm};
 /// Slip over the speed of a contact below which it is asked whether rounding turns its friction force: it does so of laws
 /// whose direction sets are three hundred times as long as wide.
 const NEARLY_ZERO: f64 = 1e-9;
+/// Height of a bounce over the overlap with which it begins up to which the contact closes where steps cannot be shorter.
+const FAR_HIGHER: f64 = 100.0;
 /// Part of the velocities that changes in a time in which accelerations do not: of these it changes as much, and of what is
 /// extrapolated with constant ones its square, which is rounding.
 const UNCHANGING: f64 = 1e-8;
@@ -72,8 +75,20 @@ impl Integration<'_> {
             {
                 Ok(self.reject(0.25 * self.step.h))
             }
+            // By noise of a user's gap.
+            _ if self.leaves(number) => {
+                self.reset_event_functions(false);
+                Ok(None)
+            }
             _ => self.collide(number),
         }
+    }
+
+    /// Whether a contact separates, and its bounce is far higher than its overlap.
+    fn leaves(&self, i: usize) -> bool {
+        let (velocity, rate) = (self.approach(i), self.dynamics.rate(ROWS * i, &self.a0));
+        let overlap = (-self.dynamics.contacts[i].gap).max(0.0);
+        velocity > self.zero_velocity() && velocity * velocity > -2.0 * rate * FAR_HIGHER * overlap
     }
 
     /// Slips that come to an end with a step.
