@@ -241,15 +241,16 @@ def folder():
 
     names = [f"{k}.bin" for k in range(5)]
 
-    def writer(letter):
+    def writer(letter, names_here):
         def write(out):
             with ResultFolder(out, names).filled() as place:
-                for name in names:
+                for name in names_here:
                     (place / name).write_bytes(letter * 200_000)
 
         return write
 
-    return writer(b"a"), writer(b"b")
+    # Each lacks a file that the other one has.
+    return writer(b"a", names[1:]), writer(b"b", names[:-1])
 
 
 WRITERS = {

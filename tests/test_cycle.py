@@ -8,6 +8,7 @@ import pytest
 from asperity.errors import NoCycleError
 from asperity.status import Phase
 from children import run_interrupted
+from profiles import counts
 from scipy_belt import Belt
 
 DIRECTION = np.deg2rad(50.0)
@@ -99,6 +100,105 @@ def test_stribeck_block(speed, period, slip, stick, largest):
     assert cycle.maximum[0] == pytest.approx(largest, abs=1e-6)
 
 
+TEXTBOOK = asp.Stribeck(0.5, ratio=0.5)
+
+
+def falling_belt(speed, *, mu=0.4, rate=TEXTBOOK, mass=1.0, stiffness=100.0, normal_force=10.0):
+    """A mass on a belt whose friction falls with the slip."""
+    law = asp.FrictionLaw.isotropic(mu, dimension=1).replace(rate=rate)
+    return asp.MassOnBelt(
+        mass, stiffness=stiffness, law=law, normal_force=normal_force, belt_velocity=[speed]
+    )
+
+
+def damped_belt(speed):
+    plain = falling_belt(speed)
+    contact = asp.Contact(plain.law, direction=[1.0], normal_force=10.0, velocity=[-speed])
+    return asp.LinearSystem(1.0, stiffness=100.0, damping=0.5, contacts=[contact])
+
+
+def period_of_the_motion(system, speed, period):
+    """Of a motion that begins with stick, after 30 turns: between successive beginnings of stick.
+
+    A mass that overtakes the belt and does not stick reverses its slip twice in a turn.
+    """
+    motion = asp.integrate(system, t_end=30.0 * period, u0=[speed], tolerance=1e-12)
+    sticks = [event.time for event in motion.events if event.kind == "stick"]
+    slips = [event.time for event in motion.events if event.kind == "slip"]
+    return sticks[-1] - sticks[-2] if len(sticks) > 3 else slips[-1] - slips[-3]
+
+
+@counts(12, 120)
+def test_every_unstable_belt_with_falling_friction_has_its_cycle(count):
+    """Most attract within a turn: neighbours are back on the cycle to rounding."""
+    random = np.random.default_rng(3)
+    belts = [{"speed": speed} for speed in np.linspace(0.1, 1.5, 100)[:: 120 // count]]
+    fixed = len(belts)
+    while len(belts) < fixed + count:
+        given = {
+            "speed": 10.0 ** random.uniform(-2.0, 0.0),
+            "mu": random.uniform(0.2, 0.9),
+            "rate": asp.Stribeck(10.0 ** random.uniform(-2.0, 0.0), ratio=random.uniform(0.3, 0.9)),
+            "mass": 10.0 ** random.uniform(-1.0, 1.0),
+            "stiffness": 10.0 ** random.uniform(1.0, 4.0),
+            "normal_force": 10.0 ** random.uniform(0.0, 3.0),
+        }
+        # Where friction has fallen long before the belt's speed, nothing of the growth is left.
+        if asp.stability(falling_belt(**given)).kind == "unstable":
+            belts.append(given)
+    for given in belts:
+        system = falling_belt(**given)
+        assert asp.stability(system).kind == "unstable", given
+        cycle = asp.limit_cycle(system)
+        turn = period_of_the_motion(system, given["speed"], cycle.period)
+        assert cycle.period == pytest.approx(turn, rel=1e-6), given
+
+
+@pytest.mark.parametrize(
+    ("drop", "period"),
+    [(3e-2, 0.864675), (3e-4, 0.808613), (1e-4, 0.807552), (1e-5, 0.806974), (1e-6, 0.806899)],
+)
+def test_the_faster_friction_falls_the_nearer_the_cycle_is_to_coulomb_s(drop, period):
+    system = falling_belt(0.1, mu=0.5, rate=asp.Stribeck(drop, ratio=0.6))
+    for start in ({}, {"q0": [0.0], "u0": [0.1]}):
+        assert asp.limit_cycle(system, **start).period == pytest.approx(period, abs=6e-7)
+    # Between static and kinetic friction the mass sticks for 2A/v, else it swings harmonically.
+    sharp = falling_belt(0.1, mu=0.5, rate=asp.Stribeck(1e-8, ratio=0.6))
+    limit = 2.0 * (np.pi - np.arctan(0.02 * 10.0 / 0.1)) / 10.0 + 2.0 * 0.02 / 0.1
+    assert asp.limit_cycle(sharp).period == pytest.approx(limit, abs=2e-7)
+
+
+def test_multipliers_are_those_of_the_monodromy_matrix():
+    """Where the two sides of a difference quotient differ: a step of 1e-4 was off by 1e-3."""
+    rate = asp.Stribeck(0.459, ratio=0.37)
+    contact = asp.Contact(
+        asp.FrictionLaw.isotropic(0.628, dimension=1).replace(rate=rate),
+        direction=[0.25, 1.102, -1.341],
+        normal_force=2.529,
+        velocity=[-1.391],
+    )
+    system = asp.LinearSystem(
+        np.diag([1.826, 0.39, 2.583]),
+        stiffness=[[46.914, -5.008, 2.724], [-5.008, 40.842, -4.727], [2.724, -4.727, 46.477]],
+        damping=[[0.201, -0.013, 0.007], [-0.013, 0.125, -0.013], [0.007, -0.013, 0.232]],
+        contacts=[contact],
+    )
+    cycle = asp.limit_cycle(system, t_end=100.0)
+    start = np.concatenate([cycle.motion.q[0], cycle.motion.u[0]])
+    columns = []
+    for aside in 1e-6 * np.eye(6):
+        ends = [
+            asp.integrate(system, t_end=cycle.period, q0=x[:3], u0=x[3:], tolerance=1e-13)
+            for x in (start + aside, start - aside)
+        ]
+        ahead, behind = (np.concatenate([end.q[-1], end.u[-1]]) for end in ends)
+        columns.append((ahead - behind) / 2e-6)
+    along, *others = sorted(np.linalg.eigvals(np.array(columns)), key=lambda x: abs(x - 1.0))
+    assert along == pytest.approx(1.0, abs=1e-6)
+    for own in others:
+        assert np.abs(cycle.multipliers - own).min() < 2e-6
+
+
 def test_a_continuum_of_periodic_orbits_is_no_limit_cycle():
     # Along γ friction is constant: the mass swings harmonically, with any amplitude below v.
     law = asp.FrictionLaw.isotropic(0.5)
@@ -123,6 +223,45 @@ def test_bifurcation_over_the_belt_direction():
     found = np.isfinite(diagram.periods)
     assert found[unstable].all(), [f for f in diagram.failures if f]
     assert (diagram.cycle_minima[found] < diagram.equilibria[found]).all()
+
+
+def test_a_diagram_keeps_to_the_branch_of_cycles_with_stick():
+    # Beyond 0.99 m/s there are two cycles: with stick, and in it an unstable one of slip alone.
+    values = np.linspace(0.05, 3.0, 30)
+    diagram = asp.bifurcation_diagram(damped_belt, parameter="speed", values=values)
+    found = np.isfinite(diagram.periods)
+    for value, there in zip(values, found, strict=True):
+        motion = asp.integrate(damped_belt(value), t_end=40.0, q0=[0.04], u0=[value])
+        sticks = [event.time for event in motion.events if event.kind == "stick"]
+        assert there == (max(sticks, default=0.0) > 39.0)
+    assert diagram.coexistence.sum() == 5
+    assert diagram.branches.tolist() == np.where(found, 0, -1).tolist()
+    assert all(cycle.share(Phase.STICK) > 0.0 for cycle in diagram.cycles if cycle)
+    # The cycle of slip is on a branch of its own, and continued on it.
+    rest = diagram.equilibria[12]
+    section = asp.Section([1.0, 0.0], float(rest[0]))
+    slip = asp.limit_cycle(damped_belt(values[12]), q0=rest, u0=[0.7], section=section)
+    for aside in (-0.02, 0.02):
+        other = asp.limit_cycle(damped_belt(values[12] + aside), near=slip)
+        assert not other.is_stable
+        assert other.share(Phase.SLIP) == 1.0
+    mixed = diagram.replace(cycles=[*diagram.cycles[:12], slip, *diagram.cycles[13:]])
+    assert mixed.branches[10:15].tolist() == [0, 0, 1, 2, 2]
+
+
+def test_every_unstable_equilibrium_without_a_cycle_has_a_reason():
+    def family(p):
+        if abs(p) < 0.15:
+            return falling_belt(1.0)
+        return asp.LinearSystem(1.0, stiffness=100.0, damping=-0.1)
+
+    for values in (np.linspace(-0.7, 0.7, 15), np.linspace(0.2, 1.0, 9)):
+        diagram = asp.bifurcation_diagram(family, parameter="p", values=values)
+        assert set(diagram.kinds) == {"unstable"}
+        missing = [cycle is None for cycle in diagram.cycles]
+        assert missing == (np.abs(values) > 0.15).tolist()
+        assert [bool(why) for why in diagram.failures] == missing
+        assert "not searched for, as the search failed at" in diagram.failures[0]
 
 
 def test_diagrams_do_not_depend_on_the_number_of_threads():
@@ -223,6 +362,23 @@ def test_a_run_is_a_start(cycle):
         for start in (run, run.end):
             found = asp.limit_cycle(belt(), start=start, t_end=200.0)
             assert found.period == pytest.approx(cycle.period, rel=1e-8)
+
+
+def test_a_run_of_time_stepping_is_a_start_though_its_contacts_overlap():
+    hopping = asp.mechanisms.mode_coupling(0.8, damping=0.05)
+    cycle = asp.limit_cycle(hopping)
+    gaps = []
+    for turns in (5.1, 5.3, 5.5, 5.7, 5.9):
+        run = asp.simulate(
+            hopping,
+            dt=1e-3,
+            t_end=turns * cycle.period,
+            q0=cycle.motion.q[0],
+            u0=cycle.motion.u[0],
+        )
+        gaps.append(float(hopping.contacts[0].normal @ run.q[-1]))
+        assert asp.limit_cycle(hopping, start=run.end).period == pytest.approx(cycle.period)
+    assert min(gaps) < -1e-6
 
 
 def test_the_impact_oscillator_hops_periodically():

@@ -15,6 +15,8 @@ from asperity.identify import (
     fit_law,
     process,
 )
+from asperity.identify.campaign import Identification
+from asperity.law import Provenance
 from profiles import counts
 from scipy.stats import binom
 from table_1 import TABLE_1, TRUTH, sampled, turned_law
@@ -103,17 +105,18 @@ def test_what_a_missing_record_would_tell_is_what_its_error_does():
     assert not fit_law(process(whole)).missing
 
 
-def campaign(seed, runs=4, scatter=0.02):
+def campaign(seed, runs=4, scatter=0.02, factors=None, loads=None):
     """Runs between which friction differs."""
     random, recordings = np.random.default_rng(seed + 5000), []
-    for run in range(runs):
-        factor = 1.0 + scatter * random.normal()
+    if factors is None:
+        factors = [1.0 + scatter * random.normal() for _ in range(runs)]
+    for run, factor in enumerate(factors):
         law = FrictionLaw(
             Superellipse(4.99 / 9.3 * factor, 4.25 / 9.3 * factor, 2.94), TABLE_1.direction
         )
         machine = VirtualTribometer.perfect(
             law,
-            normal_force=9.3,
+            normal_force=9.3 if loads is None else loads[run],
             turns=3,
             turn_rate=0.5,
             sample_rate=250.0,
@@ -123,6 +126,48 @@ def campaign(seed, runs=4, scatter=0.02):
         )
         recordings += machine.record().recordings
     return process(RawData(recordings))
+
+
+def told_of_runs(fit):
+    return [one for one in fit.warnings if "from the first run to the second" in one]
+
+
+@counts(12, 200)
+def test_two_runs_that_differ_are_two_values_and_are_told(count):
+    random, alike = np.random.default_rng(7), 0
+    for seed in range(count):
+        difference = random.uniform(0.01, 0.05) * (-1) ** seed
+        # The truth is that of the first mounting, or midway between both.
+        first = 0.0 if seed % 4 < 2 else -0.5 * difference
+        fit = fit_law(campaign(seed, factors=(1.0 + first, 1.0 + first + difference)))
+        for name in ("reservoir.a", "reservoir.b"):
+            assert told_of_runs(fit) or fit.parameters[name].covers(TRUTH[name])
+        assert fit.mountings.level == pytest.approx(difference, abs=5e-3)
+        if fit.mountings.matters:
+            assert f"change by {fit.mountings.level:+.2%}" in told_of_runs(fit)[0]
+            # Student's t of one degree of freedom, 12.7, over half the difference.
+            half = np.log(fit.parameters["reservoir.a"].high / fit.parameters["reservoir.a"].low)
+            assert half > 12.0 * abs(fit.mountings.steps[0])
+            assert fit.identified_law.degrees_of_freedom[0] == 1.0
+        alike += bool(told_of_runs(fit_law(campaign(seed, factors=(1.0, 1.0)))))
+    assert alike <= 0.05 * count
+
+
+def test_coefficients_at_several_loads_are_told_with_the_loads():
+    for loads, words in (
+        ((10.0, 40.0), r"between loads of 9.996 and 39.99 N by more than .* change by -14\.\d+%"),
+        ((10.0, 20.0, 40.0), r"between loads of 9.996, 20 and 40 N: .* power -0\.099"),
+    ):
+        data = campaign(1, factors=[(load / 10.0) ** -0.1 for load in loads], loads=loads)
+        fit = fit_law(data)
+        assert re.search(words, " ".join(fit.warnings))
+        told = Identification(data, fit, Provenance()).summary()
+        listed = ", ".join(f"{load:.4g}" for load in data.loads)
+        assert re.search(rf"normal force +{listed} N, run by run", told)
+        assert "semi-axes of C at" not in told
+        assert f"λ_N = {listed} N" in repr(data)
+        alike = campaign(1, factors=[1.0] * len(loads), loads=loads)
+        assert not re.search("differ", " ".join(fit_law(alike).warnings))
 
 
 def test_bands_hold_the_scatter_between_runs():

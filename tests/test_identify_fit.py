@@ -339,6 +339,20 @@ def test_what_cannot_be_fitted_is_refused():
         fit_law((phi, -force))
     with pytest.raises(FitError, match="does not oppose sliding"):
         fit_law((phi, np.ones_like(force)))
+    # Directions in other units, and such as start again with each turn: message and cure.
+    degrees = np.rad2deg(phi)
+    for given, words in (
+        (degrees, r"if φ were in degrees: .*np\.deg2rad\(phi\)"),
+        (degrees % 360.0, r"if φ were in degrees: .*np\.deg2rad\(phi\)"),
+        (phi / (2.0 * np.pi), r"if φ were in turns: .*2 \* np\.pi \* phi"),
+        (phi % (2.0 * np.pi), r"np\.unwrap\(phi\), or give .*turns as third array"),
+    ):
+        with pytest.raises(FitError, match=words):
+            fit_law((given, force))
+    alone = fit_law((phi % (2.0 * np.pi), force), confidence=None)
+    assert "np.unwrap" in alone.warnings[0]
+    turns = np.floor(phi / (2.0 * np.pi) + 1e-9).astype(int)
+    assert fit_law((phi % (2.0 * np.pi), force, turns)).turns == 2
     with pytest.raises(ParameterError, match=r"data\.force: must be finite"):
         fit_law((phi, np.where(phi[:, None] == 0.0, np.nan, force)))
     with pytest.raises(DimensionError, match=r"data\.force"):

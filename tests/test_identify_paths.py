@@ -17,7 +17,7 @@ from asperity.identify.paths.campaign import FILES
 from asperity.identify.paths.launch import known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
-from asperity.identify.paths.observed import observed
+from asperity.identify.paths.observed import observed, read_path
 from asperity.identify.paths.spread import spread
 from asperity.runs.comparison import hermite
 from asperity.track import MeasuredPath
@@ -393,6 +393,13 @@ def test_the_size_of_c_against_a_dependence_on_the_speed_is_said(round_films):
     assert 100.0 * (change - 1.0) == pytest.approx(-stated, abs=0.03)
 
 
+def test_directions_in_degrees_are_called_so(few):
+    paths, launches = few.draw(0)
+    told = [one.replace(direction=float(np.rad2deg(one.direction))) for one in launches]
+    with pytest.raises(FitError, match=r"must be in rad; .* read in degrees: np.deg2rad"):
+        fit_paths(paths, system=few.system, reservoir="circle", direction="circle", launch=told)
+
+
 def test_a_model_that_does_not_fit_is_named(few):
     paths, launches = few.draw(0)
     fit = fit_paths(
@@ -749,23 +756,70 @@ def test_files_are_read_as_paths(round_films, tmp_path):
     assert radii[1] == pytest.approx(radii[0], rel=1e-6)
     assert [path.name for path in found.paths] == list(map(str, files))
     plain = [
-        write(p, p.position, tmp_path / f"mm_{k}.csv", "t [s],x [mm],y [mm]", 1e-3)
+        write(p, p.position, tmp_path / f"mm_{k}.csv", "t [s],x [mm],y [mm],a,b", 1e-3)
         for k, p in enumerate(paths)
     ]
     again = round_fit(round_films, plain, launches, position_error=ERROR)
     assert again.parameters["reservoir.radius"].value == pytest.approx(radii[0], rel=1e-6)
-    with pytest.raises(ParameterError, match="position_error: is needed"):
+    with pytest.raises(ParameterError, match=r"position_error: is needed: .*in \[paths\]"):
         round_fit(round_films, plain, launches)
+
+
+TRACKERS = {
+    "tracker": ("mass A\nt\tx\ty", "\t", ".", 1.0),
+    "tracker, decimal commas": ("masse A\nt\tx\ty", "\t", ",", 1.0),
+    "brackets": ("Time (s),X (mm),Y (mm)", ",", ".", 1e-3),
+    "semicolons": ("Zeit [s];x [cm];y [cm]", ";", ",", 1e-2),
+    "suffixes": ("frame,time_s,x_mm,y_mm", ",", ".", 1e-3),
+    "line of units": ("t,x,y\n\ns,mm,mm", ",", ".", 1e-3),
+    "blanks": ("# t x y", " ", ".", 1.0),
+}
+
+
+@pytest.mark.parametrize("name", TRACKERS)
+def test_exports_of_trackers_are_read(name, tmp_path):
+    head, mark, decimal, length = TRACKERS[name]
+    time = np.arange(31) / 60.0
+    x = np.stack([0.3 * time - 0.1 * time**2, 0.1 * time], axis=-1)
+    columns = [time, *(x.T / length)]
+    columns = [np.arange(31.0), *columns] if head.startswith("frame") else columns
+    rows = [
+        mark.join(f"{v:.6f}".replace(".", decimal) for v in row) for row in np.stack(columns, -1)
+    ]
+    file = tmp_path / "path.txt"
+    file.write_text("\n".join([head, *rows]))
+    found_time, found, error = read_path(file)
+    np.testing.assert_allclose(found_time, time, atol=1e-6)
+    np.testing.assert_allclose(found, x, atol=1e-6)
+    assert error is None
+
+
+def test_configurations_say_how_paths_are_read(tmp_path):
+    """Without names in the file, or of two bodies in one file."""
+    file = tmp_path / "path.txt"
+    rows = "\n".join(f"{k};{0.1 * k};{0.2 * k};{0.3 * k};{0.4 * k}" for k in range(5))
+    file.write_text("t;x;y;x;y\n" + rows.replace(".", ","))
+    with pytest.raises(RecordError, match=r"x1: columns 1, 3 are all called 'x'"):
+        read_path(file)
+    columns = {"time": "t", "x1": 3, "x2": 4}
+    _, x, _ = read_path(file, {"columns": columns, "units": {"x1": "mm", "x2": "mm"}})
+    np.testing.assert_allclose(x[:, 0], 0.3e-3 * np.arange(5))
+    file.write_text(rows)
+    form = {"delimiter": ";", "header": 0}
+    _, x, _ = read_path(file, {"file": form, "columns": {**columns, "time": 0}})
+    np.testing.assert_allclose(x[:, 1], 0.4 * np.arange(5))
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "must name a column 't'"),
-        ("t,x1\n0,1\n", "must name a column 'x2'"),
-        ("t [h],x1,x2\n0,1,2\n", "has t in 'h': must be one of s, ms"),
-        ("t,x1,x2\n0,1,two\n", "line 2: must hold numbers, holds 'two'"),
-        ("t,x1,x2\n,1,2\n", "must hold a time in every line"),
+        ("", "is empty"),
+        ("t,x1\n0,1\n", "no column seems to be x2, of 't', 'x1'"),
+        ("t [h],x1,x2\n0,1,2\n", r"no column seems to be time.*unit 'h' of 't \[h\]'.* not known"),
+        ("t,x1,x2\n0,1,2\n1,1,2\n2,1,two\n", "line 4: must hold numbers, holds 'two'"),
+        ("t,x1,x2\n0,1,2\n1,1,2\n,1,2\n", "must hold a time in every line"),
+        ("t,x1\n0,1,2\n1,1,2\n", "line 1 has 2 headings, the numbers have 3 columns"),
+        ("t,x,x\n0,1,2\n1,1,3\n", "columns 1, 2 are all called 'x'"),
     ],
 )
 def test_wrong_files_are_refused(tmp_path, text, words):
@@ -823,6 +877,30 @@ def test_a_law_is_identified_from_files(folder, capsys):
     launches = (folder / "out" / "launches.csv").read_text().splitlines()
     assert launches[0].startswith("path,speed [m/s],speed error [m/s],direction [rad]")
     assert len(launches) == 4
+
+
+def test_the_command_inspects_a_path(folder, capsys):
+    files = [str(folder / f"path_{k}.csv") for k in range(3)]
+    config = folder / "read.toml"
+    for _ in range(2):
+        assert main(["identify-paths", "--inspect", files[0], "--config", str(config)]) == 0
+        printed = capsys.readouterr().out
+        assert "x1 error [m]" in printed
+    assert "is there already and stays as it is" in printed
+    text = config.read_text() + (folder / "paths.toml").read_text()
+    (folder / "paths.toml").write_text(text)
+    assert identify(folder) == 0
+    wrong = text.replace('"x1 [m]"', '"x9 [m]"')
+    (folder / "paths.toml").write_text(wrong)
+    assert identify(folder) == 2
+    assert "has no column 'x9 [m]'" in capsys.readouterr().err
+    for options, words in (
+        (["--out", "out"], "DATA: names no file"),
+        ([files[0]], "--out: must be given"),
+        ([files[0], "--inspect", files[0]], "--inspect: takes one file"),
+    ):
+        assert main(["identify-paths", *options]) == 2
+        assert words in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

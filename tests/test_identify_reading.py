@@ -15,7 +15,7 @@ from asperity.identify import (
     write_raw,
 )
 from asperity.identify.records.configuration import SCHEMA
-from asperity.identify.records.units import factors
+from asperity.identify.records.tables.headings import factors
 
 LAW = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
 NAMES = ("time", "angle", "tangential", "radial", "normal")

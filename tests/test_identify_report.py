@@ -59,6 +59,12 @@ def test_a_report_that_cannot_be_written_leaves_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_names_of_facts_may_be_broken_into_lines(tmp_path):
+    text = fit_law(data()).report(tmp_path / "report.html").read_text()
+    assert "nowrap" not in text
+    assert "max-width: 22rem" in text
+
+
 def test_other_formats_than_html_are_refused(tmp_path):
     fit = fit_law(data())
     with pytest.raises(ParameterError, match="must end in") as refused:

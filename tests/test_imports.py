@@ -33,7 +33,7 @@ RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Rooms and files within a room; what else stands at its door may use them all.
 ROOMS_WITHIN = {
     "identify": ["records", "forces", "fitting", "identified_law", "paths", "patches"],
-    "identify/records": ["tables", "calibration", "record", "units", "sliding"],
+    "identify/records": ["tables", "calibration", "record", "magnitudes", "sliding"],
     "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
     "steady_sliding": ["critical", "linearised"],
     "track": ["film", "image", "following"],

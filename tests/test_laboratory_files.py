@@ -351,6 +351,18 @@ def reciprocating(motion="position", **options):
     return frames, {"columns": names, "units": {"angle": "deg"}, "run": lie}
 
 
+@pytest.mark.parametrize(("step", "coarse"), [(1e-3, False), (0.25, True)])
+def test_strokes_of_rounded_readings_are_read(step, coarse):
+    """Steps count beside the noise of 0.09 N, as they do on a disk."""
+    frames, sections = reciprocating()
+    names = ["Ft", "Fr"]
+    rounded = [frame.assign(**(frame[names] / step).round() * step) for frame in frames]
+    fits = [identify.fit_law(identify.load(one, sections)) for one in (frames, rounded)]
+    assert any("channel has steps of 0.25" in one for one in fits[1].warnings) == coarse
+    assert bool(fits[1].coarse_channels) == coarse
+    agree(*fits)
+
+
 @pytest.mark.parametrize("motion", ["position", "velocity"])
 def test_strokes_there_and_back_give_the_same_law(motion):
     data = identify.load(*reciprocating(motion))
@@ -444,9 +456,12 @@ def test_the_command_inspects_and_overwrites_nothing(write, capsys):
     assert "Winkel [°]" in printed
     assert "359.8" in printed
     before = config.read_text()
-    assert main(["identify", "--inspect", str(path)]) == 2
-    assert "is not overwritten" in capsys.readouterr().err
-    assert config.read_text() == before
+    config.write_text(before + "# edited\n")
+    assert main(["identify", "--inspect", str(path)]) == 0
+    again = capsys.readouterr().out
+    assert again.startswith(printed.partition("\nconfiguration")[0])
+    assert f"{config} is there already and stays as it is" in again
+    assert config.read_text() == before + "# edited\n"
     assert main(["identify", "--inspect", str(path), "--config", str(path) + "2.toml"]) == 0
     out = str(path.with_name("out"))
     assert main(["identify", str(path), "--config", str(config), "--out", out]) == 1

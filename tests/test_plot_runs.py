@@ -1,5 +1,7 @@
 """Plots of runs: histories, portraits, polar plots, bodies, animations."""
 
+import warnings
+
 import asperity as asp
 import matplotlib as mpl
 import numpy as np
@@ -370,6 +372,27 @@ def test_settings_of_the_user_win_over_the_look():
     assert not ax.xaxis.get_gridlines()[0].get_visible()
 
 
+def test_forty_coordinates_have_a_legend_and_bars_that_fit():
+    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    contacts = [asp.Contact(law, direction=line, normal_force=0.1) for line in np.eye(40)]
+    chain = asp.LinearSystem(np.ones(40), stiffness=1.0, contacts=contacts)
+    moved = asp.simulate(chain, dt=0.01, t_end=0.5, q0=np.linspace(0.1, 1.0, 40))
+    ax = plot.plot_history(moved)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ax.figure.canvas.draw()
+    assert len(ax.lines) == 40
+    assert len({line.get_color() for line in ax.lines}) == 40
+    frame = ax.figure.bbox
+    strip = ax.child_axes[0]
+    for part in (ax.get_legend(), strip.xaxis.label, ax.yaxis.label, *strip.get_yticklabels()):
+        box = part.get_window_extent()
+        assert frame.x0 <= box.x0 <= box.x1 <= frame.x1
+        assert frame.y0 <= box.y0 <= box.y1 <= frame.y1
+    labels = sorted(one.get_window_extent().y0 for one in strip.get_yticklabels())
+    assert min(np.diff(labels)) >= 0.9 * strip.get_yticklabels()[0].get_window_extent().height
+
+
 def test_an_animation_lasts_as_long_as_the_run(tmp_path, bodies, slide):
     from PIL import Image
 
@@ -384,6 +407,30 @@ def test_an_animation_lasts_as_long_as_the_run(tmp_path, bodies, slide):
     # 0.4 s at half the speed, and the last picture.
     assert sum(durations[:-1]) == 800
     assert [one.name for one in tmp_path.iterdir()] == ["slide.gif"]
+
+
+def test_an_animation_draws_all_that_the_run_knows_of(tmp_path, bodies, slide):
+    from PIL import Image
+
+    options = {"fps": 5, "size": (3.0, 2.4), "dpi": 50}
+    plot.save_animation(slide, tmp_path / "told.gif", system=bodies, **options)
+    plot.save_animation(slide, tmp_path / "known.gif", **options)
+    assert (tmp_path / "known.gif").read_bytes() == (tmp_path / "told.gif").read_bytes()
+    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    for count in (1, 8):
+        lines = np.eye(count)
+        chain = asp.LinearSystem(
+            np.ones(count),
+            stiffness=2.0 * lines - np.eye(count, k=1) - np.eye(count, k=-1),
+            contacts=[asp.Contact(law, direction=line, normal_force=0.1) for line in lines],
+        )
+        moved = asp.simulate(chain, dt=0.01, t_end=0.5, q0=0.1 * np.arange(1.0, count + 1.0))
+        plot.save_animation(moved, tmp_path / "chain.gif", **options)
+        with Image.open(tmp_path / "chain.gif") as film:
+            pixels = np.asarray(film.convert("RGB")).astype(int)
+        green = np.abs(pixels - np.array(mpl.colors.to_rgb(plot.look.SLIDING)) * 255).sum(-1) < 60
+        rows = green.any(axis=1).astype(int)
+        assert np.count_nonzero(np.diff(rows, prepend=0) == 1) == count
 
 
 def test_an_animation_of_a_point_and_as_mp4(tmp_path, run):

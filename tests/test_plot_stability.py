@@ -33,6 +33,7 @@ def belt():
         coordinate_units=["m", "rad"],
         kinds=["neutral", "neutral", "unstable", "unstable", "asymptotically stable", "none"],
         cycle_stable=cycle,
+        branches=np.where(cycle, 0, -1),
         cycle_minima=np.where(cycle, values - 1.0, np.nan)[:, None] * [1.0, 2.0],
         cycle_maxima=np.where(cycle, values + 1.0, np.nan)[:, None] * [1.0, 2.0],
     )
@@ -90,6 +91,21 @@ def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter(
     assert [ax.get_ylabel() for ax in bars] == ["damping"]
     ends = {complex(np.round(points(one)[-1], 9)) for one in lines}
     assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
+
+
+def test_of_many_eigenvalues_those_that_grow_are_picked_out():
+    values = np.linspace(0.0, 1.0, 11)
+    still = -1e4 + 1j * np.arange(1.0, 31.0) * 100.0
+    grows = 30.0 * values[:, None] - 10.0 + 1j * 2.0 * np.pi * 50.0
+    half = np.hstack([np.broadcast_to(still, (11, 30)), grows])
+    ax = plot_root_locus(np.hstack([half, half.conj()]), values=values, unit="Hz")
+    assert len(ax.collections) == 31
+    heavy = [one for one in ax.collections if one.get_linewidths()[0] > 2.0]
+    assert len(heavy) == 1
+    np.testing.assert_allclose(heavy[0].get_segments()[-1][-1], [20.0, 50.0])
+    assert [text.get_text() for text in ax.texts] == ["50"]
+    assert ax.get_xlim()[0] == -200.0
+    assert "Hz" in ax.get_ylabel()
 
 
 def test_what_a_chart_and_a_diagram_know_need_not_be_said():
@@ -184,6 +200,21 @@ def test_unstable_cycles_are_dotted():
     lines = drawn(plot_bifurcation, diagram)[1:5]
     assert [line.get_linestyle() for line in lines] == ["-", "-", ":", ":"]
     np.testing.assert_allclose(lines[2].get_ydata(), [np.nan, 0.0, 1.0, 2.0, np.nan, np.nan])
+
+
+def test_lines_do_not_cross_from_one_branch_of_cycles_to_another():
+    diagram = belt()
+    # The cycle at 1 is alone on its branch; those at 2 and 3 lie on another one.
+    diagram.cycle_stable = diagram.values == 1.0
+    diagram.branches = np.array([-1, 0, 1, 1, -1, -1])
+    filling, *lines = drawn(plot_bifurcation, diagram)[:5]
+    paths = [path.get_extents().intervalx.tolist() for path in filling.get_paths()]
+    assert [2.0, 3.0] in paths
+    assert not any(low < 2.0 < high for low, high in paths)
+    for line, own in ((lines[0], [1.0]), (lines[2], [2.0, 3.0])):
+        there = np.isfinite(line.get_ydata())
+        assert line.get_xdata()[there].tolist() == own
+    assert (lines[0].get_marker(), lines[2].get_marker()) == (".", "None")
 
 
 def test_bifurcation_without_cycles_draws_equilibria_only():

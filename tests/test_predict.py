@@ -121,6 +121,7 @@ WRONG = [
     ("duration = 1.0 ", "duration = 0.0 ", "[run] duration", "positive"),
     ("duration = 1.0 ", "# ", "[run] duration", "is missing"),
     ("step = 1e-4 ", "step = 2.0 ", "[run] step", "longer than the duration"),
+    ("step = 1e-4 ", "step = 1e-12 ", "[run] step", "at most 1e+09 steps"),
     ("step = 1e-4 ", 'method = "magic" #', "[run] method", "not known"),
     ("step = 1e-4 ", 'step = "fine" #', "[run] step", "a number"),
     ("samples = 400 ", "samples = 3 ", "[bands] samples", "at least 40"),
@@ -482,6 +483,16 @@ def test_an_associated_law_is_stable(tmp_path):
     assert not sheet.unstable
     assert sheet.growth.max() == 0.0
     assert "no direction of sliding unstable" in sheet.verdict()
+    # Where D = C, the sliding is along the normal of C at the force.
+    np.testing.assert_allclose(sheet.margins, 0.5 * np.pi, atol=1e-6)
+    tilted = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+    tilted.save(path)
+    sheet = describe_stability(path)
+    critical = np.zeros(len(sheet.margins), dtype=bool)
+    for a, b in sheet.directions:
+        critical |= (sheet.chart.phi - np.pi - a) % (2.0 * np.pi) < b - a
+    np.testing.assert_array_equal(sheet.margins < 0.0, critical)
+    assert "margin to instability by anisotropy" in sheet.text()
 
 
 def test_laws_that_are_not_planar_are_refused(tmp_path, capsys):

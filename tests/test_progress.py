@@ -6,7 +6,7 @@ import sys
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import identify, mechanisms, track
+from asperity import identify, mechanisms, predict, track
 from asperity.identify.campaign import STAGES, identify_campaign
 
 LAW = asp.FrictionLaw.isotropic(0.5)
@@ -29,6 +29,9 @@ def campaign(tmp_path_factory):
     first, second = (machine.replace(seed=seed).record() for seed in (1, 2))
     both = first.replace(recordings=[*first.recordings, *second.recordings])
     CAMPAIGN[:] = [folder / name for name in identify.write_raw(both, folder)]
+    scenario, law = predict.write_example("sliding point", folder / "predict")
+    scenario.write_text(scenario.read_text().replace("samples = 400", "samples = 40"))
+    identify.fit_law(FORCES, reservoir="circle", direction="circle").save_law(law)
     yield
     CAMPAIGN.clear()
 
@@ -72,7 +75,12 @@ LONG = {
         [FRAME] * 3, fps=500.0, scene=track.Scene.from_scale(1e-3), **o
     ),
 }
+for bands in (False, True):
+    LONG[f"simulate_scenario, bands={bands}"] = lambda bands=bands, **o: predict.simulate_scenario(
+        CAMPAIGN[-1].parent / "predict" / "scenario.toml", bands=bands, **o
+    ).data()
 COUNTED = (
+    "simulate_scenario, bands=True",
     "bifurcation_diagram",
     "growth_chart",
     "read_raw",

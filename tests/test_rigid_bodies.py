@@ -303,7 +303,7 @@ def test_bodies_that_overlap_at_the_start_are_refused(run, options):
         if deep:
             with pytest.raises(ParameterError, match=r"body 0 on plane corner \d does by 1e-06 m"):
                 run(system, t_end=0.01, **options)
-        elif run is asp.simulate:
+        else:
             run(system, t_end=0.01, **options)
 
 
@@ -321,6 +321,30 @@ def test_an_overlap_is_taken_as_a_state():
     landed = asp.simulate(dropped, dt=1e-2, t_end=0.5)
     assert landed.q[-1, 1] < 0.1
     assert asp.simulate(dropped, dt=1e-2, t_end=0.6, start=landed).steps == 10
+    # `integrate` moves the contact apart until it touches: the body rests on the line.
+    rest = asp.integrate(dropped, t_end=0.6, start=landed)
+    np.testing.assert_allclose(rest.q[-1, 1], 0.1, atol=1e-12)
+    with pytest.raises(ParameterError, match="overlap"):
+        asp.integrate(dropped, t_end=0.6, start=asp.State(landed.q[-1], landed.u[-1]))
+
+    # A box that has come to rest on four corners, in space.
+    half = (0.3, 0.2, 0.1)
+    box = asp.Body.box(
+        1.0,
+        half_sizes=half,
+        position=(0.0, 0.0, 0.3),
+        orientation=asp.axis_angle((1.0, 0.3, 0.0), angle=0.2),
+        velocity=(1.0, 0.0, 0.0),
+    )
+    law = asp.FrictionLaw.isotropic(0.3)
+    tumbling = asp.RigidBodies(
+        [box], pairs=[asp.BoxPlane(0, half_sizes=half, plane=asp.Plane(), law=law)]
+    )
+    landed = asp.simulate(tumbling, dt=1e-3, t_end=1.0)
+    assert landed.q[-1, 2] < 0.0999
+    rest = asp.integrate(tumbling, t_end=1.1, start=landed)
+    np.testing.assert_allclose(rest.q[-1, 2], 0.1, atol=1e-12)
+    np.testing.assert_allclose(rest.u[-1], 0.0, atol=1e-9)
 
 
 def test_planar_bodies_have_an_angle():

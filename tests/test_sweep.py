@@ -229,7 +229,8 @@ def test_nothing_but_failures_is_a_result_too(tmp_path):
         raise ValueError("never")
 
     for store in (None, tmp_path / "x.zarr"):
-        chart = swept(function, {"a": [1.0, 2.0]}, store=store)
+        with pytest.warns(RuntimeWarning, match=r"at all 2 points, the first .* ValueError: never"):
+            chart = swept(function, {"a": [1.0, 2.0]}, store=store)
         assert chart.status.values.tolist() == [2, 2]
         assert set(chart.data_vars) == {"status", "message"}
 
@@ -512,18 +513,12 @@ def other(a, b=1.0):
     return a - b
 
 
-def plus_again(a, b=1.0):
-    """The same with other comments."""
-    # Here.
-    return a + b
-
-
 CHANGES = {
     "axis a: 13 values there, 12 here": {"grid": {**GRID, "a": GRID["a"][:12]}},
     "axis b: 0.0 there, 1.0 here": {"grid": {**GRID, "b": GRID["b"] + 1.0}},
     "the axes": {"grid": {"a": GRID["a"]}},
     "unit of a: None there, m here": {"units": {"a": "m"}},
-    "function: test_sweep.plus there, test_sweep.other here; source:": {"function": other},
+    "function: test_sweep.plus there, test_sweep.other here": {"function": other},
     "constants: c=1.0 there, c=2.0 here": {"constants": {"c": 2.0}},
     "vector: ": {"vector": "b"},
 }
@@ -552,21 +547,63 @@ def test_another_version_source_or_seed_is_refused(tmp_path, monkeypatch):
     swept(noisy, GRID, seed=1, store=store)
     with pytest.raises(asp.ParameterError, match="seed: 1 there, 2 here"):
         swept(noisy, GRID, seed=2, store=store)
+    series = asp.__version__.rsplit(".", 1)[0]
+    monkeypatch.setattr(asp, "__version__", f"{series}.99")
+    swept(noisy, GRID, seed=1, store=store)
     monkeypatch.setattr(asp, "__version__", "9.9")
     with pytest.raises(asp.ParameterError, match=r"asperity: .* there, 9.9 here"):
         swept(noisy, GRID, seed=1, store=store)
 
 
-def test_comments_and_docstrings_of_the_function_do_not_count(tmp_path):
-    from asperity.sweeps.identity import identity_of
+MODEL = """
+K = 2.0
 
-    plain, again = (identity_of(one, {})["source"] for one in (plus, plus_again))
-    lines = "def plus_again(a, b=1.0):\n    return a + b\n"
-    file = tmp_path / "again.py"
-    file.write_text(lines)
-    space = {}
-    exec(compile(lines, str(file), "exec"), space)
-    assert identity_of(space["plus_again"], {})["source"] == again != plain
+
+def helper(x):
+    return K * x
+
+
+def point(x):
+    return helper(x)
+"""
+
+
+def test_all_of_the_file_of_the_function_counts_but_not_its_comments(tmp_path, caplog):
+    caplog.set_level("INFO", "asperity")
+
+    def resumed(text):
+        (tmp_path / "model.py").write_text(text)
+        space = {"__name__": "model"}
+        exec(compile(text, str(tmp_path / "model.py"), "exec"), space)
+        return swept(space["point"], {"x": [1.0, 2.0]}, store=tmp_path / "x.zarr")
+
+    assert resumed(MODEL).value.values.tolist() == [2.0, 4.0]
+    assert not caplog.messages
+    commented = MODEL.replace("2.0", "2.0  # N").replace(":\n", ':\n    """Same."""\n')
+    assert resumed(f'"""Model."""\n{commented}').value.values.tolist() == [2.0, 4.0]
+    assert "of 2 points, 2 are taken from the store" in caplog.messages[0]
+    for change in (("2.0", "9.0"), ("K * x", "K + x"), ("return helper", "return -helper")):
+        with pytest.raises(asp.ParameterError, match=r"source: \w+ there, \w+ here \(the function"):
+            resumed(MODEL.replace(*change))
+
+
+def test_functions_of_one_file_and_name_are_told_apart(tmp_path):
+    for k, function in enumerate((lambda a: a, lambda a: 2.0 * a)):
+        call = (function, {"a": [1.0]})
+        if k:
+            with pytest.raises(asp.ParameterError, match="source"):
+                swept(*call, store=tmp_path / "x.zarr")
+        else:
+            swept(*call, store=tmp_path / "x.zarr")
+
+
+def test_units_are_of_axes_and_results(tmp_path):
+    for _ in range(2):
+        for store in (None, tmp_path / "x.zarr"):
+            with pytest.raises(asp.ParameterError, match=r"units: 'vale' .*did you mean 'value'"):
+                swept(plus, GRID, store=store, units={"vale": "N"})
+        # The second time the store has results.
+        swept(plus, GRID, store=tmp_path / "x.zarr")
 
 
 def test_equal_constants_are_the_same_in_every_process():

@@ -80,6 +80,10 @@ def test_a_cluster_by_its_address(chart, tmp_path):
         (["{}:point", "--store", "x", "--grid", "phi=0:1"], "--grid: must be FIRST:LAST:COUNT"),
         (["{}:point", "--store", "x", "--grid", "phi=0:1:0"], "--grid: must have values"),
         (["{}:point", "--store", "x", "--grid", "phi=1m,2s"], "--grid: must be FIRST:LAST:COUNT"),
+        *(
+            (["{}:point", "--store", "x", "--grid", f"phi={bad}"], "--grid: must be FIRST:LAST")
+            for bad in ("nan", "1,-inf", "0.1,O.2", "O.2", "l.5", "1/3", "0.1.2", "1_0", "--2")
+        ),
         (["{}:point", "--store", "x", "--grid", "phi=1", "mu=1", "--units", "x"], "--units: must"),
         (["--status", "--store", "nothing.zarr"], "--store: must hold a sweep"),
     ],

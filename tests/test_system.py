@@ -5,6 +5,7 @@ import inspect
 import asperity as asp
 import numpy as np
 import pytest
+from scipy.sparse import csc_array
 from scipy.spatial.transform import Rotation
 
 LAW = asp.FrictionLaw.isotropic(0.5)
@@ -17,6 +18,32 @@ def test_matrices_may_be_scalars_diagonals_or_full():
     assert asp.LinearSystem(2.0, stiffness=[1.0, 3.0], contacts=[contact]) == full
     assert full.dof == 2
     assert full.damping.tolist() == [[0.0, 0.0], [0.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: asp.LinearSystem(1.0, stiffness=np.eye(2)), "stiffness: has .* mass=.1.0, 1.0"),
+        (lambda: asp.LinearSystem(1.0, force=[1.0, 2.0]), "force: has shape .* scalar mass"),
+        (lambda: asp.LinearSystem(1.0, stiffness=[[1.0], [1.0, 2.0]]), "stiffness: .* rectangular"),
+        (
+            lambda: asp.LinearSystem([1.0], force=asp.Sine([1.0], frequency=1.0)),
+            "force: must be constant: .* RigidBodies, and by a System",
+        ),
+        (
+            lambda: asp.Contact(LINE, direction=[1.0], normal_force=1.0, velocity=lambda t: [t]),
+            "velocity: must be constant: .* RigidBodies, and by a System",
+        ),
+        (lambda: asp.LinearSystem(csc_array(np.eye(2))), r"mass: must be dense: .toarray\(\)"),
+        (
+            lambda: asp.Contact(LAW, direction=csc_array(np.eye(2)), normal_force=1.0),
+            r"direction: must be dense: .toarray\(\)",
+        ),
+    ],
+)
+def test_what_a_linear_system_does_not_take_is_told_with_who_does(make, words):
+    with pytest.raises(asp.AsperityError, match=words):
+        make()
 
 
 def test_belt_velocity_enters_with_minus():

@@ -167,3 +167,26 @@ def test_images_are_turned_as_viewers_show_them(tmp_path, orientation):
     assert frame.shape == shown.shape[:2]
     pixels = frame.crop(slice(None), slice(None)).astype(float)
     assert np.abs(pixels - shown).mean() < 5.0
+
+
+def test_pages_of_an_image_are_a_film(tmp_path):
+    pages = [Image.fromarray(coloured(place)) for place in range(12)]
+    path = tmp_path / "film.tif"
+    pages[0].save(path, save_all=True, append_images=pages[1:])
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    for number, page in enumerate(pages):
+        page.save(folder / f"{number}.tif")
+    track, expected = followed(path), followed(folder)
+    np.testing.assert_array_equal(track.pixel, expected.pixel)
+    assert len(track.pixel) == 12
+    # No page is left out in silence.
+    pages[3].save(folder / "3.tif", save_all=True, append_images=pages[:1])
+    with pytest.raises(ParameterError, match=r"3\.tif.*holds 2 pages: give this file alone"):
+        followed(folder)
+    with pytest.raises(ParameterError, match=r"1\.tif.*one page: give the folder"):
+        followed(folder / "1.tif")
+    pages[1] = Image.fromarray(coloured(1)[10:])
+    pages[0].save(path, save_all=True, append_images=pages[1:])
+    with pytest.raises(ParameterError, match=r"page 1: has 160 x 110 pixels, .* 160 x 120"):
+        followed(path)

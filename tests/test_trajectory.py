@@ -2,6 +2,7 @@
 
 import csv
 import io
+import pickle
 
 import asperity as asp
 import numpy as np
@@ -325,3 +326,32 @@ def test_shares_and_summary(motion):
 def test_comparison(motion):
     assert motion == asp.Trajectory(**motion._parameters)
     assert motion != motion.slice(0.0, 1.0)
+
+
+def test_parts_of_results_are_taken_by_others_and_change_nothing():
+    from scipy.spatial.transform import Rotation
+
+    ball = asp.Body.ball(
+        1.0, radius=0.1, velocity=(1.0, 0.5, 0.0), angular_velocity=(0.0, 0.0, 1.0)
+    )
+    run = asp.integrate(asp.RigidBodies([ball]), t_end=1.0, sample_every=0.1)
+    many = asp.simulate_many(asp.RigidBodies([ball]), dt=0.1, t_end=0.2, u0=run.u[:2])
+    quarter = Rotation.from_euler("z", 90.0, degrees=True)
+    turned = quarter.apply(run.q[:, :3])
+    np.testing.assert_allclose(turned[-1], [-0.5, 1.0, run.q[-1, 2]], atol=1e-12)
+    for part in (run.q[-1, :3], run.end.q[:3], run.u[0][:3], run.slice(0.1, 0.5).q[0, :3]):
+        quarter.apply(part)
+        Rotation.from_rotvec(part)
+    quarter.apply(many.q[0, :3])
+    before = run.q.tolist()
+    run.q[0][:] = 7.0
+    with pytest.raises(ValueError, match="read-only"):
+        run.q[0] = 7.0
+    assert run.q.tolist() == before
+    # Otherwise they are arrays as all others, as are those that follow from them.
+    assert repr(run.q) == repr(np.array(run.q))
+    assert {type(one) for one in (run.q[0], 2.0 * run.q, run.q @ run.q.T, run.q.sum(axis=0))} == {
+        np.ndarray
+    }
+    assert type(pickle.loads(pickle.dumps(run.q))) is np.ndarray
+    assert isinstance(run.t[-1], float)

@@ -1,14 +1,19 @@
 """Every public object: repr, pickle, copy, equality, hash, immutability, replace."""
 
+import contextlib
 import copy
+import dataclasses
+import functools
 import inspect
 import pickle
 import sys
+from collections.abc import Mapping, MutableMapping
 
 import asperity as asp
 import numpy as np
 import pytest
 from asperity._base.value import Value, _check_of
+from asperity.identify import Configuration, fit_law
 from numpy.typing import NDArray
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
 from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
@@ -196,6 +201,23 @@ def test_repr_is_the_constructor_call(value):
         assert eval(repr(value), {**NAMES, "csr_array": csr_array}) == value
 
 
+def test_long_curves_are_not_printed():
+    theta = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+    law = asp.FrictionLaw(asp.PolarCurve(theta, np.full(180, 0.3)), asp.Disk(0.3))
+    assert str(law).startswith("FrictionLaw(PolarCurve(<180 numbers>, <180 numbers>), ")
+    assert str(asp.Ellipse(0.3, 0.2)) == repr(asp.Ellipse(0.3, 0.2))
+    assert str(MOTION) == repr(MOTION)
+
+
+def test_sizes_of_sets_are_numbers():
+    for disk, axis in ((asp.Disk(0.3), 0.3), (asp.Ball(2.0), 2.0)):
+        assert isinstance(disk.radius, float)
+        assert disk.radius == axis
+        assert type(pickle.loads(pickle.dumps(disk.radius))) is float
+    assert asp.Disk(0.3).radius(np.zeros(2)).tolist() == [0.3, 0.3]
+    assert asp.Ellipse(0.4, 0.3).a == 0.4
+
+
 @every_value
 def test_pickle_and_copies_are_equal(value):
     for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
@@ -223,6 +245,72 @@ def test_values_cannot_be_changed(value):
     for array in value._parameters.values():
         if isinstance(array, np.ndarray):
             assert not array.flags.writeable
+
+
+def fitted():
+    """Values of the rooms beside the core that hold mappings."""
+    phi = np.linspace(0.0, 6.0 * np.pi, 400, endpoint=False)
+    ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+    noise = 1e-3 * np.random.default_rng(1).normal(size=ray.shape)
+    fit = fit_law((phi, 0.3 * ray + noise), reservoir="ellipse", direction="circle")
+    sections = {"units": {"angle": "deg"}, "no_load": {"files": ["a.csv", "b.csv"]}}
+    return [
+        fit,
+        Configuration(sections),
+        asp.stability(BELT),
+        asp.Provenance(configuration=sections),
+    ]
+
+
+def test_no_mapping_of_a_value_can_be_changed():
+    """What it holds and what it answers, and what these hold, are views."""
+    seen, met = set(), 0
+
+    def walk(part, name):
+        nonlocal met
+        if id(part) in seen:
+            return
+        seen.add(id(part))
+        assert not isinstance(part, MutableMapping), name
+        if isinstance(part, Mapping):
+            met += 1
+            with pytest.raises(TypeError):
+                part[next(iter(part), "")] = None
+            with pytest.raises(AttributeError):
+                part.pop(next(iter(part), ""))
+            for key, one in part.items():
+                walk(one, f"{name}[{key!r}]")
+        elif isinstance(part, tuple):
+            for k, one in enumerate(part):
+                walk(one, f"{name}[{k}]")
+        elif isinstance(part, Value) or dataclasses.is_dataclass(part):
+            kind = type(part)
+            for attribute in {*dir(kind), *vars(part)} - {"_abc_impl"}:
+                if not attribute.startswith("_") and not isinstance(part, type):
+                    found = inspect.getattr_static(part, attribute)
+                    answers = isinstance(found, property | functools.cached_property)
+                    if answers or attribute in vars(part):
+                        # Some questions have no answer for some values.
+                        with contextlib.suppress(asp.AsperityError):
+                            walk(getattr(part, attribute), f"{name}.{attribute}")
+
+    for value in (*VALUES, *fitted()):
+        walk(value, type(value).__name__)
+    assert met > 20
+    fit, configuration = fitted()[:2]
+    assert pickle.loads(pickle.dumps(fit.parameters)) == copy.deepcopy(fit.parameters)
+    assert configuration.replace() == configuration == pickle.loads(pickle.dumps(configuration))
+    assert repr(configuration.sections["units"]) == "{'angle': 'deg'}"
+
+
+def test_arrays_made_of_those_of_a_result_may_be_written_into():
+    motion = asp.integrate(asp.LinearSystem(1.0, stiffness=1.0), t_end=1.0, q0=[1.0])
+    moved = motion.q.copy()
+    moved += 1.0
+    np.multiply(moved, 2.0, out=moved)
+    assert moved.tolist() == (2.0 * (np.array(motion.q) + 1.0)).tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        np.multiply(moved, 2.0, out=motion.q)
 
 
 @every_value

@@ -197,7 +197,7 @@ class NoCycleError(AsperityError, RuntimeError):
 
 
 class DivergenceError(AsperityError, ArithmeticError):
-    """The state of a simulation is no longer finite.
+    """The state of a simulation is no longer finite, or on the way there.
 
     Attributes:
         message: where and when.

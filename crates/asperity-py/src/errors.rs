@@ -117,9 +117,9 @@ impl From<StepError> for Failure {
         match error {
             StepError::Options(error) => error.into(),
             StepError::System(error) => error.into(),
-            StepError::NotFinite { .. } | StepError::NotFiniteContact { .. } => {
-                Self(make("DivergenceError", (text,)))
-            }
+            StepError::NotFinite { .. }
+            | StepError::NotFiniteContact { .. }
+            | StepError::Reverses { .. } => Self(make("DivergenceError", (text,))),
             StepError::Cancelled { .. } => Self(make("ConvergenceError", (text,))),
             _ => Self(unknown(&text)),
         }

@@ -163,7 +163,7 @@ pub struct Run {
     /// The samples; the last one is the state of the last step that was made.
     pub trajectory: Trajectory,
     /// What [`Options::with_state`] asks for to go on after the last sample; nothing where there is no going on, as
-    /// the state is no longer finite.
+    /// the motion has diverged.
     pub end: Option<State>,
     /// Why the loop ended.
     pub outcome: Outcome,
@@ -218,8 +218,10 @@ pub fn simulate(
     let mut after = |step| observer(step, options.steps);
     let observer = Observer::new(&mut after);
     let outcome = run(options, &mut stepper, &mut trajectory, &observer, &mut |_| {});
-    let end = Some(stepper.state()).filter(State::is_finite);
-    Ok(Run { trajectory, end, outcome: outcome.unwrap_or_else(Outcome::Error) })
+    let outcome = outcome.unwrap_or_else(Outcome::Error);
+    let diverged = matches!(outcome, Outcome::Error(StepError::Reverses { .. }));
+    let end = Some(stepper.state()).filter(|state| state.is_finite() && !diverged);
+    Ok(Run { trajectory, end, outcome })
 }
 
 /// The loop, and a sample of where it has ended; `each_step` sees the state after every step.
@@ -315,7 +317,9 @@ impl Loop {
         trajectory: &mut Trajectory,
     ) -> Result<Outcome, StepError> {
         let recorded = match (&outcome, self.unsaved) {
-            (Err(StepError::NotFinite { .. }), _) | (_, None) => Ok(()),
+            (Err(StepError::NotFinite { .. } | StepError::Reverses { .. }), _) | (_, None) => {
+                Ok(())
+            }
             (_, Some(report)) => trajectory.record(stepper, report.iterations, report.residual),
         };
         outcome.and_then(|outcome| recorded.map(|()| outcome))

@@ -59,6 +59,12 @@ pub(crate) fn are_finite(values: &[f64]) -> bool {
     unrolled!(n = values.len() => values[..n].iter().fold(0.0, |sum, v| sum + 0.0 * v) == 0.0)
 }
 
+/// The square of the length of a vector.
+#[inline(always)]
+pub(crate) fn square(values: &[f64]) -> f64 {
+    unrolled!(n = values.len() => values[..n].iter().fold(0.0, |sum, v| sum + v * v))
+}
+
 /// The largest size of a component.
 #[inline]
 pub(crate) fn largest(values: &[f64]) -> f64 {

@@ -41,11 +41,24 @@ def with_gaps(value: ArrayLike, argument: str, shape: Sequence[int | None] | Non
     except ValueError:
         raise DimensionError(argument, "must be a rectangular array of numbers") from None
     if raw.dtype.kind not in _NUMERIC_KINDS:
+        if hasattr(value, "toarray"):
+            raise ParameterError(argument, "must be dense: .toarray() makes a sparse matrix so")
         raise ParameterError(argument, f"must hold real numbers, got {value!r}")
     converted = np.asarray(raw, dtype=np.float64, order="C")
     if shape is not None:
         check_shape(converted, argument, shape)
     return converted
+
+
+def constant(value: ArrayLike, argument: str, shape: Sequence[int | None]) -> Array:
+    """Return a finite array; functions of time are refused with a word on who takes them."""
+    if callable(value):
+        raise ParameterError(
+            argument,
+            "must be constant: functions of time are taken by the bodies and planes of "
+            "RigidBodies, and by a System of one's own",
+        )
+    return array(value, argument, shape)
 
 
 def refuse_masked(value: Any, argument: str) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from asperity._base.drawing import png
 from asperity._base.extras import library
 from asperity._base.tables import write_columns
+from asperity._base.value import keep_views
 
 if TYPE_CHECKING:
     import pandas
@@ -116,6 +117,9 @@ class Table:
     axes: Mapping[str, Axis]
     series: Mapping[str, Series]
     facts: Mapping[str, str | int | float]
+
+    def __post_init__(self) -> None:
+        keep_views(self)
 
     @property
     def rows(self) -> str:

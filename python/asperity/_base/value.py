@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from functools import cache
 from inspect import Parameter
@@ -17,6 +18,7 @@ from typing import (
     NoReturn,
     Self,
     TypeAlias,
+    TypeVar,
     Union,
     dataclass_transform,
     get_args,
@@ -28,35 +30,105 @@ import numpy as np
 
 from asperity._base import arrays
 
+# Longer arrays are not printed.
+_LONGEST = 24
+
+Key = TypeVar("Key")
+Part = TypeVar("Part")
+
+
+class View(Mapping[Key, Part]):
+    """A mapping that reads like a dictionary and that nobody can change, with tuples for lists."""
+
+    __slots__ = ("_parts",)
+
+    def __init__(self, parts: Mapping[Key, Part]) -> None:
+        self._parts = dict(parts)
+
+    def __getitem__(self, key: Key) -> Part:
+        return self._parts[key]
+
+    def __iter__(self) -> Iterator[Key]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Mapping) and _thawed(self) == _thawed(other)
+
+    def __or__(self, other: Mapping[Any, Any]) -> dict[Any, Any]:
+        return {**self._parts, **other}
+
+    def __ror__(self, other: Mapping[Any, Any]) -> dict[Any, Any]:
+        return {**other, **self._parts}
+
+    def __repr__(self) -> str:
+        return repr(self._parts)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return View, (self._parts,)
+
+
+class Handed(np.ndarray):
+    """A read-only array whose parts are copies that may be written into.
+
+    Others take only such: the rotations of SciPy 1.17 refuse buffers that are read-only, and parts
+    of results, such as positions of a body, are what they are given.
+    """
+
+    def __getitem__(self, key: Any) -> Any:
+        part = self.view(np.ndarray)[key]
+        return part.copy() if isinstance(part, np.ndarray) and not self.flags.writeable else part
+
+    def __array_ufunc__(
+        self, ufunc: Any, method: str, *inputs: Any, out: tuple[Any, ...] = (), **options: Any
+    ) -> Any:
+        if out:
+            options["out"] = tuple(map(_plain, out))
+        return getattr(ufunc, method)(*map(_plain, inputs), **options)
+
+    def __repr__(self) -> str:
+        return repr(self.view(np.ndarray))
+
+    def __reduce__(self) -> Any:
+        return self.view(np.ndarray).__reduce__()
+
 
 class Value:
     """Base of immutable objects that are equal when their parameters are.
 
     A subclass hands each parameter of its ``__init__`` to `_set` as it was written, for `replace`,
-    files and text, and what it derives to `_keep`.
-    Arrays among them are kept as copies that refuse writing.
+    files and text, and what it derives to `_keep`. Arrays and mappings among them are kept as
+    copies that refuse writing.
     """
 
+    _hands_out: ClassVar[bool] = False
+    """Whether parts of its arrays are copies, see `Handed`: those of results, which others take."""
     _descriptive: ClassVar[frozenset[str]] = frozenset()
     """Parameters that say where a value is from or what its parts are called: not compared."""
-
     _scaled: ClassVar[frozenset[str]] = frozenset()
     """Parameters whose scale has no effect: kept and compared as attributes of one scale."""
 
     if TYPE_CHECKING:
 
         @property
-        def _parameters(self) -> dict[str, Any]: ...
+        def _parameters(self) -> Mapping[str, Any]: ...
 
     def _set(self, **parameters: Any) -> None:
         frozen = {name: _frozen(value) for name, value in parameters.items()}
         # A class attribute wins: the radius of a disk must not hide the method `radius`.
         shown = {name: value for name, value in frozen.items() if not hasattr(type(self), name)}
-        self._keep(_parameters=frozen, **shown)
+        object.__setattr__(self, "_parameters", frozen)
+        self._keep(**shown)
 
     def _keep(self, **attributes: Any) -> None:
+        hands_out = self._hands_out
         for name, attribute in attributes.items():
-            object.__setattr__(self, name, _frozen(attribute))
+            kept = _frozen(attribute)
+            if hands_out and isinstance(kept, np.ndarray):
+                kept = kept.view(Handed)
+            object.__setattr__(self, name, kept)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(
@@ -75,7 +147,7 @@ class Value:
         return type(self)(**{**self._parameters, **changes})
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _build, (type(self), self._parameters)
+        return _build, (type(self), dict(self._parameters))
 
     def __copy__(self) -> Self:
         return self
@@ -98,6 +170,13 @@ class Value:
                 yield name, getattr(self, name) if name in self._scaled else given
 
     def __repr__(self) -> str:
+        return self._call(_text)
+
+    def __str__(self) -> str:
+        """Return its `repr`, with the shape in place of long arrays."""
+        return self._call(_short) if type(self).__repr__ is Value.__repr__ else repr(self)
+
+    def _call(self, text: Callable[[Any], str]) -> str:
         parts = []
         for name, parameter in inspect.signature(type(self)).parameters.items():
             value = self._parameters[name]
@@ -105,9 +184,9 @@ class Value:
                 continue
             positional = parameter.kind is Parameter.POSITIONAL_OR_KEYWORD
             if positional and parameter.default is Parameter.empty:
-                parts.append(_text(value))
+                parts.append(text(value))
             else:
-                parts.append(f"{name}={_text(value)}")
+                parts.append(f"{name}={text(value)}")
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
@@ -191,15 +270,44 @@ def _check_of(hint: Any, ending: str = "") -> Check:
     return lambda value, _: value
 
 
+def _plain(value: Any) -> Any:
+    return value.view(np.ndarray) if isinstance(value, Handed) else value
+
+
 def _build(kind: type[Value], parameters: dict[str, Any]) -> Value:
     return kind(**parameters)
 
 
 def _frozen(value: Any) -> Any:
-    """Return an array as one that nobody can write into, all else as it is."""
+    """Return an array or a mapping as one that nobody can write into, all else as it is."""
+    # Asking for dictionaries takes a tenth of the time that asking for any mapping does.
+    if isinstance(value, dict):
+        return View({key: _frozen_part(part) for key, part in value.items()})
     if not isinstance(value, np.ndarray) or (value.flags.owndata and not value.flags.writeable):
         return value
     return arrays.read_only(value)
+
+
+def _thawed(value: Any) -> Any:
+    """Return dictionaries and lists for views and tuples."""
+    if isinstance(value, Mapping):
+        return {key: _thawed(part) for key, part in value.items()}
+    return list(map(_thawed, value)) if isinstance(value, list | tuple) else value
+
+
+def keep_views(record: Any) -> None:
+    """Make views of the mappings that a frozen dataclass holds, after its ``__init__``."""
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if isinstance(value, Mapping):
+            object.__setattr__(record, field.name, View(value))
+
+
+def _frozen_part(value: Any) -> Any:
+    """Return what a mapping holds, lists in it as tuples."""
+    if isinstance(value, list | tuple) and not hasattr(value, "_fields"):
+        return tuple(map(_frozen_part, value))
+    return _frozen(value)
 
 
 def _is_default(value: Any, parameter: Parameter) -> bool:
@@ -218,7 +326,7 @@ def _same(a: Any, b: Any) -> bool:
         return True
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(_same, a, b))
-    if isinstance(a, dict) and isinstance(b, dict):
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(_same(a[key], b[key]) for key in a)
     if _is_sparse(a) and _is_sparse(b):
         return bool(a.shape == b.shape) and all(map(_same, _parts(a), _parts(b)))
@@ -235,7 +343,7 @@ def _hashable(value: Any) -> Any:
         return value.shape, *map(_hashable, _parts(value))
     if isinstance(value, tuple):
         return tuple(map(_hashable, value))
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return frozenset((key, _hashable(part)) for key, part in value.items())
     # Python hashes every NaN differently.
     return "nan" if _is_nan(value) else value
@@ -256,6 +364,15 @@ def _text(value: Any) -> str:
         parts = ", ".join(repr(part.tolist()) for part in _parts(value))
         return f"csr_array(({parts}), shape={value.shape})"
     return repr(value.tolist()) if isinstance(value, np.ndarray) else repr(value)
+
+
+def _short(value: Any) -> str:
+    """Return the text of a value without long arrays."""
+    if isinstance(value, np.ndarray) and value.size > _LONGEST:
+        return f"<{' × '.join(map(str, value.shape))} numbers>"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_short, value))}{',' * (len(value) == 1)})"
+    return str(value) if isinstance(value, Value) else _text(value)
 
 
 def _is_nan(value: Any) -> bool:

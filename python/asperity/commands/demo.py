@@ -6,11 +6,17 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import write_columns
 from asperity.commands.options import Commands, add_out, print_checks
 
 if TYPE_CHECKING:
     from asperity.demo import Check
+
+FILES = tuple(
+    f"{name}.{kind}" for name in ("fig17", "fig27", "roundtrip") for kind in ("csv", "png")
+)
+"""What the demonstration writes."""
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -42,16 +48,16 @@ def compute(folder: Path) -> list[Check]:
     from asperity.demo import belt, round_trip, sliding
     from asperity.plot import save_figure
 
-    folder.mkdir(parents=True, exist_ok=True)
-    cycle = belt.run()
-    cycle.trajectory.to_csv(folder / "fig17.csv")
-    save_figure(belt.draw(cycle), folder / "fig17.png")
+    out = ResultFolder(folder, FILES)
+    cycle, trip = belt.run(), round_trip.run()
     runs = [sliding.run(dt) for dt in sliding.TIME_STEPS]
-    write_columns(folder / "fig27.csv", sliding.columns(runs[-1]))
-    save_figure(sliding.draw(runs[-1]), folder / "fig27.png")
-    trip = round_trip.run()
-    write_columns(folder / "roundtrip.csv", round_trip.columns(trip))
-    save_figure(round_trip.draw(trip), folder / "roundtrip.png")
+    with out.filled() as place:
+        cycle.trajectory.to_csv(place / "fig17.csv")
+        save_figure(belt.draw(cycle), place / "fig17.png")
+        write_columns(place / "fig27.csv", sliding.columns(runs[-1]))
+        save_figure(sliding.draw(runs[-1]), place / "fig27.png")
+        write_columns(place / "roundtrip.csv", round_trip.columns(trip))
+        save_figure(round_trip.draw(trip), place / "roundtrip.png")
     return [
         *belt.checks(cycle),
         *sliding.checks(runs[-1]),

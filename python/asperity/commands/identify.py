@@ -6,7 +6,16 @@ import argparse
 from pathlib import Path
 
 from asperity._base.progress import bar_if_there
-from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_models, add_out
+from asperity.commands.options import (
+    DOUBTFUL,
+    SUCCESS,
+    Commands,
+    add_inspect,
+    add_models,
+    add_out,
+    require,
+    show_inspection,
+)
 from asperity.errors import ParameterError
 
 
@@ -50,14 +59,7 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "--config", metavar="FILE", type=Path, help="how they are read, a TOML file"
     )
     add_out(parser, required=False)
-    parser.add_argument(
-        "--inspect",
-        metavar="FILE",
-        type=Path,
-        help="only show the columns of a file with their ranges, and write the configuration that "
-        "seems to read it, to be looked over: to the file of --config, by default beside FILE "
-        "with the ending .toml; a file that is there stays as it is",
-    )
+    add_inspect(parser)
     parser.add_argument(
         "--sheet",
         metavar="NAME",
@@ -78,16 +80,18 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
     if options.inspect is not None:
-        return _inspect(options)
+        from asperity.identify import inspect_file
+
+        sheet = _sheet(options.inspect, options.sheet)
+        return show_inspection(inspect_file(options.inspect, sheet=sheet), options)
     if options.sheet is not None:
         raise ParameterError("sheet", "is for --inspect; the configuration has it in [file]")
-    for name, what in (
-        ("paths", "names no file"),
-        ("config", "must be given: --inspect FILE writes one"),
-        ("out", "must be given"),
-    ):
-        if not getattr(options, name):
-            raise ParameterError("DATA" if name == "paths" else name, what)
+    require(
+        options,
+        paths="names no file",
+        config="must be given: --inspect FILE writes one",
+        out="must be given",
+    )
     from asperity.identify.campaign import identify_campaign
 
     with bar_if_there("stage") as bar:
@@ -105,20 +109,6 @@ def run(options: argparse.Namespace) -> int:
     print(found.summary())
     print(f"\nfigures, tables and report.html in {options.out}")
     return DOUBTFUL if found.fit.warnings else SUCCESS
-
-
-def _inspect(options: argparse.Namespace) -> int:
-    """Show a file and write the configuration that seems to read it."""
-    from asperity.identify import inspect_file
-
-    if options.paths or options.out is not None:
-        raise ParameterError("inspect", "takes one file, and no DATA and no --out beside it")
-    found = inspect_file(options.inspect, sheet=_sheet(options.inspect, options.sheet))
-    print(found.summary())
-    target = options.config or options.inspect.with_suffix(".toml")
-    found.write(target)
-    print(f"\nconfiguration to look over in {target}")
-    return DOUBTFUL if found.notes else SUCCESS
 
 
 def _sheet(path: Path, given: str | None) -> str | int | None:

@@ -5,7 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_models, add_out
+from asperity.commands.options import (
+    DOUBTFUL,
+    SUCCESS,
+    Commands,
+    add_inspect,
+    add_models,
+    add_out,
+    require,
+    show_inspection,
+)
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -23,6 +32,8 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "between paths. The configuration, a TOML file, says what is known: [system] gravity; "
         "[paths] position_error and length_error; [launch] place, speed, direction, time of all "
         "launches with their errors, or a list [[launches]] with those of each path; "
+        "[file], [columns] and [units] how the tables are written, as for `asperity identify`, "
+        "where their headings do not say it (--inspect guesses them); "
         "[fixed.reservoir] and [fixed.direction] parameters such as angle. Lengths are in m, "
         "times in s, angles in rad. Written are law.toml, the law with the uncertainty of its "
         "parameters, which `asperity law`, `asperity simulate` and `asperity stability` take; "
@@ -35,20 +46,26 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "paths",
         metavar="PATH",
         type=Path,
-        nargs="+",
-        help="CSV files with columns t [s], x1 [m], x2 [m] and, if known, x1 error [m], "
-        "x2 error [m], such as path.csv of `asperity track`",
+        nargs="*",
+        help="tables with columns t [s], x1 [m], x2 [m] and, if known, x1 error [m], "
+        "x2 error [m], such as path.csv of `asperity track`, or as other trackers write them",
     )
     parser.add_argument(
         "--config", metavar="FILE", type=Path, help="what is known beside the paths, a TOML file"
     )
-    add_out(parser)
+    add_out(parser, required=False)
+    add_inspect(parser)
     add_models(parser)
     return parser
 
 
 def run(options: argparse.Namespace) -> int:
     """Identify and print; return the exit code."""
+    if options.inspect is not None:
+        from asperity.identify.records.inspection import inspect_path
+
+        return show_inspection(inspect_path(options.inspect), options)
+    require(options, paths="names no file", out="must be given")
     from asperity.identify.paths.campaign import identify_paths
 
     fit = identify_paths(

@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from asperity._base.tables import aligned
+from asperity.errors import ParameterError
 
 if TYPE_CHECKING:
     from asperity.demo import Check
+    from asperity.identify import Inspection
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """Where verbs are added."""
@@ -32,6 +34,39 @@ def add_out(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     parser.add_argument(
         "--out", metavar="DIR", type=Path, required=required, help="folder to write into"
     )
+
+
+def add_inspect(parser: argparse.ArgumentParser) -> None:
+    """Add the choice of a guess how a file is written."""
+    parser.add_argument(
+        "--inspect",
+        metavar="FILE",
+        type=Path,
+        help="only show the columns of a file with their ranges, and write the configuration that "
+        "seems to read it, to be looked over: to the file of --config, by default beside FILE "
+        "with the ending .toml; a file that is there stays as it is",
+    )
+
+
+def show_inspection(found: Inspection, options: argparse.Namespace) -> int:
+    """Print what a file seems to be and write its configuration; return the exit code."""
+    if options.paths or options.out is not None:
+        raise ParameterError("inspect", "takes one file, and no others and no --out beside it")
+    print(found.summary())
+    target = options.config or options.inspect.with_suffix(".toml")
+    if target.exists():
+        print(f"\n{target} is there already and stays as it is")
+    else:
+        found.write(target)
+        print(f"\nconfiguration to look over in {target}")
+    return DOUBTFUL if found.notes else SUCCESS
+
+
+def require(options: argparse.Namespace, **needed: str) -> None:
+    """Refuse a call without some options that --inspect does without."""
+    for name, what in needed.items():
+        if not getattr(options, name):
+            raise ParameterError("DATA" if name == "paths" else name, what)
 
 
 def add_models(parser: argparse.ArgumentParser, *further: str) -> None:

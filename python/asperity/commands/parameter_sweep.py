@@ -26,9 +26,12 @@ if TYPE_CHECKING:
 
 _DEGREE = math.pi / 180.0
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_UNIT = r"([^\d\s:][^:]*)?"
+# A letter O is a zero that was meant.
+_UNIT = r"((?![Oo]\b)[^\W\d_][^:]*|%|°)?"
 _RANGE = re.compile(rf"({_NUMBER}):({_NUMBER}):(\d+){_UNIT}")
 _VALUE = re.compile(rf"({_NUMBER}){_UNIT}")
+# Texts that are numbers with a slip of the hand, such as O.2 and 1/3, or that no point can have.
+_MISTYPED = re.compile(r"(?i)[-+.\d].*|nan|inf(inity)?|(?=.*\d)[oil\d]*\.[oil\d]*")
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -170,12 +173,12 @@ def _axis(text: str) -> tuple[str, NDArray[Any] | Sequence[str], str]:
         return name, *_in_si(np.linspace(float(first), float(last), int(count)), unit)
     parts = [_VALUE.fullmatch(one) for one in values.split(",")]
     numbers = [one for one in parts if one is not None]
-    if not numbers and ":" not in values:
+    if not numbers and ":" not in values and not any(map(_MISTYPED.fullmatch, values.split(","))):
         return name, values.split(","), ""
     units = {one[2] for one in numbers if one[2] is not None}
     if len(numbers) < len(parts) or len(units) > 1:
         raise ParameterError(
-            "grid", f"must be FIRST:LAST:COUNT or V,V,... with a unit, got {text!r}"
+            "grid", f"must be FIRST:LAST:COUNT or V,V,... with a unit, or names, got {text!r}"
         )
     return name, *_in_si(np.array([float(one[1]) for one in numbers]), next(iter(units), None))
 

@@ -35,8 +35,8 @@ class BifurcationDiagram(SavedResult, Value):
         values: its values, ascending, shape ``(n,)``.
         stabilities: of the equilibria; None where there is no steady sliding.
         cycles: limit cycles; None where none was found.
-        failures: why there is no equilibrium, or why the search for a cycle beside an unstable
-            one failed; empty where all went well.
+        failures: why there is no equilibrium, or why no cycle was found beside an unstable one if
+            cycles were looked for; empty where all went well.
     """
 
     parameter: str
@@ -95,6 +95,17 @@ class BifurcationDiagram(SavedResult, Value):
     def cycle_stable(self) -> NDArray[np.bool_]:
         """Whether there is a cycle and it is stable, shape ``(n,)``."""
         return np.array([cycle is not None and cycle.is_stable for cycle in self.cycles])
+
+    @property
+    def branches(self) -> NDArray[np.int64]:
+        """Numbers of the branches of cycles, shape ``(n,)``; −1 where there is none.
+
+        Neighbours with one number have the same sign of det(1 − P′), P being the return map: it
+        changes where a branch turns back, as where a stable and an unstable cycle meet.
+        """
+        signs = np.array([0 if c is None else 1 if c._is_positive else -1 for c in self.cycles])
+        begins = (signs != 0) & (np.diff(signs, prepend=0) != 0)
+        return np.where(signs != 0, np.cumsum(begins) - 1, -1)
 
     @property
     def periods(self) -> Array:
@@ -186,6 +197,7 @@ class BifurcationDiagram(SavedResult, Value):
             "kind": (np.array(self.kinds), "", "kind of the equilibrium"),
             "cycle_stable": (self.cycle_stable, "", "whether there is a stable limit cycle"),
             "period": (self.periods, "s", "period of the limit cycle"),
+            "branch": (self.branches, "", "number of the branch of limit cycles"),
             "failure": (np.array(self.failures, dtype=np.str_), "", "why nothing was found"),
         }
         # A parameter may have the name of a column.
@@ -237,7 +249,7 @@ def bifurcation_diagram(
     continued from value to value to both sides, also past the ends of the interval, until it is
     lost; so a cycle that coexists with a stable equilibrium is found if it hangs together with an
     unstable interval. Of several equilibria or cycles at one value one is found; branches are not
-    followed around folds.
+    followed around folds, and continuation does not change from one to another.
 
     Args:
         family: function that makes a system; called as ``family(**{parameter: value})``.

@@ -56,6 +56,7 @@ class Continuation:
         for part in [*starts, *followed]:
             found.add(part)
         self._fill(found)
+        self._explain(found)
         return found
 
     def _intervals(self) -> list[range]:
@@ -98,6 +99,17 @@ class Continuation:
             for side in (index + 1, index - 1):
                 if unstable and index not in found.cycles and side in found.cycles:
                     self._try(index, (side, found.cycles[side]), found, stop)
+
+    def _explain(self, found: Found) -> None:
+        """Give a reason to the unstable equilibria at which the runs have not arrived."""
+        failed = dict(found.failures)
+        for index, unstable in enumerate(self.unstable):
+            if unstable and index not in found.cycles and index not in failed:
+                near = min(failed, key=lambda other: abs(other - index))
+                found.failures[index] = (
+                    f"not searched for, as the search failed at {self.values[near]:.9g}: "
+                    f"{failed[near]}"
+                )
 
     def _try(
         self, index: int, near: tuple[int, LimitCycle] | None, found: Found, stop: Stop

@@ -75,6 +75,11 @@ class LimitCycle(SavedResult, Value):
         return bool(np.abs(self.multipliers).max(initial=0.0) < 1.0)
 
     @property
+    def _is_positive(self) -> bool:
+        """Whether det(1 − P′) = ∏(1 − λ) > 0: a branch of cycles keeps it until it turns back."""
+        return bool(np.prod(1.0 - self.multipliers).real > 0.0)
+
+    @property
     def minimum(self) -> Array:
         """Least value of each coordinate, shape ``(n,)``."""
         return _extremes(self.motion)[0]

@@ -26,7 +26,7 @@ from asperity.cycles.recurrence import (
 from asperity.cycles.shooting import Return, ReturnMap, fixed_point
 from asperity.cycles.start import dragged, longest_time, starts
 from asperity.errors import NoCycleError, ParameterError
-from asperity.runs.event_driven import integrate
+from asperity.runs.event_driven import integrate, touching
 from asperity.runs.model import Model
 from asperity.runs.run import Run
 from asperity.runs.section import Section
@@ -73,8 +73,8 @@ def limit_cycle(
             swing of a coordinate, in the sense in which slip is faster.
         t_end: longest time in s until the motion recurs. Default 200 times the longest period of
             the linearised system and the longest stick.
-        near: cycle of a similar system; Newton's method starts from it at once. Excludes the other
-            starts.
+        near: cycle of a similar system; Newton's method starts from it at once and keeps to its
+            branch up to where that turns back. Excludes the other starts.
         tolerance: largest ‖P(x) − x‖ relative to the orbit's extent.
         progress: ``True`` for a bar of tqdm, or a function of (t, longest time) that is called a
             few times a second while the motion is followed; most recur long before the longest
@@ -120,7 +120,7 @@ def limit_cycle(
             raise ParameterError("near", "excludes q0, u0, start, section and t_end")
         return _continued(system, near, tolerance)
     if start is not None:
-        state = beginning(system, q0, u0, start)
+        state = touching(system, beginning(system, q0, u0, start))
         q0, u0 = state.q, state.u
     horizon, states, growth = _beginnings(system, q0, u0, t_end)
     failure = None
@@ -148,7 +148,13 @@ def _continued(system: Model, near: LimitCycle, tolerance: float) -> LimitCycle:
         raise ParameterError("near", f"must be the cycle of a system with {system.dof} coordinates")
     section, state = middle(near.motion)
     returns = ReturnMap(system, section, extent(near.motion), _SHARPER * tolerance)
-    return _found(returns, state, near.period, tolerance)
+    found = _found(returns, state, near.period, tolerance, near)
+    if found._is_positive != near._is_positive:
+        raise NoCycleError(
+            "the branch of the cycle near is lost: it may turn back before this system, of which a "
+            f"cycle of another branch was found, of period {found.period:.6g} s"
+        )
+    return found
 
 
 def _beginnings(
@@ -218,9 +224,15 @@ def _followed(
     return _found(returns, state, period, tolerance)
 
 
-def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) -> LimitCycle:
+def _found(
+    returns: ReturnMap,
+    state: Array,
+    period: float,
+    tolerance: float,
+    near: LimitCycle | None = None,
+) -> LimitCycle:
     """Converge to the fixed point and measure the cycle."""
-    fixed, iterations = fixed_point(returns, state, period, tolerance)
+    fixed, iterations = fixed_point(returns, state, period, tolerance, near)
     fixed = _once_around(returns, fixed)
     closed = returns(fixed.state, fixed.period, dt=fixed.period / _SAMPLES)
     if has_died_out(closed.motion, returns.scale):
@@ -229,7 +241,7 @@ def _found(returns: ReturnMap, state: Array, period: float, tolerance: float) ->
         closed.period,
         closed.motion,
         returns.section,
-        multipliers(returns, Return(fixed.state, closed.period, closed.motion)),
+        multipliers(returns, Return(fixed.state, closed.period, closed.motion), tolerance),
         residual=returns.defect(fixed.state, closed.state),
         iterations=iterations,
     )

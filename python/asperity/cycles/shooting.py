@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.cycles.orbit import LimitCycle
 from asperity.cycles.place import Place
 from asperity.errors import NoCycleError
 from asperity.runs.event_driven import integrate
@@ -88,9 +89,12 @@ class ReturnMap:
 
 
 def fixed_point(
-    returns: ReturnMap, state: Array, period: float, tolerance: float
+    returns: ReturnMap, state: Array, period: float, tolerance: float, near: LimitCycle | None
 ) -> tuple[Return, int]:
-    """Return the fixed point of P near `state` and the number of Newton steps.
+    """Return the fixed point of P near `state` and the number of steps.
+
+    Where det(1 − P′) has another sign than on the branch of the cycle `near`, Newton's method would
+    go to another branch: the motion itself is followed instead, for a turn.
 
     Raises:
         NoCycleError: if Newton's method does not converge or the motion does not return.
@@ -102,10 +106,12 @@ def fixed_point(
             return Return(here, image.period, image.motion), iteration
         directions = returns.place(image).tangents(here)
         jacobian = returns.jacobian(here, image)
+        matrix = np.eye(len(jacobian)) - jacobian
+        if near is not None and (np.linalg.det(matrix) > 0.0) != near._is_positive:
+            here, image = image.state, returns(image.state, image.period)
+            continue
         change = np.linalg.lstsq(
-            np.eye(len(jacobian)) - jacobian,
-            np.linalg.pinv(directions) @ (image.state - here),
-            rcond=1e-10,
+            matrix, np.linalg.pinv(directions) @ (image.state - here), rcond=1e-10
         )[0]
         here, image = _step(returns, here, image, directions @ change, defect)
     raise NoCycleError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.value import keep_views
 from asperity.ensemble.ends import OUTCOMES, Ensemble
 from asperity.ensemble.result import MemberFailure
 from asperity.ensemble.variants import Variants
@@ -281,7 +282,10 @@ class Again:
 
     members: Members
     engine: Callable[..., Any]
-    options: dict[str, Any]
+    options: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        keep_views(self)
 
     def system(self, member: int) -> Model:
         """Return the system of a run."""

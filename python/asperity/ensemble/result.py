@@ -70,6 +70,7 @@ class AnyEnsemble(TableResult, Value):
     _noun: ClassVar[str]
     _plural: ClassVar[str]
     _descriptive = frozenset({"labels", "again"})
+    _hands_out = True
 
     shape: tuple[int, ...]
     failures: tuple[MemberFailure, ...]

@@ -19,12 +19,13 @@ from asperity.identify.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.estimation import fit_law
 from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
+from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import TurnAverage
 from asperity.identify.loading import load
 from asperity.identify.records.configuration import Configuration
-from asperity.identify.report import cells, write_report
+from asperity.identify.report import cells, loads_of, write_report
 from asperity.law import Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
@@ -72,7 +73,7 @@ class Identification:
         parts = [aligned(self._facts()), aligned(self._parameters(), right=(1, 2, 3))]
         parts += [SETS, UNITS_AND_SCALE]
         names, force = self.fit.parameters, self.data.usual_load
-        if {"reservoir.a", "reservoir.b"} <= set(names):
+        if {"reservoir.a", "reservoir.b"} <= set(names) and not several_loads(self.data):
             a, b = (force * names[f"reservoir.{name}"].value for name in "ab")
             parts.append(f"semi-axes of C at {force:.4g} N: {a:.4g} N, {b:.4g} N")
         if self.fit.turns > 1:
@@ -110,7 +111,7 @@ class Identification:
                 * (data.lifted > 0),
             ),
             ("directions", str(self.fit.coverage)),
-            ("normal force", f"{data.usual_load:.4g} N"),
+            ("normal force", loads_of(data)),
             ("calibration", condition),
             ("zero", records),
         ]

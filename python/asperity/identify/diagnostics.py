@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.identify.fitting.data.samples import WRAPPED, is_wrapped
 from asperity.identify.fitting.models.coordinates import Scale
+from asperity.identify.forces.dependence import load_dependence, several_loads
 
 if TYPE_CHECKING:
     from asperity.identify.fit import Fit
@@ -29,6 +32,8 @@ UNITS_AND_SCALE = (
 # error: 33 of 40 confidence intervals of 95 % held the truth with 5 %, 37 of 40 with 1 % and with
 # none.
 _MUCH = 0.03
+# Few dry pairings have larger coefficients; kgf for N makes those above 0.2 as large.
+_LARGE = 2.0
 # Between forces farther apart than this, the shape of C is a guess of its model.
 _WIDEST_GAP = np.deg2rad(30.0)
 # Farther apart, forces turn by as much as that without a leap.
@@ -64,9 +69,10 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
     """Return sentences on what the data cannot tell or the models cannot hold."""
     sentences = _records_missing(fit)
     if fit.turns == 1:
+        cure = "record at least 2 turns (10 are better)"
         sentences.append(
             "there are no confidence intervals: one complete turn has no scatter between turns; "
-            "record at least 2 turns (10 are better)"
+            + (WRAPPED if is_wrapped(fit._samples) else cure)
         )
     for (name, estimate), stuck in zip(fit.parameters.items(), fit.at_bounds, strict=False):
         if stuck:
@@ -82,6 +88,12 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
     if fit.gaps:
         arcs = ", ".join(f"{a:.0f}°…{b:.0f}°" for a, b in np.rad2deg(fit.gaps))
         sentences.append(f"C is not identifiable: hardly any force has a direction θ within {arcs}")
+    friction = float(np.median(np.linalg.norm(fit.means[1], axis=-1)))
+    if friction > _LARGE and getattr(fit.data, "raw", None) is not None:
+        sentences.append(
+            f"friction coefficients are {friction:.2g}, above {_LARGE:g}: is the normal force in "
+            "kgf, under the heading N, or a channel in another unit?"
+        )
     defects = fit.defects
     if "closure" in defects and defects["closure"].matters:
         sentences.append(
@@ -130,6 +142,7 @@ def _unlike_noise(fit: Fit) -> list[str]:
             f"forces drift by {fit.drift.size:+.2%} from the first turn of a run to its last: a "
             "gain, a zero or the friction changes; the confidence intervals do not include this"
         )
+    sentences += _runs(fit)
     for channel, step, noise in fit.coarse_channels:
         sentences.append(
             f"the {channel} channel has steps of {step:.3g}, which its noise of {noise:.2g} does "
@@ -137,6 +150,37 @@ def _unlike_noise(fit: Fit) -> list[str]:
             "include them"
         )
     return sentences
+
+
+def _runs(fit: Fit) -> list[str]:
+    """Return by how much two runs differ, or how coefficients at several loads do."""
+    loads, found = several_loads(fit.data), fit.mountings
+    differ = f"friction coefficients differ between loads of {_enumerated(loads)} N"
+    if found is not None and found.matters:
+        remedy = "fit each load on its own" if loads else "record a third, or fit each on its own"
+        if fit.confidence is not None:
+            remedy = f"the confidence intervals take the runs for two values; {remedy}"
+        return [
+            f"{differ if loads else 'the two runs differ'} by more than turns scatter: from the "
+            f"first run to the second, forces per unit normal force change by {found.level:+.2%} "
+            f"(from turn to turn by {found.scatter:.2%}), {_changes(fit, np.abs(found.steps))}; "
+            f"{remedy}"
+        ]
+    if len(loads) > 2:
+        power = load_dependence(fit.data)
+        if not power.is_independent:
+            return [
+                f"{differ}: they go with the load to the power {power.exponent:.2g} "
+                f"({power.low:.2g} … {power.high:.2g}), and one law for all is a mean of them: fit "
+                "each load on its own"
+            ]
+    return []
+
+
+def _enumerated(loads: Sequence[float]) -> str:
+    """Return each load once."""
+    *others, last = dict.fromkeys(f"{one:.4g}" for one in loads) or [""]
+    return f"{', '.join(others)} and {last}"
 
 
 _ERRORS = {

@@ -59,8 +59,9 @@ def fit_law(
 
     The model meets the unfiltered samples. Confidence intervals include what differs between
     turns, or runs where there are three or more, and the uncertainty of calibration and zeros,
-    which all share.
-    Degrees of freedom are one less than turns or runs, and those of the calibration.
+    which all share. Two runs that differ by more than their turns scatter are two values besides,
+    and a warning says by how much. Degrees of freedom are one less than turns or runs, and those of
+    the calibration.
 
     Args:
         data: what `process` returns, or arrays (φ in rad, −λ/λ_N ``(n, 2)``), by turns if φ is

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
+from asperity._base.value import Value, View
 from asperity.identify.associativity import Associativity, associativity_of
 from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
 from asperity.identify.fitting.data import defects
@@ -42,6 +43,7 @@ from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KI
 from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
 from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
 from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
+from asperity.identify.fitting.uncertainty.mountings import Mountings
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.identified_law import IdentifiedLaw
@@ -226,7 +228,8 @@ class Fit(SavedResult, Value):
         return Path(path)
 
     def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
-        known, family = self.covariance, self._family
+        known = None if self.covariance is None else self.covariance.merged()
+        family = self._family
         parts = (None,) * 3 if known is None else known.parts
         degrees = (math.inf,) * 3 if known is None else known.degrees
         values = [
@@ -245,7 +248,7 @@ class Fit(SavedResult, Value):
         )
 
     @cached_property
-    def parameters(self) -> dict[str, Estimate]:
+    def parameters(self) -> Mapping[str, Estimate]:
         """Estimates with confidence intervals by name: ``reservoir.a``, ``direction.ratio`` ….
 
         Semi-axes are per unit normal force, angles in rad within ±45°. An angle is identifiable if
@@ -270,7 +273,7 @@ class Fit(SavedResult, Value):
                     self.coordinates[at], coordinate, width, deviation, told
                 )
         result["direction.scale"] = Estimate(np.nan, 0.0, np.inf, np.inf, identifiable=False)
-        return result
+        return View(result)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -278,14 +281,14 @@ class Fit(SavedResult, Value):
         return warnings_of(self)
 
     @cached_property
-    def missing(self) -> dict[str, tuple[str, Array]]:
+    def missing(self) -> Mapping[str, tuple[str, Array]]:
         """Causes of error that no record tells, with what is missing and what is at stake.
 
         These are ``"calibration"`` and ``"zeros"``; what is at stake is how far an error of 1 % of
         the normal force, or of a gain, in one channel would move the coordinates. There are none
         where forces are given as arrays: what is known of their errors is not known here.
         """
-        return self._causes.missing()
+        return View(self._causes.missing())
 
     @property
     def scales(self) -> tuple[Scale, ...]:
@@ -298,9 +301,10 @@ class Fit(SavedResult, Value):
         return at_bounds(self.coordinates, self._family.coordinates)
 
     @cached_property
-    def gaps(self) -> list[tuple[float, float]]:
+    def gaps(self) -> tuple[tuple[float, float], ...]:
         """Arcs of directions θ in rad that the force leaps over, where C has a shape to be told."""
-        return gaps(*self.means) if len(self._family.reservoir.coordinates) > 1 else []
+        has_shape = len(self._family.reservoir.coordinates) > 1
+        return tuple(gaps(*self.means)) if has_shape else ()
 
     @cached_property
     def coverage(self) -> Coverage:
@@ -319,11 +323,11 @@ class Fit(SavedResult, Value):
         return self._causes.undetermined(widths)
 
     @cached_property
-    def defects(self) -> dict[str, Defect]:
+    def defects(self) -> Mapping[str, Defect]:
         """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
         samples = weighty(self._samples, self.loss)
         left = self._family.left(samples, self.coordinates)
-        return defects.all_of(samples, left, self.data)
+        return View(defects.all_of(samples, left, self.data))
 
     @cached_property
     def mistake(self) -> Mistake | None:
@@ -360,6 +364,11 @@ class Fit(SavedResult, Value):
         """Samples that are farther from the model than noise explains."""
         return outliers(self._samples, self.residuals)
 
+    @property
+    def mountings(self) -> Mountings | None:
+        """How the second of two runs differs from the first; None for one run and for many."""
+        return self._causes.mountings
+
     @cached_property
     def drift(self) -> Drift:
         """The trend of the forces over the turns of a run."""
@@ -367,10 +376,10 @@ class Fit(SavedResult, Value):
         return drift(samples, samples.force - self.residuals, runs_of(samples, self.data))
 
     @cached_property
-    def coarse_channels(self) -> list[Steps]:
+    def coarse_channels(self) -> tuple[Steps, ...]:
         """Channels of the sensor whose steps are not small beside their noise."""
         raw = getattr(self.data, "raw", None)
-        return [] if raw is None else coarse_channels(raw)
+        return () if raw is None else tuple(coarse_channels(raw))
 
     @cached_property
     def residuals(self) -> Array:

@@ -13,6 +13,8 @@ from asperity._base.report import Block, Facts, Grid, Picture, Section, Text
 from asperity.errors import FitError, ParameterError
 from asperity.identify.diagnostics import SETS
 from asperity.identify.fitting.models.coordinates import Estimate
+from asperity.identify.forces.dependence import several_loads
+from asperity.identify.forces.processing import ProcessedData
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,12 +53,22 @@ def _summary(fit: Fit) -> str:
         if fit.confidence is None
         else f"confidence intervals of {100 * fit.confidence:g} %"
     )
+    load = f" Normal force {loads_of(fit.data)}." if isinstance(fit.data, ProcessedData) else ""
     return (
         f"Reservoir C: {fit.reservoir_model}, direction set D: {fit.direction_model}, "
         f"{'jointly' if fit.joint else 'apart'}, {fit.loss.kind} loss. "
         f"{fit.samples} samples in {fit.turns} turns; residuals "
-        f"{fit.rms:.4g} N (root mean square of a component); {bands}. Forces in {fit.coverage}."
+        f"{fit.rms:.4g} N (root mean square of a component); {bands}. "
+        f"Forces in {fit.coverage}.{load}"
     )
+
+
+def loads_of(data: ProcessedData) -> str:
+    """Return the normal force, that of each run where they differ."""
+    loads = several_loads(data)
+    if not loads:
+        return f"{data.usual_load:.4g} N"
+    return f"{', '.join(f'{one:.4g}' for one in loads)} N, run by run"
 
 
 def _parameters(fit: Fit) -> list[Block]:
@@ -72,10 +84,10 @@ def _parameters(fit: Fit) -> list[Block]:
         ]
     sources = (
         f"{SETS} Confidence intervals include the scatter between turns, or between runs if there "
-        "are three or more (Student's t), and the uncertainty of the calibration and of the "
-        "records without load where these are known; the last columns are their shares of the "
-        "variance that is known. Semi-axes are per unit normal force. The scale of D has no effect "
-        "on forces."
+        "are three or more, or two that differ by more than their turns (Student's t), and the "
+        "uncertainty of the calibration and of the records without load where these are known; the "
+        "last columns are their shares of the variance that is known. Semi-axes are per unit "
+        "normal force. The scale of D has no effect on forces."
     )
     return [Grid([*head, "turns", "calibration", "zeros"], rows), Text(sources)]
 

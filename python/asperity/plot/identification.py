@@ -66,7 +66,11 @@ def plot_fitted_sets(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes
             draw_set(ax, fit.law.direction, color=DIRECTION, linestyle="--", label="D")
         except FitError:
             ax.set_title("D is not convex")
-        ax.set(aspect="equal", xlabel=r"$-\lambda_1/\lambda_N$", ylabel=r"$-\lambda_2/\lambda_N$")
+        ax.set(
+            aspect="equal",
+            xlabel=r"friction coefficient $-\lambda_1/\lambda_N$",
+            ylabel=r"friction coefficient $-\lambda_2/\lambda_N$",
+        )
         ax.legend(loc="center")
         return ax
 
@@ -88,7 +92,9 @@ def plot_fitted_forces(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Ax
         measured = arrays.along_and_across(means, phi)
         bands = fit.bands(_DIRECTIONS)
         look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 2.5, "color": GREY}
-        for column, (name, color) in enumerate((("$l_t$", BLUE), ("$l_p$", ORANGE))):
+        for column, (name, color) in enumerate(
+            (("$l_t$, against sliding", BLUE), ("$l_p$, across", ORANGE))
+        ):
             ax.plot(np.rad2deg(phi), measured[column], **{**look, **line_options(kwargs)})
             middle, width = bands.resistance[:, column], bands.resistance_half_width[:, column]
             ax.plot(_DEGREES, middle, color=color, label=name)
@@ -96,7 +102,7 @@ def plot_fitted_forces(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Ax
                 ax.fill_between(
                     _DEGREES, middle - width, middle + width, color=color, alpha=0.3, linewidth=0.0
                 )
-        _over_directions(ax, r"$-\lambda/\lambda_N$")
+        _over_directions(ax, r"friction coefficient $-\lambda/\lambda_N$")
         ax.legend()
         return ax
 
@@ -121,7 +127,7 @@ def plot_residuals(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
             look: dict[str, Any] = {"color": color, "linewidth": 0.8, "label": name}
             ax.plot(np.rad2deg(phi), values, **{**look, **line_options(kwargs)})
         ax.axhline(0.0, color=INK, linewidth=0.6)
-        _over_directions(ax, r"mean residual of $-\lambda/\lambda_N$")
+        _over_directions(ax, r"mean residual of the coefficient $-\lambda/\lambda_N$")
         ax.legend()
         return ax
 

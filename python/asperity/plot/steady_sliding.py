@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,6 +33,10 @@ _KINDS: dict[str, dict[str, Any]] = {
 }
 
 
+# Of more eigenvalues those are picked out that grow, beside others that decay so much faster.
+_FEW, _DECAY = 12, 10.0
+
+
 class HasEigenvalues(Protocol):
     """A linearisation, such as `asperity.Stability`."""
 
@@ -48,11 +52,14 @@ def plot_root_locus(
     ax: Axes | None = None,
     label: str | None = None,
     colorbar: bool = True,
+    unit: Literal["1/s", "Hz"] = "1/s",
 ) -> Axes:
     """Draw how eigenvalues move in the complex plane while a parameter changes.
 
     Branches are followed from value to value by the nearest continuation; the colour is the
-    parameter. The unstable half-plane is shaded.
+    parameter. The unstable half-plane is shaded. Of more than six pairs those are drawn heavily
+    that become unstable, with their imaginary part where they grow fastest, and the axis ends where
+    others decay ten times as fast; of conjugate pairs only one half is drawn.
 
     Args:
         eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them; or a
@@ -62,6 +69,7 @@ def plot_root_locus(
         ax: axes; default new ones.
         label: name of the parameter, beside the colour bar; default that of the diagram.
         colorbar: whether to draw the colour bar.
+        unit: of the imaginary part: ``"1/s"``, or ``"Hz"`` for frequencies Im Λ/2π.
 
     Returns:
         The axes.
@@ -88,16 +96,22 @@ def plot_root_locus(
         raise ParameterError("values", "must be given: only a BifurcationDiagram knows them")
     parameter = arrays.array(values, "values", (None,))
     branches = _branches(_eigenvalues(eigenvalues, len(parameter)))
+    arrays.choice(unit, "unit", ("1/s", "Hz"))
+    turns = 2.0 * np.pi if unit == "Hz" else 1.0
+    many = branches.shape[1] > _FEW
+    if many and np.allclose(np.sort(branches.imag), np.sort(-branches.imag)):
+        branches = branches[:, (branches.imag >= 0.0).any(axis=0)]
+    grows = branches.real.max(axis=0) > 0.0
     with look.drawing(ax) as ax:
-        points = np.stack([branches.real, branches.imag], axis=-1)
+        points = np.stack([branches.real, branches.imag / turns], axis=-1)
         middle = 0.5 * (parameter[1:] + parameter[:-1])
         lines = []
-        for branch in points.swapaxes(0, 1):
+        for branch, unstable in zip(points.swapaxes(0, 1), grows, strict=True):
             path = LineCollection(
                 np.stack([branch[:-1], branch[1:]], axis=1).tolist(),
                 array=middle,
                 cmap="viridis",
-                linewidths=2.2,
+                linewidths=2.2 if unstable or not many else 0.9,
                 capstyle="round",
             )
             path.set_clim(parameter.min(), parameter.max())
@@ -107,10 +121,16 @@ def plot_root_locus(
         ax.margins(0.06)
         ax.axvline(0.0, color=look.GREY, linewidth=0.9, zorder=0.9)
         left, right = ax.get_xlim()
+        if many:
+            left = max(left, -_DECAY * float(branches.real.max())) if grows.any() else left
+            for branch in points[:, grows].swapaxes(0, 1):
+                x, y = branch[branch[:, 0].argmax()]
+                ax.annotate(f"{y:.4g}", (x, y), (0.0, 4.0), textcoords="offset points", ha="right")
         reach = max(right, 0.1 * (right - left))
         ax.axvspan(0.0, reach, color=look.ORANGE, alpha=0.07, linewidth=0.0)
         ax.set_xlim(left, reach)
-        ax.set(xlabel=r"Re $\Lambda$ in 1/s", ylabel=r"Im $\Lambda$ in 1/s")
+        height = r"Im $\Lambda$ in 1/s" if unit == "1/s" else r"Im $\Lambda/2\pi$ in Hz"
+        ax.set(xlabel=r"Re $\Lambda$ in 1/s", ylabel=height)
         if colorbar:
             _colorbar(ax, lines[0], words)
         return ax
@@ -202,7 +222,8 @@ def plot_bifurcation(
 ) -> Axes:
     """Draw a coordinate of equilibria and the range of limit cycles over a parameter.
 
-    Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted.
+    Stable equilibria and cycles are solid, neutral equilibria broken, unstable ones dotted. Lines
+    join cycles of one branch; one that is alone on its branch is a point.
 
     Args:
         diagram: as of `asperity.bifurcation_diagram`; with ``diagram.replace(values=…)`` in other
@@ -228,8 +249,11 @@ def plot_bifurcation(
         lower, upper = diagram.cycle_minima[:, number], diagram.cycle_maxima[:, number]
         if np.isfinite(lower).any():
             filling: dict[str, Any] = {"color": look.ORANGE, "alpha": 0.15, "linewidth": 0.0}
-            ax.fill_between(values, lower, upper, **filling)
-            _cycle_lines(ax, diagram, lower, upper)
+            here, after = diagram.branches[:-1], diagram.branches[1:]
+            ends = np.flatnonzero((here != after) & (here >= 0) & (after >= 0)) + 1
+            apart, lower, upper = (np.insert(x, ends, np.nan) for x in (values, lower, upper))
+            ax.fill_between(apart, lower, upper, **filling)
+            _cycle_lines(ax, apart, lower, upper, np.insert(diagram.cycle_stable, ends, False))
         rest = diagram.equilibria[:, number]
         for kind, options in _KINDS.items():
             shown = _with_next(np.array([found == kind for found in diagram.kinds]))
@@ -243,16 +267,20 @@ def plot_bifurcation(
         return ax
 
 
-def _cycle_lines(ax: Axes, diagram: BifurcationDiagram, lower: Array, upper: Array) -> None:
+def _cycle_lines(
+    ax: Axes, values: Array, lower: Array, upper: Array, stable: NDArray[np.bool_]
+) -> None:
     """Draw extremes of cycles, solid where stable and dotted where not."""
     for kind, style in (("stable", "-"), ("unstable", ":")):
-        own = (diagram.cycle_stable == (kind == "stable")) & np.isfinite(lower)
-        shown = _with_next(own)
-        for values, label in ((lower, f"{kind} limit cycle, extremes"), (upper, None)):
-            drawn = np.where(shown, values, np.nan)
-            if np.isfinite(drawn).any():
+        shown = _with_next((stable == (kind == "stable")) & np.isfinite(lower))
+        for extremes, label in ((lower, f"{kind} limit cycle, extremes"), (upper, None)):
+            drawn = np.where(shown, extremes, np.nan)
+            if (there := np.isfinite(drawn)).any():
+                beside = np.append(there[1:], False) | np.append(False, there[:-1])
                 options: dict[str, Any] = {"color": look.ORANGE, "linestyle": style}
-                ax.plot(diagram.values, drawn, label=label, **options)
+                if (alone := there & ~beside).any():
+                    options |= {"marker": ".", "markevery": np.flatnonzero(alone).tolist()}
+                ax.plot(values, drawn, label=label, **options)
 
 
 def _eigenvalues(given: Any, n: int) -> _Complex:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.progress import Progress, each, reporter
 from asperity.errors import AsperityError, ParameterError
 from asperity.identify import IdentifiedLaw
 from asperity.law import FrictionLaw
@@ -84,7 +85,7 @@ def propagate(
     scenario: Scenario,
     *,
     nominal: Sequence[Quantity],
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = None,
 ) -> Bands:
     """Draw the laws of a scenario from their uncertainty, compute every motion, and make bands.
 
@@ -97,7 +98,7 @@ def propagate(
     Args:
         scenario: at least one of whose laws was identified.
         nominal: the quantities of the motion with the laws of the files.
-        progress: called with the number of draws done and of all.
+        progress: ``True`` for a bar of tqdm, or a function of (draws done, all).
 
     Raises:
         ParameterError: if no law has a covariance.
@@ -129,15 +130,14 @@ def propagate(
     rows: list[list[Quantity]] = []
     failed: list[str] = []
     doubts: list[str] = []
-    for i in range(options.samples):
-        try:
-            run = scenario.run({name: laws[i] for name, laws in drawn.items()})
-            rows.append(scenario.quantities(run))
-            doubts += scenario.doubts(run)[:1]
-        except AsperityError as error:
-            failed.append(str(error))
-        if progress is not None:
-            progress(i + 1, options.samples)
+    with reporter(progress, "draw") as report:
+        for i in each(range(options.samples), report):
+            try:
+                run = scenario.run({name: laws[i] for name, laws in drawn.items()})
+                rows.append(scenario.quantities(run))
+                doubts += scenario.doubts(run)[:1]
+            except AsperityError as error:
+                failed.append(str(error))
     if not rows:
         raise AsperityError(f"no motion of a drawn law could be computed: {failed[0]}")
     draws = np.array([[one.value for one in row] for row in rows])

@@ -205,7 +205,7 @@ class LawSheet(TableResult):
         ]
         parts = [
             aligned(self.origin()),
-            f"reservoir C: {self.law.reservoir!r}\ndirection set D: {self.law.direction!r}",
+            f"reservoir C: {self.law.reservoir}\ndirection set D: {self.law.direction}",
             aligned(answers),
             aligned(self.extremes()),
             aligned(rows, right=(0, 1, 2, 3)),

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asperity._base.progress import Progress
 from asperity._base.result import counted
 from asperity._base.storage.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
+from asperity._base.value import keep_views
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
 from asperity.law.file import SCHEMA as law_schema
@@ -40,6 +42,8 @@ _SAMPLES = 20_000
 # Time stepping is of first order, and the time until rest is known to a step at best: with so many
 # to a hundredth.
 _FEWEST_STEPS = 100
+# More take hours: the step is a slip of the hand.
+_MOST_STEPS = 1e9
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,9 @@ class Scenario:
     law_paths: Mapping[str, Path]
     options: RunOptions
     bands: BandOptions
+
+    def __post_init__(self) -> None:
+        keep_views(self)
 
     @classmethod
     def load(
@@ -162,13 +169,13 @@ class Scenario:
         self,
         laws: Mapping[str, FrictionLaw] | None = None,
         *,
-        progress: Callable[..., object] | None = None,
+        progress: Progress = None,
     ) -> Run:
         """Compute the motion.
 
         Args:
             laws: by the names of their files in the scenario; default those of the files.
-            progress: called with what is done and what there is to do.
+            progress: as of `simulate` and `integrate`.
 
         Raises:
             AsperityError: as `simulate` and `integrate`.
@@ -265,6 +272,11 @@ def _options(file: TomlFile) -> RunOptions:
     step = float(values.get("step", duration))
     if step > duration:
         raise file.error("run.step", f"must not be longer than the duration, got {step!r}")
+    if duration / step > _MOST_STEPS:
+        raise file.error(
+            "run.step",
+            f"must leave at most {_MOST_STEPS:.0e} steps, {step!r} s makes {duration / step:.2g}",
+        )
     output = float(values.get("output", max(duration / _SAMPLES, 0.0 if event_driven else step)))
     return RunOptions(duration, step, bool(values.get("until_rest", False)), event_driven, output)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asperity._base.progress import Progress
 from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
 from asperity._base.storage.files import ResultFolder
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 _TABLES = ("results.csv", "path.csv", "run.npz")
 _PICTURES = ("path.png", "history.png")
 FILES = (*_TABLES, *_PICTURES, "report.html")
-"""What `simulate_scenario` writes; ``draws.csv`` too with bands."""
+"""What `simulate_scenario` writes; ``draws.csv`` too with bands, without them it is removed."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -212,7 +213,7 @@ def simulate_scenario(
     law: str | os.PathLike[str] | None = None,
     bands: bool = False,
     out: str | os.PathLike[str] | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress = None,
 ) -> Simulation:
     """Compute the motion of a scenario; write what `FILES` lists if a folder is given.
 
@@ -221,16 +222,16 @@ def simulate_scenario(
         law: file of a law instead of the one that the scenario names.
         bands: whether to draw the laws from their uncertainty, see `propagate`.
         out: folder; it is complete or not there.
-        progress: called with the number of draws done and of all.
+        progress: ``True`` for a bar of tqdm, or a function of (draws done, all) with bands, else
+            of what is done of the motion.
 
     Raises:
         ConfigurationError: with file, line and key of what is wrong.
         AsperityError: if the motion cannot be computed.
     """
-    files = (*FILES, "draws.csv") if bands else FILES
-    folder = None if out is None else ResultFolder(Path(out), files)
+    folder = None if out is None else ResultFolder(Path(out), (*FILES, "draws.csv"))
     scenario = Scenario.load(path, law=law)
-    run = scenario.run()
+    run = scenario.run(progress=None if bands else progress)
     quantities = tuple(scenario.quantities(run))
     found = propagate(scenario, nominal=quantities, progress=progress) if bands else None
     result = Simulation(scenario, run, quantities, found)
@@ -244,7 +245,7 @@ def as_json(data: dict[str, Any]) -> str:
     """Return results as JSON, in which what is not a number is null."""
 
     def plain(value: Any) -> Any:
-        if isinstance(value, dict):
+        if isinstance(value, Mapping):
             return {key: plain(one) for key, one in value.items()}
         if isinstance(value, list | tuple):
             return [plain(one) for one in value]

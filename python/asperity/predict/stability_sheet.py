@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from asperity.steady_sliding import (
     critical_rotation,
     growth_chart,
 )
+from asperity.steady_sliding.critical.directions import destabilising
 from asperity.system import MassOnBelt
 
 FILES = ("growth.csv", "growth.png", "report.html")
@@ -99,6 +101,18 @@ class StabilitySheet(Result):
         """Largest of the growth rates in 1/s; 0 if nothing grows."""
         return float(np.nanmax(self.growth, initial=0.0))
 
+    @cached_property
+    def margins(self) -> Array:
+        """Angles in rad between sliding and its instability by anisotropy, over `chart.phi`.
+
+        By so much γ lies outside the tangent cone of C: negative where sliding is unstable, π/2
+        where the force does not turn with γ.
+
+        Reference: [WL19] Thm. 2.
+        """
+        slip = -arrays.unit_vectors(self.chart.phi)
+        return destabilising(self.law.reservoir, self.law.direction, slip)
+
     @property
     def unstable(self) -> bool:
         """Whether sliding is unstable in some directions, as C and D are."""
@@ -134,7 +148,14 @@ class StabilitySheet(Result):
             )
         else:
             text = "nothing grows"
-        return [*facts, ("fastest growth on this belt", text)]
+        at = int(self.margins.argmin())
+        least, along = np.rad2deg([self.margins[at], self.chart.phi[at]])
+        margin = f"{least:.1f}° at the least, on a belt along {along:.0f}°; unstable below 0°"
+        return [
+            *facts,
+            ("fastest growth on this belt", text),
+            ("margin to instability by anisotropy", margin),
+        ]
 
     def __repr__(self) -> str:
         return f"<StabilitySheet: {self.path.name}, {'un' * self.unstable}stable>"
@@ -159,6 +180,7 @@ class StabilitySheet(Result):
             "belt": vars(self.belt),
             "belt_directions_deg": np.rad2deg(self.chart.phi).tolist(),
             "growth_rates": self.growth.tolist(),
+            "margins_deg": np.rad2deg(self.margins).tolist(),
         }
 
     def write(self, folder: Path) -> None:
@@ -166,24 +188,34 @@ class StabilitySheet(Result):
         from matplotlib.figure import Figure
 
         from asperity.plot import plot_growth_chart, style
-        from asperity.plot.look import png
+        from asperity.plot.look import GREY, png
 
         columns = {
             "belt direction [deg]": np.rad2deg(self.chart.phi),
             "growth rate [1/s]": self.growth,
+            "margin [deg]": np.rad2deg(self.margins),
         }
         write_columns(folder / "growth.csv", columns)
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            plot_growth_chart(self.chart, ax=ax)
-            ax.set_ylabel("further rotation of C in degrees")
+            if np.nanmax(self.chart.growth, initial=0.0) > 0.0:
+                explanation = (
+                    "White: a disturbance neither grows nor decays, or decays. Along the lower "
+                    "edge C is as the file has it."
+                )
+                plot_growth_chart(self.chart, ax=ax)
+                ax.set_ylabel("further rotation of C in degrees")
+            else:
+                explanation = (
+                    "Nothing grows, however C is turned. Drawn is the margin to instability by "
+                    "anisotropy, below 0° sliding would be unstable."
+                )
+                ax.plot(np.rad2deg(self.chart.phi), np.rad2deg(self.margins))
+                ax.axhline(0.0, color=GREY)
+                ax.set(xlabel="direction of the belt in degrees", ylabel="margin in degrees")
         picture = Picture("growth", png(figure, 150))
         (folder / "growth.png").write_bytes(picture.png)
-        explanation = (
-            "White: a disturbance neither grows nor decays, or decays. Along the lower edge C is "
-            "as the file has it."
-        )
         write_report(
             folder / "report.html",
             f"Stability of sliding under {self.path.name}",

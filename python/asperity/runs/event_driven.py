@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity import _core
@@ -22,15 +23,23 @@ from asperity.runs.origin import EventDriven, Origin
 from asperity.runs.run import Run
 from asperity.runs.section import Section
 from asperity.runs.state import State
-from asperity.runs.time_stepping import beginning, raise_with, without_solution
+from asperity.runs.time_stepping import (
+    beginning,
+    raise_with,
+    rounded_overlap,
+    without_solution,
+)
 from asperity.status import Outcome, Status
-from asperity.system.rigid import plane_motion
+from asperity.system.rigid import RigidBodies, plane_motion
 
 _ENDS = {
     "finished": Outcome.FINISHED,
     "section": Outcome.SECTION,
     "interrupted": Outcome.INTERRUPTED,
 }
+
+# Newton steps that move overlapping contacts apart: the gaps of bodies that turn are curved.
+_CORRECTIONS = 3
 
 _FAILURES = {
     "too_many_events": (
@@ -102,7 +111,8 @@ def integrate(
             give until ``t_end`` where nothing stops them, and 2.2e-16 m and m/s at most.
         start: a run or its ``end`` to go on from, instead of `q0` and `u0`, at its time, which must
             not be negative. What contacts did before is not handed over: where they have a choice
-            they decide afresh. Those that time stepping has let overlap are refused.
+            they decide afresh. Those that the steps of `simulate` have let overlap touch: they are
+            moved apart the shortest way, in the metric of M, until their gaps vanish.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far, as far as rounding of forces and of functions of time allows; between
             1e-14 and 1e-2. Functions of the user are asked at the start how large they become up
@@ -144,7 +154,7 @@ def integrate(
     if not isinstance(system, Model):
         raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
     check(system)
-    state = beginning(system, q0, u0, start)
+    state = touching(system, beginning(system, q0, u0, start))
     if state.t < 0.0:
         raise ParameterError("start", f"must not be at a negative time, is at {state.t:.9g} s")
     t_end = arrays.positive(t_end, "t_end")
@@ -202,6 +212,32 @@ def integrate(
         found = {"ended": ended, "contact": contact, "time": time, "unsolvable": unsolvable}
         raise unfinished(found, system, motion)
     return motion
+
+
+def touching(system: Model, state: State) -> State:
+    """Return the state with contacts that overlap but touch moved apart.
+
+    Those touch that do so by rounding of places, as in `simulate`. Its steps close a contact up to
+    half a step late, and it stays as deep as it then is: in a state with the memory of contacts,
+    which only steps leave, it touches if its gap is not positive.
+    """
+    deepest = _core.deepest_overlap(system._core, state.t, state.q)
+    if deepest is None:
+        return state
+    rounding = rounded_overlap(system, state.q) if isinstance(system, RigidBodies) else 0.0
+    if state.contacts is None and -deepest[1] > rounding:
+        return state  # The core names the contact.
+    q, touch = state.q, np.array(False)
+    for _ in range(_CORRECTIONS):
+        here = _core.evaluate(system._core, state.t, q, state.u)
+        gaps = np.array([one.get("gap", 0.0) for one in here["contacts"]])
+        touch = touch | (gaps < 0.0)
+        factor = np.linalg.cholesky(here["mass"])
+        normals = [here["contacts"][k]["normal"] for k in np.flatnonzero(touch)]
+        rows = np.linalg.solve(factor, np.transpose(normals)).T
+        way = np.linalg.lstsq(rows, -gaps[touch], rcond=None)[0]
+        q = _core.advance(system._core, q, np.linalg.solve(factor.T, way), 1.0)
+    return state.replace(q=q)
 
 
 def check(system: Model) -> None:

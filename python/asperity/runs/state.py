@@ -56,6 +56,8 @@ class State(Value):
     contacts: Array | None
     momenta: Array | None
 
+    _hands_out = True
+
     def __init__(
         self,
         q: ArrayLike,

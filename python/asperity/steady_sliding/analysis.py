@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -13,6 +14,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table
 from asperity._base.storage.data import Kinds
 from asperity._base.storage.result_file import SavedResult
+from asperity._base.value import View
 from asperity.errors import ParameterError
 from asperity.runs import origin
 from asperity.runs.model import Model
@@ -52,7 +54,7 @@ class Stability(SavedResult):
     spectrum: Spectrum
 
     @property
-    def contacts(self) -> dict[int, Sliding]:
+    def contacts(self) -> Mapping[int, Sliding]:
         """The contacts that touch, by number, with `projector` L, `hessian` H and `margin`."""
         return self.linearisation.contacts
 
@@ -139,7 +141,7 @@ class Stability(SavedResult):
         return self.spectrum.defective
 
     @cached_property
-    def mechanisms(self) -> dict[str, float]:
+    def mechanisms(self) -> Mapping[str, float]:
         """The growth rate in 1/s that is left without each mechanism that acts.
 
         Keys are "tangent cone", "direction of friction", "Stribeck slope", "follower force",
@@ -148,7 +150,7 @@ class Stability(SavedResult):
         tangent cone. Mode coupling is the dependence of the normal force on displacements, and a
         nonsymmetric stiffness.
         """
-        return reasons.growth_rates(self.linearisation)
+        return View(reasons.growth_rates(self.linearisation))
 
     @cached_property
     def reason(self) -> str:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.extras import library
+from asperity._base.log import log
 from asperity._base.storage.files import atomic, replaced
 from asperity.errors import ParameterError
 from asperity.sweeps.failures import Failures
@@ -83,6 +84,8 @@ class Folder(Store):
             if not np.isin(self.status, (MISSING, DONE, FAILED)).all():
                 raise ValueError("the status of points is none of those there are")
             self.schema = self._stored_schema()
+            if self.schema is not None:
+                self._check_units(self.schema)
         except ParameterError:
             raise
         except Exception as error:
@@ -100,6 +103,15 @@ class Folder(Store):
             ParameterError: if the folder cannot be written into.
         """
         left = super().begin(wanted)
+        if self.known:
+            log.info(
+                "sweep: of %d points, %d are taken from the store %s, which asperity %s began; "
+                "files beside that of the function were not compared",
+                self.status.size,
+                self.known,
+                self._path,
+                self._group.attrs.get("asperity"),
+            )
         if left:
             if not os.access(self._path, os.W_OK | os.X_OK):
                 raise ParameterError(
@@ -329,13 +341,23 @@ def _other_axes(group: Any, grid: Grid) -> Iterator[str]:
 
 def _other_facts(stored: Mapping[str, Any], facts: Mapping[str, Any]) -> Iterator[str]:
     for name, mine in facts.items():
-        if name != "fingerprint" and stored.get(name) != mine:
-            yield f"{name}: {stored.get(name)} there, {mine} here"
+        theirs = stored.get(name)
+        if name == "asperity" and _series(theirs) == _series(mine):
+            continue
+        if name != "fingerprint" and theirs != mine:
+            advice = " (the function or another part of its file)" * (name == "source")
+            yield f"{name}: {theirs} there, {mine} here{advice}"
+
+
+def _series(version: Any) -> list[str]:
+    """Return what releases share that only mend errors, such as 0.2.0 and 0.2.1."""
+    return str(version).split(".")[:2]
 
 
 def fingerprint(grid: Grid, facts: Mapping[str, Any]) -> str:
     """Return a hash of the grid, the function and the options."""
-    whole = hashlib.sha256(json.dumps(dict(facts), sort_keys=True).encode())
+    compared = {**facts, "asperity": _series(facts["asperity"])}
+    whole = hashlib.sha256(json.dumps(compared, sort_keys=True).encode())
     for name, values in grid.axes.items():
         whole.update(f"{name} {grid.units.get(name)} {values.tolist()!r}".encode())
     return whole.hexdigest()

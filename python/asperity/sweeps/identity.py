@@ -7,6 +7,7 @@ import dataclasses
 import functools
 import hashlib
 import inspect
+import linecache
 import marshal
 import pickle
 import sys
@@ -38,8 +39,10 @@ def identity_of(
 ) -> dict[str, str]:
     """Return name and hash of the source of a function, and what else it is given, as text.
 
-    Comments, layout and docstrings of the source do not count. Default values and the variables of
-    an enclosing function that it uses do. What the function calls is not looked into.
+    The source is that of the function and of the whole file it is in (in a notebook its cell), with
+    the other functions and the constants there; comments, layout and docstrings do not count.
+    Default values and the variables of an enclosing function that it uses do. Other files are not
+    looked into.
 
     Args:
         function: whatever can be called.
@@ -129,15 +132,27 @@ def _module(function: Callable[..., Any]) -> str:
 
 
 def _source(function: Callable[..., Any]) -> str:
+    """Return the hash of a function and its file: functions of one file may share a name."""
     try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+        own = textwrap.dedent(inspect.getsource(function))
+        file = linecache.getlines(inspect.getsourcefile(inspect.unwrap(function)) or "")
+        return _digest(*map(_bare, (own, "".join(file))))
     except (OSError, TypeError, SyntaxError):
         code = getattr(function, "__code__", None)
         return _UNKNOWN if code is None else _digest(marshal.dumps(code))
+
+
+@functools.lru_cache(maxsize=64)
+def _bare(source: str) -> bytes:
+    """Return source without comments, layout and docstrings."""
+    tree = ast.parse(source)
     for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node) is not None:
+        if (
+            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+            and ast.get_docstring(node) is not None
+        ):
             node.body = node.body[1:] or [ast.Pass()]
-    return _digest(ast.unparse(tree).encode())
+    return ast.unparse(tree).encode()
 
 
 def _text(value: Any) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.progress import Progress, reporter
+from asperity._base.result import counted
 from asperity.errors import ParameterError, SweepInterrupted
 from asperity.sweeps.execution import Execution
 from asperity.sweeps.executors import Workers
@@ -47,6 +49,9 @@ def sweep(
     points. A sweep that was killed goes on where it was; nothing is computed twice but what was in
     flight. A store can be opened with ``xarray.open_zarr`` while it grows.
 
+    Processes of its own import the script that calls it once more each: there the call belongs
+    below ``if __name__ == "__main__":``.
+
     Args:
         function: takes the names of the grid as keywords, and returns a number, a truth value, an
             enumerator, an array of fixed shape, or several of them by name in a mapping. The first
@@ -69,19 +74,21 @@ def sweep(
             the points that failed, too.
         progress: ``True`` for a bar of tqdm, or a function of (done, all) points.
         constants: further arguments by name, the same at all points.
-        units: of axes and results by name, for their attributes.
+        units: of axes and results by name, for their attributes; other names are refused.
         vector: names of axes whose values are handed over whole, as arrays; results then begin with
             their lengths.
 
     Returns:
         The arrays over the names of the grid; those of a store are read when they are used. Real
         results are NaN where there are none, flags -128. ``status`` is 0 where a point is missing,
-        1 where it is done, 2 where it failed, and ``message`` says why.
+        1 where it is done, 2 where it failed, and ``message`` says why. Failures at all points are
+        warned of.
 
     Raises:
         ParameterError: if an argument cannot be used, or if the store holds something else, which
-            is named: another grid, function, source, version, seed, or another value of a
-            constant, of a default or of a variable that the function encloses.
+            is named: another grid, function, source of the file of the function, minor version,
+            seed, or another value of a constant, of a default or of a variable that the function
+            encloses.
         SweepError: if a point fails with ``on_failure="raise"``, or if the processes of an executor
             die that cannot be made again.
         SweepInterrupted: on Ctrl-C, with what was done.
@@ -153,7 +160,15 @@ def sweep(
     except KeyboardInterrupt:
         kept.settle()
         raise SweepInterrupted(kept.dataset(), kept.known, points.points) from None
-    return kept.dataset()
+    found = kept.dataset()
+    if (kept.status == FAILED).all():
+        warnings.warn(
+            f"the function failed at all {counted(points.points, 'point')}, the first time with "
+            f"{found.message.values.flat[0]}",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return found
 
 
 def _words(units: Mapping[str, str] | None) -> dict[str, str]:

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.extras import library
+from asperity._base.storage.toml import advice_on
+from asperity.errors import ParameterError
 from asperity.sweeps.failures import Failures
 from asperity.sweeps.grid import Block, Chunks, Grid, block_shape, index_in
 from asperity.sweeps.outputs import NO_FLAG, Output, Schema
@@ -76,6 +78,7 @@ class Store:
     def commit(self, block: Block, answer: Answer) -> None:
         """Write the results of a chunk, then messages, then the status."""
         if self.schema is None and answer.schema is not None:
+            self._check_units(answer.schema)
             self._make(answer.schema)
             self.schema = answer.schema
         if self.schema is not None:
@@ -100,6 +103,14 @@ class Store:
         self._write_status(block, status.reshape(block_shape(block)))
         self.known += int(np.count_nonzero(status)) - int(np.count_nonzero(self.status[block]))
         self.status[block] = status.reshape(block_shape(block))
+
+    def _check_units(self, schema: Schema) -> None:
+        """Refuse units of what is neither an axis nor a result, once results are known."""
+        known = [*self._grid.axes, *schema]
+        for name in self._units:
+            if name not in known:
+                advice = advice_on(name, known)
+                raise ParameterError("units", f"{name!r} is no axis and no result{advice}")
 
     def settle(self) -> None:
         """Count what is written, where Ctrl-C may have come between a commit and its count."""

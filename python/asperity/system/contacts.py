@@ -136,7 +136,7 @@ class Contact(AnyContact):
             direction=columns,
             normal=None if normal is None else arrays.array(normal, "normal", (len(columns),)),
             gap=arrays.number(gap, "gap"),
-            velocity=arrays.array(belt, "velocity", (law.dimension,)),
+            velocity=arrays.constant(belt, "velocity", (law.dimension,)),
         )
 
 

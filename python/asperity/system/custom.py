@@ -113,7 +113,10 @@ class System:
         return q + dt * u
 
     def forces(self, t: float, q: Array, u: Array) -> Array:
-        """Return h(t, q, u), all forces but those of the contacts, shape ``(n,)``."""
+        """Return h(t, q, u), all forces but those of the contacts, shape ``(n,)``.
+
+        They act explicitly in `simulate`: steps need Δt² k < 4 m and Δt d < 2 m.
+        """
         raise NotImplementedError
 
     def direction(self, t: float, q: Array, contact: int) -> Array:

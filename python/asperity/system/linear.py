@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +23,9 @@ class LinearSystem(Value):
     """M q̈ + B q̇ + K q = f + W_N λ_N + W λ with constant matrices and contact directions.
 
     A matrix may be given as a scalar (times the identity), as its diagonal, or in full.
+
+    In time stepping K q + B q̇ acts explicitly, so that `simulate` needs Δt² k + 2 Δt b ≤ 4 for the
+    largest such sum of a direction with unit mass that contacts do not hold: Δt ≤ 2/ω undamped.
 
     Args:
         mass: M, symmetric positive definite, shape ``(n, n)``.
@@ -71,11 +75,13 @@ class LinearSystem(Value):
     ) -> None:
         listed = _contacts(contacts)
         n = _dof(mass, listed)
+        if np.ndim(mass) == 0 and not listed:
+            _refuse_more_than_one(stiffness=stiffness, damping=damping, force=force)
         self._set(
             mass=_matrix(mass, "mass", n),
             stiffness=_matrix(stiffness, "stiffness", n),
             damping=_matrix(damping, "damping", n),
-            force=arrays.array(np.zeros(n) if force is None else force, "force", (n,)),
+            force=arrays.constant(np.zeros(n) if force is None else force, "force", (n,)),
             contacts=listed,
             coordinate_names=_texts(coordinate_names, "coordinate_names", n),
             coordinate_units=_texts(coordinate_units, "coordinate_units", n),
@@ -144,6 +150,22 @@ def _dof(mass: ArrayLike, contacts: Sequence[Contact]) -> int:
             raise DimensionError("mass", "must not be empty")
         return len(converted)
     return len(contacts[0].direction) if contacts else 1
+
+
+def _refuse_more_than_one(**given: Any) -> None:
+    """Refuse what is of several coordinates where a scalar mass is that of one."""
+    for name, value in given.items():
+        try:
+            shape = np.shape(value)
+        except ValueError:
+            # What is no array at all is refused as that.
+            continue
+        if shape and max(shape) > 1:
+            raise DimensionError(
+                name,
+                f"has shape {shape}, but a scalar mass is that of one coordinate: give one for "
+                f"each, such as mass={[1.0] * shape[0]}",
+            )
 
 
 def _matrix(value: ArrayLike | None, argument: str, n: int) -> Array:

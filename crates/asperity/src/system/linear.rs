@@ -1,5 +1,7 @@
 //! Linear systems, which say most users' models as data.
 
+use std::sync::{Mutex, PoisonError};
+
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::{
@@ -78,6 +80,24 @@ pub struct LinearSystem {
     force: Vec<f64>,
     contacts: Vec<LinearContact>,
     laws: Vec<ContactLaw>,
+    longest_step: LongestStep,
+}
+
+/// The step that was asked about last, and the longest one if it is too long: all runs of an ensemble ask, and eigenvalues
+/// of many coordinates take longer than a short run.
+#[derive(Debug, Default)]
+struct LongestStep(Mutex<Option<(f64, Option<f64>)>>);
+
+impl Clone for LongestStep {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PartialEq for LongestStep {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Up to so many velocities all forces are computed at once in registers: what is stored number by number, the processor
@@ -151,8 +171,17 @@ impl LinearSystem {
             force,
             contacts: checked,
             laws,
+            longest_step: LongestStep::default(),
         })
     }
+}
+
+/// `M`, `K` and `B` of a linear system, and the directions that its contacts may hold as columns.
+pub(crate) struct Matrices<'a> {
+    pub(crate) mass: &'a DMatrix<f64>,
+    pub(crate) stiffness: DMatrix<f64>,
+    pub(crate) damping: DMatrix<f64>,
+    pub(crate) held: DMatrix<f64>,
 }
 
 /// A linear system of two velocities and one contact in their plane with a given normal force: `M u̇ + B u + K q = f + W λ`
@@ -170,6 +199,35 @@ pub(crate) struct PlanarMotion {
 }
 
 impl LinearSystem {
+    /// The matrices, unless K and B are zero.
+    pub(crate) fn internal_forces(&self) -> Option<Matrices<'_>> {
+        if self.internal.is_empty() {
+            return None;
+        }
+        let n = self.force.len();
+        let (mut stiffness, mut damping) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+        for entry in &self.internal {
+            stiffness[(entry.row, entry.column)] = -entry.stiffness;
+            damping[(entry.row, entry.column)] = -entry.damping;
+        }
+        let contacts = self.contacts.iter().zip(&self.laws);
+        let held: Vec<f64> = contacts
+            .filter(|(_, law)| law.normal_force() != Some(0.0))
+            .flat_map(|(contact, _)| contact.rows.iter().copied())
+            .collect();
+        let held = DMatrix::from_vec(n, held.len() / n, held);
+        Some(Matrices { mass: &self.mass, stiffness, damping, held })
+    }
+
+    /// The longest step if one of a length is too long, as it is found unless it is known.
+    pub(crate) fn longest_step(&self, dt: f64, find: impl FnOnce() -> Option<f64>) -> Option<f64> {
+        let mut known = self.longest_step.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match *known {
+            Some((asked, longest)) if asked == dt => longest,
+            _ => known.insert((dt, find())).1,
+        }
+    }
+
     /// The system by its matrices, if it is such a one.
     pub(crate) fn planar_motion(&self) -> Option<PlanarMotion> {
         let ([contact], [law]) = (&self.contacts[..], &self.laws[..]) else { return None };

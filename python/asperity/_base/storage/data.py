@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.storage.toml import COUNT, TEXT, Schema, advice_on
-from asperity._base.value import Value
+from asperity._base.value import Value, View
 from asperity.errors import ParameterError
 
 Kinds = Mapping[str, type]
@@ -81,7 +81,7 @@ def arguments(
         raise ParameterError(key, f"is {what}, which a file cannot hold")
 
     given = _parts(value)
-    defaults = {} if isinstance(value, dict) else _signature(type(value))
+    defaults = {} if isinstance(value, Mapping) else _signature(type(value))
     return {
         name: plain(part, _joined(key, f".{name}"))
         for name, part in given.items()
@@ -106,7 +106,7 @@ def _parts(value: Any) -> dict[str, Any]:
         return {name: parameters[name] for name in _signature(type(value)) if name in parameters}
     if dataclasses.is_dataclass(value):
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {f"{_KEY}{name}": part for name, part in value.items()}
     return value._asdict()
 
@@ -114,7 +114,7 @@ def _parts(value: Any) -> dict[str, Any]:
 def _is_record(value: object) -> bool:
     """Whether it is a dataclass, a named tuple or a dictionary."""
     named = isinstance(value, tuple) and hasattr(value, "_asdict")
-    return named or isinstance(value, dict) or dataclasses.is_dataclass(value)
+    return named or isinstance(value, Mapping) or dataclasses.is_dataclass(value)
 
 
 def _list_or_name(part: NDArray[Any], key: str, arrays: Arrays | None, *, small: bool) -> Any:
@@ -196,8 +196,9 @@ def typed(value: object, key: str, kinds: Kinds, arrays: Arrays | None = None) -
             for one that is nested too deeply to be read again.
     """
     _check_depth(key)
-    name = type(value).__name__
-    if kinds.get(name) is not type(value):
+    kind = dict if isinstance(value, View) else type(value)
+    name = kind.__name__
+    if kinds.get(name) is not kind:
         raise ParameterError(
             key, f"of the class {name} is code, and a file holds data: it takes {_words(kinds)}"
         )

@@ -61,11 +61,11 @@ def unreadable(path: Path, error: OSError) -> str:
 
 
 class ResultFolder:
-    """A folder for files that belong together: all of them are written, or none.
+    """A folder for files that belong together: they are of one result, or nothing has changed.
 
     Args:
         out: the folder, made when it is filled.
-        names: of all files.
+        names: of all files that any result may have: one that a result does not have is removed.
 
     Raises:
         ParameterError: before anything is worked out, if the folder, or one above it, is a file or
@@ -90,9 +90,9 @@ class ResultFolder:
     def filled(self) -> Iterator[Path]:
         """Yield a temporary folder, whose files replace those in the folder once all are complete.
 
-        Files of an older result step aside before the first new one comes: whenever a process is
-        killed, what has the names belongs to one result. The temporary folder, ``.asperity-…``, is
-        then left behind with the others and can be removed.
+        Files of an older result step aside before the first new one comes, also those that the new
+        one lacks: whenever a process is killed, what has the names belongs to one result. The
+        temporary folder, ``.asperity-…``, is then left behind with the others and can be removed.
         """
         out = self._out
         made = [place for place in (out, *out.parents) if not place.exists()]
@@ -114,17 +114,15 @@ class ResultFolder:
 
 def _exchange(fresh: Path, old: Path, out: Path, names: Sequence[str]) -> None:
     """Put the fresh files in the place of the old ones, or leave those where they are."""
-    for name in names:
-        # What was not written is missed before anything has moved.
-        (fresh / name).stat()
+    written = [name for name in names if (fresh / name).exists()]
     try:
         for name in names:
             if (out / name).exists():
                 (out / name).replace(old / name)
-        for name in names:
+        for name in written:
             (fresh / name).replace(out / name)
     except BaseException:
-        for name in names:
+        for name in written:
             if not (fresh / name).exists():
                 (out / name).unlink(missing_ok=True)
         for one in old.iterdir():

@@ -62,7 +62,7 @@ def _holds_numbers(value: Any) -> bool:
 
 TEXT = Kind("a text", lambda value: _is(value, str))
 TEXTS = Kind(
-    "a list of texts", lambda value: isinstance(value, list) and all(map(TEXT.holds, value))
+    "a list of texts", lambda value: isinstance(value, list | tuple) and all(map(TEXT.holds, value))
 )
 NUMBER = Kind("a number", lambda value: _is(value, int, float))
 COUNT = Kind("a whole number", lambda value: _is(value, int))

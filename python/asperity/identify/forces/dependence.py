@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,6 +78,12 @@ class Dependence(Value):
     def is_independent(self) -> bool:
         """Whether the confidence interval of the exponent holds 0."""
         return self.low <= 0.0 <= self.high
+
+
+def several_loads(data: Any) -> tuple[float, ...]:
+    """Return the mean λ_N in N of each run if these differ by 5 % or more, else nothing."""
+    loads = data.loads if isinstance(data, ProcessedData) else ()
+    return loads if loads and max(loads) >= _LEAST_RATIO * min(loads) else ()
 
 
 def load_dependence(

@@ -199,13 +199,20 @@ class ProcessedData(Value):
         turns += f" ({self.lifted} without load left out)" * (self.lifted > 0)
         return (
             f"<ProcessedData: {len(self.phi)} samples, {turns} of "
-            f"{len(self.raw.recordings)} runs, λ_N = {self.usual_load:.4g} N>"
+            f"{len(self.raw.recordings)} runs, λ_N = {_listed(self.loads)} N>"
         )
 
     @property
     def usual_load(self) -> float:
-        """Mean λ_N in N over complete turns, or strokes."""
+        """Mean λ_N in N over complete turns, or strokes, of all runs; see `loads`."""
         return float(self.normal_force[self.turn >= 0].mean())
+
+    @cached_property
+    def loads(self) -> tuple[float, ...]:
+        """Mean λ_N in N over complete turns, or strokes, of each run that has some."""
+        parts = [slice(*ends) for ends in zip(self.run, self.run[1:], strict=False)]
+        used = [self.normal_force[part][self.turn[part] >= 0] for part in parts]
+        return tuple(float(load.mean()) for load in used if load.size)
 
     @property
     def turns(self) -> int:
@@ -500,3 +507,8 @@ def _refuse_lost_contact(
                 f"({normal[lowest]:.4g} N); compression must be positive: {remedy}",
                 ("units",) if pulls else ("run",),
             )
+
+
+def _listed(loads: Sequence[float]) -> str:
+    """Return each number once."""
+    return ", ".join(dict.fromkeys(f"{load:.4g}" for load in loads))

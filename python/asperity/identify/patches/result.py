@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
+from asperity._base.value import Value, View
 from asperity.identify.fitting.least_squares.mistakes import Mistake
 from asperity.identify.fitting.models.coordinates import Estimate, Scale, table_of
 from asperity.identify.patches.comparison import PatchComparison, compared
@@ -180,17 +181,19 @@ class BlockFit(SavedResult, Value):
         )
 
     @cached_property
-    def parameters(self) -> dict[str, Estimate]:
+    def parameters(self) -> Mapping[str, Estimate]:
         """Estimates with confidence intervals by name, lengths in the unit of ``length``.
 
         Intervals are Student's with one degree of freedom less than there are blocks. A ratio of
         axes and their angle are identifiable if the friction differs from isotropic friction at
         the level 0.01.
         """
-        return {
-            one.name: self._estimate(one, error, half, untold)
-            for one, error, half, untold in self._intervals
-        }
+        return View(
+            {
+                one.name: self._estimate(one, error, half, untold)
+                for one, error, half, untold in self._intervals
+            }
+        )
 
     @cached_property
     def _intervals(self) -> list[_Interval]:

@@ -8,12 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from asperity._base.storage.files import ResultFolder
-from asperity._base.storage.toml import NUMBER, NUMBERS, Schema, Tables, TomlFile
+from asperity._base.storage.toml import NUMBER, NUMBERS, TEXT, Schema, Tables, TomlFile
 from asperity._base.tables import write_columns
 from asperity.errors import ParameterError
 from asperity.identify.paths.estimation import fit_paths
 from asperity.identify.paths.launch import Launch
+from asperity.identify.paths.observed import COLUMNS, observed
 from asperity.identify.paths.result import PathFit
+from asperity.identify.records.configuration import SCHEMA
+from asperity.identify.records.tables.text_table import Format
 from asperity.law import FrictionLaw, Provenance
 from asperity.system import SlidingPoint
 
@@ -36,6 +39,9 @@ _LAUNCH: Schema = {
     ),
 }
 _SCHEMA: Schema = {
+    "file": {name: SCHEMA["file"][name] for name in vars(Format())},
+    "columns": dict.fromkeys(COLUMNS, SCHEMA["columns"]["time"]),
+    "units": dict.fromkeys(COLUMNS, TEXT),
     "system": {"gravity": NUMBER},
     "paths": {"position_error": NUMBER, "length_error": NUMBER},
     "launch": _LAUNCH,
@@ -88,15 +94,19 @@ def identify_paths(
         }
     with nullcontext() if file is None else file.blamed():
         system = SlidingPoint(1.0, law=_ANY, **given.get("system", {}))
+        known = given.get("paths", {})
+        reading: dict[str, Any] = {
+            name: given[name] for name in ("file", "columns", "units") if name in given
+        }
         fit = fit_paths(
-            [str(path) for path in paths],
+            observed([str(path) for path in paths], known.get("position_error"), reading),
             system=system,
             reservoir=reservoir,
             direction=direction,
             launch=launches,
             fixed=fixed,
             confidence=confidence,
-            **given.get("paths", {}),
+            **known,
         )
     origin = Provenance.of_files(
         [*paths, *([] if config is None else [config])],

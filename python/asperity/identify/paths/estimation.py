@@ -23,7 +23,7 @@ from asperity.identify.fitting.models.names import (
     reservoir_model,
 )
 from asperity.identify.identified_law import Structure
-from asperity.identify.paths.launch import Launch, known_of
+from asperity.identify.paths.launch import DIRECTION, Launch, known_of
 from asperity.identify.paths.misfits import Misfits
 from asperity.identify.paths.motions import Motions
 from asperity.identify.paths.observed import FEWEST, Observed, observed
@@ -41,6 +41,8 @@ AnyPath: TypeAlias = TimedPath | Run | str | os.PathLike[str]
 
 # A descent ends where the squares change by less than this share: a start, and the fit.
 _NEAR, _CLOSE = 1e-2, 1e-6
+# A path leaves its launch by less than this angle in rad: friction turns it slowly.
+_ASTRAY = 0.6
 _MOST_TRIALS = 100
 # Laws that a fit only begins at need no exact paths.
 _ROUGH = 1e-4
@@ -126,6 +128,7 @@ def fit_paths(
     given = tuple(_after(path, one) for path, one in zip(given, launches, strict=True))
     pairs = [known_of(one, float(p.time[0])) for one, p in zip(launches, given, strict=True)]
     known, errors = (np.stack(part) for part in zip(*pairs, strict=True))
+    _refuse_degrees(given, known[:, DIRECTION])
     search = _Search(
         structure, _held(fixed, structure), given, system, known, errors, tolerance, step
     )
@@ -156,6 +159,21 @@ def _after(path: Observed, launch: Launch) -> Observed:
             "launch", f"of {path.name} at {launch.time:.6g} s leaves {kept.sum()} points after it"
         )
     return Observed(path.name, path.time[kept], path.position[kept], path.error[kept])
+
+
+def _refuse_degrees(paths: Sequence[Observed], stated: Array) -> None:
+    """Refuse directions that are those of the paths if they are read in degrees."""
+    off = []
+    for path, direction in zip(paths, stated, strict=True):
+        x, y = path.position[len(path.time) // 2] - path.position[0]
+        turned = np.array([direction, np.deg2rad(direction)]) - np.arctan2(y, x)
+        off.append(np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi))
+    radians, degrees = np.array(off)[np.isfinite(stated)].reshape(-1, 2).T
+    if (radians > _ASTRAY).any() and (degrees < _ASTRAY).all():
+        raise FitError(
+            "directions of the launches must be in rad; those given are those of the paths if they "
+            "are read in degrees: np.deg2rad converts them"
+        )
 
 
 def _held(fixed: Mapping[str, float] | None, structure: Structure) -> Array:

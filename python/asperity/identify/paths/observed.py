@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-import csv
+import math
 import os
-import re
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.storage.files import unreadable
 from asperity.errors import ParameterError, RecordError
+from asperity.identify.records.inspection import inspect_path
+from asperity.identify.records.tables.headings import known_units
+from asperity.identify.records.tables.text_table import (
+    Format,
+    Table,
+    number_in,
+    read_table,
+    split,
+)
 from asperity.runs.comparison import TimedPath
 from asperity.runs.run import Run
 
-_TITLE = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\]]*?)\s*\])?\s*")
-_UNITS = {
-    "t": {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6},
-    "x": {"": 1.0, "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
-}
-_NAMES = {"t": ("t", "time"), "x1": ("x1", "x"), "x2": ("x2", "y")}
-_ERRORS = {"e1": ("x1 error", "x1_error"), "e2": ("x2 error", "x2_error")}
+COLUMNS = ("time", "x1", "x2", "x1_error", "x2_error")
+"""What is read of a file."""
 FEWEST = 4
 """A path of fewer points tells no more than its launch."""
 
@@ -47,8 +48,12 @@ class Observed:
     error: Array
 
 
-def observed(paths: Any, position_error: float | None) -> tuple[Observed, ...]:
-    """Return the paths that are given as objects or as files.
+def observed(
+    paths: Any,
+    position_error: float | None,
+    reading: Mapping[str, Mapping[str, Any]] | None = None,
+) -> tuple[Observed, ...]:
+    """Return the paths that are given as objects or as files, read as `read_path` does.
 
     Raises:
         ParameterError: naming the path and what is wrong with it.
@@ -60,7 +65,7 @@ def observed(paths: Any, position_error: float | None) -> tuple[Observed, ...]:
     listed = arrays.several(paths, "paths")
     if not listed:
         raise ParameterError("paths", "must hold a path at least")
-    found = tuple(_observed(one, k, known) for k, one in enumerate(listed))
+    found = tuple(_observed(one, k, known, reading) for k, one in enumerate(listed))
     for k, one in enumerate(found):
         for j, other in enumerate(found[:k]):
             # Noise of two films is never the same: a copy would narrow the scatter between paths.
@@ -71,13 +76,18 @@ def observed(paths: Any, position_error: float | None) -> tuple[Observed, ...]:
     return found
 
 
-def _observed(given: Any, number: int, known: float | None) -> Observed:
+def _observed(
+    given: Any,
+    number: int,
+    known: float | None,
+    reading: Mapping[str, Mapping[str, Any]] | None,
+) -> Observed:
     argument = f"paths[{number}]"
     if isinstance(given, Observed):
         return given
     if isinstance(given, str | os.PathLike):
         name = str(given)
-        time, position, own = read_path(given)
+        time, position, own = read_path(given, reading)
         first = _onset(time, position)
     elif isinstance(given, Run):
         name, first, own = argument, -np.inf, None
@@ -100,7 +110,9 @@ def _observed(given: Any, number: int, known: float | None) -> Observed:
         own = np.full(position.shape, known)
     if own is None:
         raise ParameterError(
-            "position_error", f"is needed: {name} does not say how exact its positions are"
+            "position_error",
+            f"is needed: {name} does not say how exact its positions are; a configuration has it "
+            "in [paths]",
         )
     error = np.broadcast_to(own, position.shape)
     kept = np.isfinite(position).all(axis=1) & np.isfinite(error).all(axis=1) & (time >= first)
@@ -124,64 +136,64 @@ def _onset(time: Array, position: Array) -> float:
         return -np.inf
 
 
-def read_path(path: str | os.PathLike[str]) -> tuple[Array, Array, Array | None]:
+def read_path(
+    path: str | os.PathLike[str], reading: Mapping[str, Mapping[str, Any]] | None = None
+) -> tuple[Array, Array, Array | None]:
     """Read times, positions and, where there are columns for them, their standard errors.
 
-    The first line names the columns: ``t [s]``, ``x1 [m]``, ``x2 [m]``, and ``x1 error [m]``,
-    ``x2 error [m]``, as `track.MeasuredPath.to_csv` writes them; other columns are not read.
+    Args:
+        path: of a table whose headings name the columns, such as ``t [s]``, ``x1 [m]``, ``x2 [m]``
+            and ``x1 error [m]``, ``x2 error [m]``, as `track.MeasuredPath.to_csv` writes them, or
+            ``Time (s)``, ``X (mm)``, ``Y (mm)``; other columns are not read.
+        reading: sections ``file``, ``columns`` and ``units`` of a configuration, which take the
+            place of what the file seems to be.
+
+    Raises:
+        RecordError: if it is no such table.
     """
-    place = Path(path)
-    try:
-        lines = place.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as failed:
-        raise RecordError(str(place), unreadable(place, failed)) from None
-    except UnicodeError:
-        raise RecordError(str(place), "is not utf-8 text") from None
-    head = lines[0] if lines else ""
-    separator = next((one for one in (";", "\t", ",") if one in head), ",")
-    titles = next(csv.reader([head], delimiter=separator), [])
-    found = {key: _column(titles, key, names, place) for key, names in (_NAMES | _ERRORS).items()}
-    for key, names in _NAMES.items():
-        if found[key] is None:
+    given, guessed = reading or {}, inspect_path(path)
+    stated = {**guessed.sections, **given}
+    columns = {name: stated.get("columns", {})[name] for name in COLUMNS
+               if name in stated.get("columns", {})}  # fmt: skip
+    for name in COLUMNS[:3]:
+        if name not in columns:
+            called = ", ".join(repr(one.name) for one in guessed.columns)
+            notes = [
+                note
+                for note in guessed.notes
+                if note.startswith((f"{name}: u", f"{name}: c", "head"))
+            ]
             raise RecordError(
-                str(place),
-                f"must name a column {names[0]!r} in its first line, with its unit in brackets, "
-                f"names {', '.join(map(repr, titles)) or 'none'}",
+                str(path),
+                "; ".join([f"no column seems to be {name}, of {called}", *notes]),
+                ("columns",),
             )
-    columns = [one for one in found.values() if one is not None]
-    rows = []
-    for number, cells in enumerate(csv.reader(lines[1:], delimiter=separator), 2):
-        if not any(cell.strip() for cell in cells):
-            continue
-        rows.append([_number(cells, column, number, place) for column, _ in columns])
-    table = np.array(rows).reshape(-1, len(columns)) * [factor for _, factor in columns]
-    if not np.isfinite(table[:, 0]).all():
-        raise RecordError(str(place), "must hold a time in every line")
-    error = table[:, 3:5] if len(columns) == 5 else None
-    return table[:, 0], table[:, 1:3], error
+    if not {"x1_error", "x2_error"} <= set(columns):
+        columns = {name: columns[name] for name in COLUMNS[:3]}
+    form = Format(**{k: v for k, v in stated["file"].items() if k in vars(Format())})
+    table = read_table(path, columns, form, units=given.get("units"))
+    _refuse_texts(table, columns)
+    known = [known_units(name) for name in columns]
+    scale = [
+        one[table.units.get(name, next(iter(one)))]
+        for name, one in zip(columns, known, strict=True)
+    ]
+    values = table.values * scale
+    if not np.isfinite(values[:, 0]).all():
+        raise RecordError(str(path), "must hold a time in every line")
+    return values[:, 0], values[:, 1:3], values[:, 3:5] if len(columns) == len(COLUMNS) else None
 
 
-def _column(
-    titles: Sequence[str], key: str, names: tuple[str, ...], place: Path
-) -> tuple[int, float] | None:
-    for number, text in enumerate(titles):
-        match = _TITLE.fullmatch(text)
-        if match is None or match["name"] not in names:
-            continue
-        units = _UNITS["t" if key == "t" else "x"]
-        unit = match["unit"] or ""
-        if unit not in units:
-            words = ", ".join(one for one in units if one)
-            raise RecordError(
-                str(place), f"has {match['name']} in {unit!r}: must be one of {words}"
-            )
-        return number, units[unit]
-    return None
-
-
-def _number(cells: Sequence[str], column: int, line: int, place: Path) -> float:
-    text = cells[column].strip() if column < len(cells) else ""
-    try:
-        return float(text) if text else float("nan")
-    except ValueError:
-        raise RecordError(f"{place}, line {line}", f"must hold numbers, holds {text!r}") from None
+def _refuse_texts(table: Table, columns: Mapping[str, str | int]) -> None:
+    """Refuse cells that hold no number; empty ones are gaps."""
+    rows = np.flatnonzero(np.isnan(table.values).any(axis=1))
+    if not rows.size or table.rows is not None:
+        return
+    with open(table.source, encoding=table.format.encoding) as file:
+        lines = file.read().splitlines()
+    for number in table.lines(rows).tolist():
+        for cell in split(lines[number - 1], table.format):
+            if cell and cell.lower() != "nan" and math.isnan(number_in(cell, table.format)):
+                raise RecordError(
+                    f"{table.source}, line {number}", f"must hold numbers, holds {cell!r}"
+                )

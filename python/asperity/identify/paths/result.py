@@ -15,7 +15,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Table, counted
 from asperity._base.storage import data as stored
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Record, Value
+from asperity._base.value import Record, Value, View
 from asperity.identify.fitting.models.coordinates import Estimate, table_of
 from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
 from asperity.identify.identified_law import IdentifiedLaw
@@ -52,9 +52,9 @@ class FittedPath(Record):
     launch_x2: Estimate
 
     @property
-    def launch(self) -> dict[str, Estimate]:
+    def launch(self) -> Mapping[str, Estimate]:
         """The launch by name: ``speed``, ``direction``, ``time``, ``x1``, ``x2``."""
-        return {name: getattr(self, f"launch_{name}") for name in QUANTITIES}
+        return View({name: getattr(self, f"launch_{name}") for name in QUANTITIES})
 
     @property
     def rms(self) -> float:

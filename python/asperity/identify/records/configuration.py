@@ -26,6 +26,7 @@ from asperity.identify.records.reading import (
 )
 from asperity.identify.records.record import CHANNELS, Processing, RawData, Recording
 from asperity.identify.records.sliding.motion import force_columns, motion_columns
+from asperity.identify.records.tables.headings import UNITS, known_units
 from asperity.identify.records.tables.text_table import (
     Format,
     Source,
@@ -33,7 +34,6 @@ from asperity.identify.records.tables.text_table import (
     names_in,
     read_table,
 )
-from asperity.identify.records.units import UNITS, factors
 
 _FORMAT = ("delimiter", "decimal", "header", "encoding", "names", "thousands", "sheet")
 _TIME = Kind(
@@ -114,7 +114,7 @@ class Configuration(Value):
     {'angle': 'deg'}
     """
 
-    sections: dict[str, Any]
+    sections: Mapping[str, Any]
     folder: str
     # What it was loaded from: errors name the lines in it.
     _file: TomlFile | None = None
@@ -188,6 +188,8 @@ class Configuration(Value):
         runs, within = self._runs(files, constant, part_of(report, 0, whole))
         later = part_of(report, len(files), whole)
         without = self._records_without_load(idle, constant, later) if idle else within
+        if calibration is not None and "file" not in self._section("calibration"):
+            self._refuse_scaled(runs)
         return RawData(
             runs,
             calibration=calibration,
@@ -195,6 +197,22 @@ class Configuration(Value):
             processing=Processing(**self._processing()),
             **self._section("tribometer"),
         )
+
+    def _refuse_scaled(self, runs: Sequence[Recording]) -> None:
+        """Refuse units of headings alone beside a calibration that is given in numbers."""
+        columns = self._section("columns")
+        read = (*force_columns(columns, motion_columns(columns)), "normal")
+        for run in runs:
+            for name, unit in zip(read, run._units, strict=False):
+                if UNITS[name][unit.removeprefix("-")] != 1.0 and name not in self._section(
+                    "units"
+                ):
+                    raise RecordError(
+                        run.source,
+                        f"{name}: its heading says {unit!r}, the readings of the calibration do "
+                        "not say theirs: state the unit, in which both are then",
+                        ("units",),
+                    )
 
     def _processing(self) -> dict[str, Any]:
         options = self._section("processing")
@@ -262,7 +280,7 @@ class Configuration(Value):
         ends = [given.get(name) for name in ("from", "to")]
         if ends == [None, None]:
             return None
-        low, high = (one if isinstance(one, list) else [one] for one in ends)
+        low, high = (one if isinstance(one, tuple) else [one] for one in ends)
         if len(low) != len(high):
             raise ParameterError(
                 section, f"must have as many ends as begins: {len(low)} from, {len(high)} to"
@@ -289,12 +307,17 @@ class Configuration(Value):
         columns = self._section("columns")
         channels = (*force_columns(columns, motion_columns(columns)), "normal")
         wanted = {name: name for name in LOADS} | {n: columns.get(n, n) for n in channels}
-        table = read_table(path, wanted, self._format)
+        units = self._section("units")
+        table = read_table(path, wanted, self._format, units=units)
         if not np.isfinite(table.values).all():
             bad = np.flatnonzero(~np.isfinite(table.values).all(axis=1))
             raise RecordError(str(path), f"no number in line {table.lines(bad[:1])[0]}")
-        scale = factors(self._section("units"), self._section("file").get("counts_per_turn"))
-        return table.values[:, :3], table.values[:, 3:] * [scale[name] for name in channels]
+        factor = [
+            known_units(name)[table.units.get(name, "N").removeprefix("-")] for name in wanted
+        ]
+        sign = [-1.0 if units.get(name, "").startswith("-") else 1.0 for name in wanted]
+        values = table.values * factor * sign
+        return values[:, :3], values[:, 3:]
 
 
 def read_raw(

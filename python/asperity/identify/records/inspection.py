@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
-import unicodedata
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -21,9 +19,26 @@ from asperity._base.tables import aligned
 from asperity._base.value import Value
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.reading import PathLike
-from asperity.identify.records.record import CHANNELS
+from asperity.identify.records.record import gap_rows
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.guessing import Guess, guess, of_cells
+from asperity.identify.records.tables.headings import (
+    CHANNELS,
+    CLOCK,
+    COUNTS,
+    DEFAULTS,
+    FORCES,
+    MOTION,
+    PATH_WORDS,
+    READINGS,
+    UNITS,
+    WORDS,
+    Headings,
+    assigned,
+    headings,
+    is_read,
+    unit,
+)
 from asperity.identify.records.tables.text_table import (
     SPREADSHEETS,
     Format,
@@ -32,58 +47,15 @@ from asperity.identify.records.tables.text_table import (
     read_table,
     sheets_of,
 )
-from asperity.identify.records.units import CLOCK, COUNTS, DEFAULTS, FORCES, MOTION
 
 _TURN = 2.0 * math.pi
-_IN_BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*[\[(<]\s*(?P<unit>[^\])>]*)\s*[\])>]\s*")
-_AFTER_MARK = re.compile(r"\s*(?P<name>.+?)\s*(?:/|\bin\b)\s*(?P<unit>[^\s/]+(?:/\w+)?)\s*")
-_UNITS = {
-    "s": "s", "sec": "s", "sek": "s", "seconds": "s", "sekunden": "s",
-    "ms": "ms", "msec": "ms", "us": "us", "µs": "us", "min": "min",
-    "hh:mm:ss": CLOCK, "h:m:s": CLOCK, "hh:mm:ss.fff": CLOCK,
-    "rad": "rad", "deg": "deg", "°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg",
-    "turn": "turn", "turns": "turn", "rev": "turn", "u": "turn", "umdr": "turn",
-    "counts": COUNTS, "count": COUNTS, "cts": COUNTS, "inc": COUNTS, "inkr": COUNTS,
-    "ticks": COUNTS,
-    "rpm": "rpm", "1/min": "rpm", "u/min": "rpm", "min-1": "rpm", "min^-1": "rpm", "rev/min": "rpm",
-    "turn/s": "turn/s", "1/s": "turn/s", "hz": "turn/s", "deg/s": "deg/s", "°/s": "deg/s",
-    "rad/s": "rad/s",
-    "n": "N", "newton": "N", "newtons": "N", "volt": "V", "volts": "V",
-    "gf": "gf", "kgf": "kgf", "kp": "kgf", "lbf": "lbf",
-    "mn": "mN", "cn": "cN", "kn": "kN", "v": "V", "mv": "mV",
-    "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um",
-    "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
-}  # fmt: skip
-"""Spellings of units, in small letters; where these differ, kN from KN do not."""
-
-_WORDS = {
-    "time": r"t|time|zeit\w*|uhrzeit|timestamp|zeitstempel|clock|temps|tijd|datum|date.*",
-    "turn_rate": r"rpm|drehzahl|speed rpm|rotation speed|turn rate|omega|n",
-    "angle": r"a|phi|angle|winkel|drehwinkel|rotation|drehung|encoder|counts?|theta|"
-    r"position angle|angular position",
-    "tangential": r"ft|f t|ftan|f tan|tangential\w*|reibkraft|reibung\w*|friction\w*|"
-    r"friction force|ff|f friction|tangential force",
-    "radial": r"fr|f r|frad|f rad|radial\w*|querkraft|lateral\w*|radial force|fq|f q",
-    "normal": r"fn|f n|fz|f z|normal\w*|anpresskraft|load|last|axial\w*|"
-    r"normal force|normal load",
-    "velocity_x": r"vx|v x|velocity x|geschwindigkeit x|speed x",
-    "velocity_y": r"vy|v y|velocity y|geschwindigkeit y|speed y",
-    "position_x": r"x|sx|pos x|position x|weg x|x pos|x position",
-    "position_y": r"y|sy|pos y|position y|weg y|y pos|y position",
-    "force_x": r"fx|f x|kraft x|force x",
-    "force_y": r"fy|f y|kraft y|force y",
-    "velocity": r"v|velocity|speed|geschwindigkeit|sliding speed|sliding velocity",
-    "position": r"s|pos|position|weg|hub|stroke|displacement|weg s",
-}
-_KINDS = {
-    "s": "time", "ms": "time", "us": "time", "min": "time", CLOCK: "time",
-    "rad": "angle", "deg": "angle", "turn": "angle", COUNTS: "angle",
-    "rpm": "turn_rate", "turn/s": "turn_rate", "deg/s": "turn_rate", "rad/s": "turn_rate",
-    "m": "position", "mm": "position", "cm": "position", "um": "position",
-    "m/s": "velocity", "mm/s": "velocity", "cm/s": "velocity", "um/s": "velocity",
-    "N": "force", "mN": "force", "cN": "force", "kN": "force", "gf": "force",
-    "kgf": "force", "lbf": "force", "V": "force", "mV": "force",
-}  # fmt: skip
+# Kinds of columns that their units alone may show.
+_BY_UNIT = {"time": ("s", "ms", "us", "min", CLOCK), "angle": ("rad", "deg", "turn", COUNTS),
+            "turn_rate": ("rpm",)}  # fmt: skip
+# Steps of a time differ from the usual one by less than this share.
+_EVEN = 0.05
+# A force across the sliding is smaller than this part of that along it; else both may be one force.
+_ACROSS = 0.5
 
 
 class Column(Value):
@@ -126,7 +98,7 @@ class Inspection(Value):
 
     path: str
     columns: tuple[Column, ...]
-    sections: dict[str, Any]
+    sections: Mapping[str, Any]
     notes: tuple[str, ...]
 
     def __init__(
@@ -161,7 +133,9 @@ class Inspection(Value):
     def text(self) -> str:
         """Return the configuration as TOML, with the notes as comments."""
         head = f"How {Path(self.path).name} is read, as far as it could be guessed: look it over."
-        return toml.text(self.sections, {"": "\n".join([head, *self.notes])}) + _HINTS
+        return toml.text(self.sections, {"": "\n".join([head, *self.notes])}) + (
+            _PATH_HINTS if {one.role for one in self.columns} & {"x1", "x2"} else _HINTS
+        )
 
     def write(self, path: PathLike) -> None:
         """Write the configuration to edit; a file that is there stays as it is.
@@ -199,12 +173,22 @@ _HINTS = """
 """
 
 
+_PATH_HINTS = """
+# What else is to be said, as far as it is known.
+#
+# [paths]
+# position_error = 0.0005     # m, where the files have no columns of errors
+# length_error = 0.002        # relative
+"""
+
+
 def inspect_file(path: PathLike, *, sheet: str | int | None = None) -> Inspection:
     r"""Guess how a file of a tribometer is written and what its columns are.
 
     Encoding, delimiter, decimal mark, groups of digits, header and line of names follow from the
-    text, units from brackets behind names, from a line of units or from the numbers themselves, and
-    what columns are from their names and units. All of it is a guess to look over.
+    text, units from headings or from the numbers themselves, and what columns are from their names
+    and units. All of it is a guess to look over; what is not found, or by order or unit alone, is
+    said in the notes.
 
     Args:
         path: a text file or a spreadsheet (.xlsx).
@@ -251,75 +235,63 @@ def _of_sheets(path: Path) -> Inspection:
     return found[best].replace(notes=[note, *found[best].notes])
 
 
-def _inspected(path: Path, found: Guess) -> Inspection:
-    names, units, line = _names(found)
+def inspect_path(path: PathLike) -> Inspection:
+    """Guess how a file of a measured path is written, as `inspect_file` does.
+
+    Raises:
+        RecordError: if the file cannot be read, or holds no table of numbers.
+    """
+    place = Path(path)
+    is_sheet = place.suffix.lower() in SPREADSHEETS
+    found = of_cells(cells_of(place, 0), str(place), 0) if is_sheet else guess(place)
+    return _inspected(place, found, PATH_WORDS)
+
+
+def _inspected(path: Path, found: Guess, words: Mapping[str, str] = WORDS) -> Inspection:
     form = found.form
-    if line is not None and line != form.header:
-        form = Format(**{**vars(form), "names": line})
-    values = _numbers(path, found, form)
-    roles = _roles(names, units, values)
+    width = max(map(len, found.body))
+    least = max((_used(row) for row in found.body), default=width)
+    head = headings(found.header, width, least=least, words=words)
+    if head.line and head.line != form.header:
+        form = Format(**{**vars(form), "names": head.line})
+    values, parts = _numbers(path, found, form)
+    held = np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
+    roles, notes = assigned(head, words, values, held if words is WORDS else range(width))
+    if words is WORDS:
+        roles, notes = _channels(head, values, held, roles, notes)
+    file = _file_section(form, is_sheet=path.suffix.lower() in SPREADSHEETS)
+    time = next((at for at, role in roles.items() if role == "time"), None)
+    if time is not None and parts:
+        values[:, time] = labview.through_parts(values[:, time], parts)
+        if gap_rows(values[:, time]).size:
+            file["on_defect"] = "split"
+            notes.append("on_defect: between parts there are pauses, at which they are split")
+    if head.line and any(row[:2] == found.header[head.line - 1][:2] for row in found.body):
+        file["on_defect"] = "split"
+        notes.append("on_defect: headings come again between the numbers, which are split there")
     columns = []
-    for at, name in enumerate(names):
+    for at, name in enumerate(head.names[:least]):
         column = values[:, at][np.isfinite(values[:, at])]
         low, high = (column.min(), column.max()) if column.size else (None, None)
-        columns.append(Column(name, unit=units[at], role=roles.get(at, ""), low=low, high=high))
-    is_sheet = path.suffix.lower() in SPREADSHEETS
-    sections, notes = _sections(form, columns, values, found, is_sheet=is_sheet)
-    return Inspection(path, columns=columns, sections=sections, notes=notes)
+        one = Column(name, unit=head.units[at], role=roles.get(at, ""), low=low, high=high)
+        columns.append(one)
+    sections, further = _sections(file, columns, values, found, named=head.line > 0)
+    if words is WORDS:
+        further += _missing(set(roles.values()), file)
+    else:
+        lacks = [role for role in ("time", "x1", "x2") if role not in roles.values()]
+        further += [f"{role}: no column seems to be it; name it in [columns]" for role in lacks]
+    odd = [f"headings: {head.odd}: which is which is left open"] if head.odd else []
+    return Inspection(path, columns=columns, sections=sections, notes=[*odd, *notes, *further])
 
 
-def _names(found: Guess) -> tuple[list[str], list[str], int | None]:
-    """Return the names and units of the columns, and the line of the names, from 1."""
-    line: int | None
-    width = max(map(len, found.body))
-    while width and all(len(row) < width or row[width - 1] == "" for row in found.body):
-        width -= 1
-    texts = [[str(cell).strip() for cell in row] for row in found.header]
-    heading = labview.heading_of(texts)
-    if heading is not None:
-        line = next(at for at in range(len(texts), 0, -1) if texts[at - 1][:1] == [labview.LAST])
-        row, units = ((part + [""] * width)[:width] for part in (texts[line - 1], heading.units))
-        within = [_parted(cell)[1] for cell in row]
-        return row, [a or b for a, b in zip(within, units, strict=True)], line
-    units, line = [""] * width, None
-    for number in range(len(texts), 0, -1):
-        row = (texts[number - 1] + [""] * width)[:width]
-        filled = [cell for cell in row if cell]
-        if len(filled) < max(2, 0.5 * width):
-            continue
-        as_units = [_unit(cell.strip("[]()<> ")) for cell in row]
-        if line is None and not any(units) and sum(map(bool, as_units)) > 0.5 * len(filled):
-            # A line of names, such as t, N, may look like one of units, if it is the only one.
-            above = texts[number - 2] if number > 1 else []
-            if sum(map(bool, above)) >= 0.5 * width:
-                units = [cell.strip("[]()<> ") for cell in row]
-                continue
-        line = number
-        within = [_parted(cell)[1] for cell in row]
-        return row, [a or b for a, b in zip(within, units, strict=True)], line
-    return [f"column {at}" for at in range(width)], units, line
+def _used(row: Sequence[Any]) -> int:
+    """Return the number of cells of a line without those empty at its end."""
+    return max((at for at, cell in enumerate(row, 1) if cell != ""), default=0)
 
 
-def _unit(text: str) -> str:
-    """Return our name of a unit, or nothing."""
-    plain = text.strip().replace("μ", "µ")
-    # Mega is no unit here.
-    return _UNITS.get(plain.lower(), "")
-
-
-def _parted(name: str) -> tuple[str, str]:
-    """Return a name without its unit, and the unit."""
-    found = _IN_BRACKETS.fullmatch(name)
-    if found is not None:
-        return found["name"], found["unit"].strip()
-    found = _AFTER_MARK.fullmatch(name)
-    if found is not None and _unit(found["unit"]):
-        return found["name"], found["unit"]
-    return name, ""
-
-
-def _numbers(path: Path, found: Guess, form: Format) -> Array:
-    """Return the numbers of all lines, NaN where there are none; clocks in s."""
+def _numbers(path: Path, found: Guess, form: Format) -> tuple[Array, Sequence[labview.Part]]:
+    """Return the numbers of all lines, NaN where there are none, clocks in s; and the parts."""
     width = max(map(len, found.body))
     form_of = found.form
 
@@ -338,113 +310,116 @@ def _numbers(path: Path, found: Guess, form: Format) -> Array:
     held = np.flatnonzero(np.isfinite(body).mean(axis=0) > 0.5)
     clocked = [at for at in held.tolist() if _is_clock(found, at)]
     if path.suffix.lower() in SPREADSHEETS:
-        return body
-    timed = [f"column {at}" for at in clocked]
+        return body, ()
+    units = {f"column {at}": CLOCK for at in clocked}
     try:
-        read = read_table(path, {f"column {at}": int(at) for at in held}, form, clocked=timed)
+        read = read_table(path, {f"column {at}": int(at) for at in held}, form, units=units)
     except RecordError:
-        return body
+        return body, ()
     whole = np.full((len(read.values), width), np.nan)
     whole[:, held] = read.values
-    return whole
+    return whole, read.parts
 
 
-def _plain(name: str) -> str:
-    """Return a name in small letters without accents and marks."""
-    parted = unicodedata.normalize("NFKD", _parted(name)[0].lower())
-    letters = "".join(one for one in parted if not unicodedata.combining(one))
-    greek = (
-        letters.replace("φ", "phi").replace("ϕ", "phi").replace("θ", "theta").replace("ω", "omega")
-    )
-    return " ".join(re.sub(r"[^a-z0-9]+", " ", greek).split())
-
-
-def _roles(names: Sequence[str], units: Sequence[str], values: Array) -> dict[int, str]:
-    """Return what the columns seem to be, by their number."""
-    roles: dict[int, str] = {}
-    # Units that fit say more than names. Where there is one that is none of ours, as of a
-    # temperature or of a coefficient of friction, the name misleads.
-    with_unit = [at for at in range(len(names)) if _unit(units[at])]
-    without = [at for at in range(len(names)) if not units[at]]
-    for at in (*with_unit, *without):
-        name, kind = names[at], _KINDS.get(_unit(units[at]), "")
-        for role, words in _WORDS.items():
-            if role in roles.values() or not re.fullmatch(words, _plain(name)):
-                continue
-            if kind and not _kind_of(role).startswith(kind):
-                continue
-            if np.isfinite(values[:, at]).any():
-                roles[at] = role
-                break
-    for at in range(len(names)):
-        kind = _KINDS.get(_unit(units[at]), "")
-        if (
-            at not in roles
-            and kind in ("time", "angle", "turn_rate")
-            and kind not in roles.values()
-            and np.isfinite(values[:, at]).any()
-        ):
-            roles[at] = kind
-    free = [
-        at
-        for at in range(len(names))
-        if at not in roles and _KINDS.get(_unit(units[at])) == "force"
-    ]
-    missing = [one for one in CHANNELS if one not in roles.values()]
-    if len(free) == len(missing) and not set(FORCES) & set(roles.values()):
-        roles |= dict(zip(free, missing, strict=True))
-    return _consistent(roles)
-
-
-def _kind_of(role: str) -> str:
-    if role in CHANNELS or role in FORCES:
-        return "force"
-    return role.partition("_")[0] if role in MOTION else role
-
-
-def _consistent(roles: dict[int, str]) -> dict[int, str]:
-    """Leave one motion: that of x and y if there is one, else the rotation, else the stroke."""
-    found = set(roles.values())
-    pairs = (("velocity_x", "velocity_y"), ("position_x", "position_y"))
-    pair = next((one for one in pairs if set(one) <= found), None)
-    if pair is not None and set(FORCES) <= found:
-        kept = {*pair, "time", "angle", "normal", *FORCES}
-    else:
-        # Forces along x and y of a pin on a disk are those along it and across; one of them beside
-        # a friction force is that across.
-        given = [role for role in FORCES if role in found]
-        missing = [role for role in CHANNELS[:2] if role not in found]
-        names: dict[str, str] = {}
-        if len(missing) == 2 or len(given) == len(missing):
-            names = dict(zip(FORCES if len(missing) == 2 else given, missing, strict=True))
-        # One axis that moves is the line along which the stage goes. Beside forces along x and y,
-        # one along y would need a force across of another sign.
-        for kind in ("velocity", "position"):
-            alone = [role for role in (f"{kind}_x", f"{kind}_y") if role in found]
-            along = not alone or alone[0].endswith("x") or len(missing) < 2
-            if len(alone) == 1 and kind not in found and along:
-                names[alone[0]] = kind
-        roles = {at: names.get(role, role) for at, role in roles.items()}
-        found = set(roles.values())
-        motion = next(
-            (one for one in ("angle", "turn_rate", "velocity", "position") if one in found), ""
+def _channels(
+    head: Headings, values: Array, held: Sequence[int], roles: dict[int, str], notes: list[str]
+) -> tuple[dict[int, str], list[str]]:
+    """Return what columns of a tribometer are by their units and numbers as well, and notes."""
+    free = [at for at in held if at not in roles]
+    for role, kinds in _BY_UNIT.items():
+        fits = [at for at in free if unit(head.units[at]) in kinds and is_read(head.names[at])]
+        fits = [at for at in fits if role != "time" or _rises(values[:, at])]
+        asked = role in roles.values() or any(note.startswith(f"{role}: columns") for note in notes)
+        if fits and not asked:
+            roles[fits[0]] = role
+            if role != "time" or len(fits) > 1:
+                notes.append(f"{role}: {head.names[fits[0]]!r} is taken by its unit")
+    if "time" not in roles.values() and "T" in head.names:
+        # A temperature rises, but not in even steps.
+        at = head.names.index("T")
+        if at in held and not head.units[at] and _rises(values[:, at], even=True):
+            roles[at] = "time"
+            notes.append("time: 'T' is taken by its even steps")
+    forces = [at for at in free if at not in roles and unit(head.units[at]) in UNITS["normal"]]
+    alike = {unit(head.units[at]) for at in forces}
+    named = {*CHANNELS, *FORCES} & set(roles.values())
+    if len(forces) == len(CHANNELS) and len(alike) == 1 and not named:
+        roles |= dict(zip(forces, CHANNELS, strict=True))
+        notes.append(
+            "tangential, radial, normal: by the order of the columns, no name says which is which"
         )
-        kept = {"time", motion, *CHANNELS}
-    return {at: role for at, role in roles.items() if role in kept}
+    roles = _consistent(roles, values)
+    return roles, [
+        note
+        for note in notes
+        if " is taken" not in note or note.partition(":")[0] in roles.values()
+    ]
 
 
-def _sections(
-    form: Format, columns: Sequence[Column], values: Array, found: Guess, *, is_sheet: bool
-) -> tuple[dict[str, Any], list[str]]:
-    """Return the sections of the configuration, and what is left to be said."""
-    standard = Format()
-    file: dict[str, Any] = {}
+def _rises(column: Array, *, even: bool = False) -> bool:
+    """Return whether numbers rise like a time, but for where it starts again."""
+    steps = np.diff(column[np.isfinite(column)])
+    if not steps.size or (steps > 0.0).mean() < 0.9:
+        return False
+    usual = float(np.median(steps))
+    return not even or bool((np.abs(steps - usual) <= _EVEN * usual).mean() > 0.9)
+
+
+def _consistent(roles: dict[int, str], values: Array) -> dict[int, str]:
+    """Leave one motion: that of x and y if there is one, else the rotation, else the stroke."""
+    found = {role: at for at, role in roles.items()}
+    pairs = (("velocity_x", "velocity_y"), ("position_x", "position_y"))
+    pair = next((one for one in pairs if set(one) <= set(found)), None)
+    if pair is not None and set(FORCES) <= set(found):
+        kept = {*pair, "time", "angle", "normal", *FORCES}
+        return {at: role for at, role in roles.items() if role in kept}
+    # Forces along x and y of a pin on a disk are those along it and across; one of them beside
+    # a friction force is that across, unless it is as large.
+    given = [role for role in FORCES if role in found]
+    if len(given) == 2 and "radial" not in found:
+        roles = {at: role for at, role in roles.items() if role != "tangential"}
+    missing = [role for role in CHANNELS[:2] if role not in roles.values()]
+    names: dict[str, str] = {}
+    if len(missing) == 2 and len(given) == 2:
+        names = dict(zip(FORCES, missing, strict=True))
+    elif len(given) == len(missing) == 1 and "tangential" in found:
+        one, other = (np.abs(values[:, found[role]]) for role in (given[0], "tangential"))
+        if np.nanmedian(one) < _ACROSS * np.nanmedian(other):
+            names = {given[0]: missing[0]}
+    elif given == ["force_x"] and "tangential" in missing:
+        names = {"force_x": "tangential"}
+    # One axis that moves is the line along which the stage goes. Beside forces along x and y,
+    # one along y would need a force across of another sign.
+    for kind in ("velocity", "position"):
+        alone = [role for role in (f"{kind}_x", f"{kind}_y") if role in found]
+        along = not alone or alone[0].endswith("x") or len(missing) < 2
+        if len(alone) == 1 and kind not in found and along:
+            names[alone[0]] = kind
+    roles = {at: names.get(role, role) for at, role in roles.items()}
+    motion = next(
+        (one for one in ("angle", "turn_rate", "velocity", "position") if one in roles.values()), ""
+    )
+    return {at: role for at, role in roles.items() if role in {"time", motion, *CHANNELS}}
+
+
+def _file_section(form: Format, *, is_sheet: bool) -> dict[str, Any]:
+    standard, file = Format(), dict[str, Any]()
     for name, value in vars(form).items():
         # Cells of a spreadsheet are parted already.
         if value != getattr(standard, name) and not (name == "delimiter" and is_sheet):
             file[name] = " " if name == "delimiter" and value is None else value
-    if "header" not in file:
-        file["header"] = form.header
+    return {**file, "header": form.header}
+
+
+def _sections(
+    file: dict[str, Any],
+    columns: Sequence[Column],
+    values: Array,
+    found: Guess,
+    *,
+    named: bool,
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the sections of the configuration, and what is to be said of the columns."""
     notes: list[str] = []
     by_role = {one.role: at for at, one in enumerate(columns) if one.role}
     names = [one.name for one in columns]
@@ -452,20 +427,20 @@ def _sections(
     units: dict[str, str] = {}
     for role in _order(by_role):
         at = by_role[role]
-        named = columns[at].name
-        unique = form.line_of_names and names.count(named) == 1 and named
-        wanted[role] = named if unique else at
-        unit = _unit(columns[at].unit)
-        column = values[:, at]
+        name = columns[at].name
+        wanted[role] = name if named and name and names.count(name) == 1 else at
+        column, own = values[:, at], unit(columns[at].unit)
         if role == "time" and _is_clock(found, at):
-            unit = CLOCK
-        if not unit:
-            unit = _by_numbers(role, column)
-            if unit and unit != DEFAULTS[role]:
-                notes.append(f"{role}: by its numbers in {unit}")
-        if not unit and role in DEFAULTS:
-            notes.append(f"{role}: no unit is given; {DEFAULTS[role]} is taken")
-        if unit == COUNTS:
+            own = CLOCK
+        if not own:
+            own = _by_numbers(role, column)
+            if own and own != DEFAULTS.get(role, "m"):
+                notes.append(f"{role}: by its numbers in {own}")
+        if not own:
+            notes.append(f"{role}: no unit is given; {DEFAULTS.get(role, 'm')} is taken")
+        if own in READINGS:
+            notes.append(f"{role}: in {own}, which only a [calibration] turns into N")
+        if own == COUNTS:
             turn = _counts(column)
             if turn:
                 file["counts_per_turn"] = turn
@@ -475,27 +450,33 @@ def _sections(
                     "counts_per_turn: the counts do not start again; see the encoder, and give it "
                     "in [file]"
                 )
-        if unit and unit != DEFAULTS[role]:
-            units[role] = unit
+        if own and own != DEFAULTS.get(role, "m"):
+            units[role] = own
         if role == "normal" and np.nanmean(column) < 0.0:
-            units[role] = f"-{unit or DEFAULTS[role]}"
+            units[role] = f"-{own or DEFAULTS[role]}"
             notes.append("normal: negative, the sensor seems to count tension as positive")
-    rotation = {"angle", "turn_rate", *MOTION} & set(by_role)
-    needed = {"time": "sample_rate in [file]", "normal": "normal_load in [tribometer]"}
-    for role in ("time", *(() if "force_x" in by_role else CHANNELS)):
-        if role not in by_role:
-            rest = f", or {needed[role]}" if role in needed else ""
-            notes.append(f"{role}: no column seems to be it; name it in [columns]{rest}")
     if "time" not in by_role and (rate := _rate(found)):
         file["sample_rate"] = rate
-        notes = [note for note in notes if not note.startswith("time: no column")]
-    if not rotation:
+    found_sections = {"file": file, "columns": wanted, "units": units}
+    return {name: part for name, part in found_sections.items() if part}, notes
+
+
+def _missing(roles: set[str], file: Mapping[str, Any]) -> list[str]:
+    """Return what is to be said of the columns of a tribometer that are not there."""
+    needed = {"time": "sample_rate in [file]", "normal": "normal_load in [tribometer]"}
+    wanted = ("time", *(() if "force_x" in roles else CHANNELS))
+    notes = [
+        f"{role}: no column seems to be it; name it in [columns]"
+        + (f", or {needed[role]}" if role in needed else "")
+        for role in wanted
+        if role not in roles and not (role == "time" and "sample_rate" in file)
+    ]
+    if not {"angle", "turn_rate", *MOTION} & roles:
         notes.append(
             "angle: no column seems to be it; name it in [columns], or turn_rate in [file], or a "
             "motion along lines"
         )
-    found_sections = {"file": file, "columns": wanted, "units": units}
-    return {name: part for name, part in found_sections.items() if part}, notes
+    return notes
 
 
 def _rate(found: Guess) -> float:
@@ -507,8 +488,8 @@ def _rate(found: Guess) -> float:
 
 
 def _order(by_role: Mapping[str, int]) -> list[str]:
-    known = ["time", "angle", "turn_rate", *MOTION, *CHANNELS, *FORCES]
-    return [role for role in known if role in by_role]
+    known = ["time", "angle", "turn_rate", *MOTION, *CHANNELS, *FORCES, *PATH_WORDS]
+    return [role for role in dict.fromkeys(known) if role in by_role]
 
 
 def _is_clock(found: Guess, at: int) -> bool:
@@ -529,9 +510,9 @@ def _by_numbers(role: str, column: Array) -> str:
     if not wraps.size:
         return ""
     size, step = float(np.median(wraps) + np.median(jumps)), float(np.median(jumps))
-    for unit, turn in (("deg", 360.0), ("rad", _TURN), ("turn", 1.0)):
+    for name, turn in (("deg", 360.0), ("rad", _TURN), ("turn", 1.0)):
         if abs(size - turn) < 0.02 * turn + step:
-            return unit
+            return name
     is_whole = bool((column == np.rint(column)).all())
     return COUNTS if is_whole and size > 50.0 else ""
 

@@ -18,7 +18,7 @@ from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Progress, each, reporter
 from asperity.errors import ParameterError, RecordError
-from asperity.identify.records import units as _units
+from asperity.identify.records.magnitudes import check_magnitudes, check_wrapping
 from asperity.identify.records.record import (
     CHANNELS,
     PIECE,
@@ -28,7 +28,8 @@ from asperity.identify.records.record import (
     standstill_rows,
 )
 from asperity.identify.records.sliding.motion import force_columns, motion_columns, velocity_of
-from asperity.identify.records.tables import clock
+from asperity.identify.records.tables import clock, labview
+from asperity.identify.records.tables.headings import CLOCK, DEFAULTS, FORCES, UNITS, factors
 from asperity.identify.records.tables.text_table import (
     Format,
     Source,
@@ -95,10 +96,11 @@ def read_csv(
             and ``velocity_y`` or ``position_x`` and ``position_y``, with ``force_x`` and
             ``force_y`` for the channels; an ``angle`` then says how the surface lies.
         units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
-            angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, mN, cN, kN,
-            gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N; velocities m/s,
-            cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the sign. Default: s,
-            rad, turn/s, N, m/s, m. The angle may be wrapped.
+            angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, uN, mN, cN,
+            daN, kN, gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N;
+            velocities m/s, cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the
+            sign. Default: the unit of the heading, else s, rad, turn/s, N, m/s, m. The angle may be
+            wrapped.
         delimiter: between columns; None or a blank for any white space.
         decimal: ``"."`` or ``","``.
         header: number of lines before the numbers.
@@ -118,7 +120,7 @@ def read_csv(
             where a stage moves: from e₁ of the surface to the axis of the stage, so that a surface
             turned counter-clockwise under the stage by α has the angle −α; by default 0.
         loaded: False for records without load, where the disk may rest and no unit is checked.
-        check_units: whether implausible magnitudes are refused.
+        check_units: whether implausible magnitudes, and headings with another unit, are refused.
         on_defect: ``"raise"``, or ``"split"``: the record is cut at its defects, and pieces
             without them are returned.
         progress: ``True`` for a bar of tqdm, or a function of (files read, all files).
@@ -128,7 +130,8 @@ def read_csv(
 
     Raises:
         RecordError: with file, line, column and remedy: numbers missing, sampling gaps, clipped or
-            constant channels, implausible magnitudes, files that are no such table.
+            constant channels, implausible magnitudes, headings with other units, two columns of one
+            name, files that are no such table.
 
     Reference: [WL19] §5.2.
 
@@ -255,16 +258,15 @@ class Reader:
     def __post_init__(self) -> None:
         arrays.choice(self.on_defect, "on_defect", ("raise", "split"))
         for name in self.columns:
-            if name not in _units.UNITS:
-                raise ParameterError(
-                    "columns", f"has no channel {name!r}, only {', '.join(_units.UNITS)}"
-                )
+            if name not in UNITS:
+                raise ParameterError("columns", f"has no channel {name!r}, only {', '.join(UNITS)}")
         both = [name for name in _CONSTANTS if name in self.columns and name in self.constants]
         if both:
             raise ParameterError(_CONSTANTS[both[0]], f"excludes a column of {both[0]}")
         if "angle" in self.constants and (self.is_stage or self.motion == ("turn_rate",)):
             raise ParameterError("turn_rate", f"excludes a column of {self.motion[0]}")
-        _ = self.forces, self.scale
+        counts = self.counts_per_turn if "angle" in self.units else None
+        _ = self.forces, factors(self.units, counts)
 
     @cached_property
     def constants(self) -> dict[str, float]:
@@ -291,16 +293,6 @@ class Reader:
         """The columns of the two horizontal channels."""
         return force_columns(self.columns, self.motion)
 
-    @cached_property
-    def scale(self) -> dict[str, float]:
-        """The factors to SI of all columns."""
-        return _units.factors(self.units, self.counts_per_turn)
-
-    @cached_property
-    def named(self) -> dict[str, str]:
-        """The units of all columns."""
-        return {**_units.DEFAULTS, **self.units}
-
     def where(self, *, loaded: bool) -> dict[str, str | int]:
         """Return where each wanted column is; constants stand for columns."""
         moving = [*self.motion, *(["angle"] if self.is_stage and "angle" in self.columns else [])]
@@ -319,33 +311,43 @@ class Reader:
     ) -> dict[bool, list[Recording]]:
         """Return the recordings in windows of one table, those with and those without load."""
         where = self.where(loaded=any(windows))
-        clocked = self.named["time"].removeprefix("-") == _units.CLOCK
-        table = read_table(path, where, self.form, clocked=("time",) if clocked else ())
+        table = read_table(path, where, self.form, units=self.units, check=self.check_units)
         if len(table.values) < 2:
             raise RecordError(table.source, "holds one sample only, a run needs two or more")
-        series = self._series(table, where)
+        named = {**DEFAULTS, **table.units}
+        scale = factors(named, self.counts_per_turn)
+        series = self._series(table, where, named, scale)
         if angle is not None:
-            series["angle"] = np.full(len(table.values), angle * self.scale["angle"])
+            series["angle"] = np.full(len(table.values), angle * scale["angle"])
         found: dict[bool, list[Recording]] = {}
         for loaded, given in windows.items():
             found[loaded] = []
             for window in given:
-                part = _Part(self, table, where, series, loaded)
+                part = _Part(self, table, where, series, loaded, named, scale)
                 rows = part.rows(window)
                 found[loaded] += part.recordings(rows, whole=window == (None, None))
         return found
 
-    def _series(self, table: Table, where: Mapping[str, str | int]) -> dict[str, Array]:
-        scale, constants = self.scale, self.constants
+    def _series(
+        self,
+        table: Table,
+        where: Mapping[str, str | int],
+        named: Mapping[str, str],
+        scale: Mapping[str, float],
+    ) -> dict[str, Array]:
+        constants = self.constants
         series = {
             name: table.values[:, at] * scale[name] if scale[name] != 1.0 else table.values[:, at]
             for at, name in enumerate(where)
         }
         count = np.arange(len(table.values))
         if "time" in constants:
-            series["time"] = count / arrays.positive(constants["time"], "sample_rate")
-        elif self.named["time"].removeprefix("-") == _units.CLOCK:
+            rate = arrays.positive(constants["time"], "sample_rate")
+            series["time"] = labview.of_parts(len(count), table.parts, rate)
+        elif named["time"].removeprefix("-") == CLOCK:
             series["time"] = clock.through_midnight(series["time"])
+        elif table.parts:
+            series["time"] = labview.through_parts(series["time"], table.parts)
         if "angle" in constants:
             series["angle"] = _TURN * scale["turn_rate"] * constants["angle"] * series["time"]
         elif "turn_rate" in where:
@@ -379,6 +381,8 @@ class _Part:
     where: Mapping[str, str | int]
     series: Mapping[str, Array]
     loaded: bool
+    named: Mapping[str, str]
+    scale: Mapping[str, float]
 
     def rows(self, window: Window) -> slice:
         """Return the rows of a window."""
@@ -404,17 +408,17 @@ class _Part:
 
     @property
     def _unit(self) -> str:
-        return f" {self.reader.named['time'].removeprefix('-')}"
+        return f" {self.named['time'].removeprefix('-')}"
 
     @property
     def _has_clock(self) -> bool:
-        return self.reader.named["time"].removeprefix("-") == _units.CLOCK
+        return self.named["time"].removeprefix("-") == CLOCK
 
     def _said(self, time: float) -> str:
         """Return a time as the file has it."""
         if self._has_clock:
             return clock.text(time)
-        return f"{time / self.reader.scale['time']:.6g}"
+        return f"{time / self.scale['time']:.6g}"
 
     def _time(
         self, value: float | str | None, missing: float, *, after: float = -math.inf
@@ -431,7 +435,7 @@ class _Part:
             )
             raise ParameterError(argument, f"must have {words} for from and to, got {value!r}")
         if not isinstance(value, str):
-            return arrays.number(value, argument) * self.reader.scale["time"]
+            return arrays.number(value, argument) * self.scale["time"]
         found = clock.seconds(value)
         if math.isnan(found):
             raise ParameterError(argument, f"must have times such as '12:00:05', got {value!r}")
@@ -480,8 +484,8 @@ class _Part:
         if self.loaded and found:
             _refuse_constant(found, source, where)
             if self.reader.check_units:
-                units = {**self.reader.named, **self._units_of_channels()}
-                _units.check_magnitudes(found, units)
+                units = self._units_of_channels()
+                check_magnitudes(found, units)
         return found
 
     def _recording(
@@ -496,8 +500,8 @@ class _Part:
         angle, time = series["angle"][rows], np.array(series["time"][rows])
         # A disk at rest has an angle that only shakes.
         if self.loaded and not reader.is_stage:
-            factor = reader.scale["angle"]
-            _units.check_wrapping(angle / factor, reader.named["angle"], factor, source)
+            factor = self.scale["angle"]
+            check_wrapping(angle / factor, self.named["angle"], factor, source)
             angle = np.unwrap(angle)
             if before is not None:
                 angle = angle + _turns_between(before, angle, time, series["angle"])
@@ -505,12 +509,14 @@ class _Part:
         turned = np.array(angle)
         for values in (time, turned, readings):
             values.flags.writeable = False
-        return Recording(time, angle=turned, readings=readings, source=source, velocity=velocity)
+        found = Recording(time, angle=turned, readings=readings, source=source, velocity=velocity)
+        found._keep(_units=tuple(self._units_of_channels().values()))
+        return found
 
     def _units_of_channels(self) -> dict[str, str]:
-        reader = self.reader
-        pairs = zip(CHANNELS[:2], reader.forces, strict=True)
-        return {channel: reader.named[name] for channel, name in pairs}
+        read = (*self.reader.forces, "normal")
+        found = {channel: self.named[name] for channel, name in zip(CHANNELS, read, strict=True)}
+        return found | ({"normal": "N"} if "normal" in self.reader.constants else {})
 
 
 def _turns_between(before: Recording, angle: Array, time: Array, read: Array) -> float:
@@ -547,7 +553,7 @@ def _defects(
         found.append(("time", "sampling gap after", gaps))
     broken = {name for name, *_ in found}
     for name in where:
-        if name not in (*CHANNELS, *_units.FORCES) or name in broken:
+        if name not in (*CHANNELS, *FORCES) or name in broken:
             continue
         clipped = _clipped(series[name])
         if clipped.size:
@@ -646,7 +652,7 @@ def _refuse_constant(
     """Refuse channels that are the same in all pieces of a record."""
     readings = np.array([[one.readings.min(axis=0), one.readings.max(axis=0)] for one in runs])
     spread = readings[:, 1].max(axis=0) - readings[:, 0].min(axis=0)
-    named = dict(zip((*CHANNELS, *_units.FORCES), (*spread, *spread[:2]), strict=True))
+    named = dict(zip((*CHANNELS, *FORCES), (*spread, *spread[:2]), strict=True))
     moves = [one.velocity for one in runs if one.velocity is not None]
     if not moves:
         angle = max(one.angle.max() for one in runs) - min(one.angle.min() for one in runs)

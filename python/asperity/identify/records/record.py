@@ -16,8 +16,9 @@ from asperity._base.arrays import Array
 from asperity._base.value import Count, Number, Positive, Record, Value
 from asperity.errors import DimensionError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration, by_channel
+from asperity.identify.records.tables.headings import CHANNELS as CHANNELS
+from asperity.identify.records.tables.headings import READINGS
 
-CHANNELS = ("tangential", "radial", "normal")
 # A step longer than this many usual ones is a gap.
 GAP = 1.5
 # Between a file and the lines of one of its pieces.
@@ -54,6 +55,8 @@ class Recording(Value):
     readings: Array
     source: str
     velocity: Array | None
+    # Those of the channels in the file it was read from.
+    _units: tuple[str, ...] = ()
 
     def __init__(
         self,
@@ -198,6 +201,8 @@ class RawData(Value):
             raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
         arrays.of_kind(processing, "processing", Processing, "a Processing")
         _refuse_copies(runs)
+        if calibration is None:
+            _refuse_voltages(runs)
         self._set(
             recordings=runs,
             calibration=calibration,
@@ -216,6 +221,18 @@ def _recordings(values: Any, argument: str) -> tuple[Recording, ...]:
         if not isinstance(value, Recording):
             raise ParameterError(argument, f"must hold Recordings, got {value!r}")
     return found
+
+
+def _refuse_voltages(runs: tuple[Recording, ...]) -> None:
+    """Refuse readings that are no forces."""
+    for run in runs:
+        for channel, unit in zip(CHANNELS, run._units, strict=False):
+            if unit.removeprefix("-") in READINGS:
+                raise RecordError(
+                    run.source,
+                    f"{channel}: is in {unit}, which only a calibration turns into N",
+                    ("calibration", "units"),
+                )
 
 
 def _refuse_copies(runs: tuple[Recording, ...]) -> None:

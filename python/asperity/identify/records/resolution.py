@@ -11,7 +11,7 @@ from asperity.identify.records.record import CHANNELS, RawData, Recording
 
 # Readings of a run that are looked at, one after the other.
 _MOST = 50_000
-# Noise is what is left of a mean over so many parts of a turn.
+# Noise is what is left of a mean over so many parts of a turn, or of a stroke there and back.
 _PARTS = 72
 # Of a normal distribution, the ratio of deviation and median distance.
 _MEDIAN = 1.4826
@@ -57,10 +57,20 @@ def _steps(run: Recording, number: int) -> Steps | None:
     step = _step(values)
     if step is None:
         return None
-    window = max(3, round(run.sample_rate / max(run.turn_rate, 1e-300) / _PARTS))
+    window = max(3, round(len(run) / max(_turns(run), 1.0) / _PARTS))
     away = np.abs(values - uniform_filter1d(values, window))
     noise = _MEDIAN * float(np.median(away))
     return Steps(CHANNELS[number], step, noise) if step > noise else None
+
+
+def _turns(run: Recording) -> float:
+    """Return how often the sliding goes round, or there and back."""
+    if run.velocity is None:
+        there_and_back = float(np.abs(np.diff(run.angle)).sum()) / (2.0 * np.pi)
+        return there_and_back if run.turns_back else abs(run.turns)
+    steps = run.velocity[1:] * np.diff(run.time)[:, None]
+    extent = float(np.ptp(np.cumsum(steps, axis=0), axis=0).max())
+    return float(np.hypot(*steps.T).sum()) / (2.0 * extent) if extent > 0.0 else 0.0
 
 
 def _step(values: Array) -> float | None:

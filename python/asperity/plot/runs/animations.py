@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -22,12 +23,15 @@ from asperity.plot.runs import chosen
 from asperity.plot.runs.bodies import Stage, View, draw_bodies, draw_paths, dress, staged
 from asperity.plot.runs.chosen import Drawable
 from asperity.runs.run import Run
+from asperity.system.linear import LinearSystem
 from asperity.system.rigid import RigidBodies
 from asperity.track import write_video
 
 # Free space around what moves, relative to its size.
 _MARGIN = 0.08
 _MOST = 10_000
+# Width of a block relative to the range of all displacements, and so many lines that have names.
+_BLOCK, _MOST_NAMED = 0.04, 12
 _COLOURS = 64
 
 
@@ -48,14 +52,16 @@ def save_animation(
 ) -> None:
     """Write a run as a moving picture, GIF or MP4; the file is complete or not there.
 
-    Rigid bodies are drawn as by `plot_bodies`, every other run as a point that moves in the plane
-    of its first two coordinates. The picture at each moment is that of the nearest sample.
+    Rigid bodies are drawn as by `plot_bodies`; a `LinearSystem` whose contacts have one direction,
+    such as a chain, as a block for each coordinate, which moves along a line of its own; every
+    other run as a point that moves in the plane of its first two coordinates. The picture at each
+    moment is that of the nearest sample.
 
     Args:
         run: a `Trajectory`, a `Motion` or a `LimitCycle`, of which one period is shown.
         path: ends in ``.gif``, which needs Pillow, or ``.mp4``, which needs PyAV (extra
             ``video``).
-        system: the system of a run of `RigidBodies`; left out for other runs.
+        system: the `RigidBodies` of a run that does not know them.
         view: as of `plot_bodies`.
         bodies: likewise.
         contacts: likewise.
@@ -88,10 +94,12 @@ def save_animation(
     # GIF counts in hundredths of a second.
     interval = 1.0 / rate if ending == ".mp4" else max(round(100.0 / rate), 2) / 100.0
     moments = _moments(one, interval * arrays.positive(speed, "speed"))
-    draw: _Point | _Bodies
-    if system is not None:
+    draw: _Point | _Blocks | _Bodies
+    if system is not None or isinstance(one.system, RigidBodies):
         stage, times = staged(one, system, view, bodies, contacts)
         draw = _Bodies(stage, times, forces=forces, paths=paths)
+    elif isinstance(one.system, LinearSystem) and _is_chain(one.system):
+        draw = _Blocks(one, paths=paths)
     elif view != "above":
         raise ParameterError("system", f"must be given for view={view!r}")
     else:
@@ -126,6 +134,35 @@ class _Point:
         ax.set(aspect="equal", xlabel="$q_1$ in m", ylabel="$q_2$ in m")
 
 
+def _is_chain(system: LinearSystem) -> bool:
+    return all(contact.law.dimension == 1 for contact in system.contacts)
+
+
+class _Blocks:
+    """Draws the coordinates as blocks, each on a line of its own, the first one at the top."""
+
+    projection = None
+
+    def __init__(self, run: Run, *, paths: bool) -> None:
+        self._times, self._q, self._names, self._paths = run.t, run.q, run.labels.coordinates, paths
+        low, high = float(run.q.min()), float(run.q.max())
+        self._width = _BLOCK * (high - low or 1.0)
+        lower, upper = low - 0.5 * self._width, high + 0.5 * self._width
+        self.limits = np.array([[lower, lower], [upper, upper]])
+
+    def __call__(self, ax: Axes, moment: float) -> None:
+        last = _nearest(self._times, moment)
+        rows = np.arange(self._q.shape[1])
+        if self._paths:
+            travelled = self._q[: last + 1]
+            ax.hlines(rows, travelled.min(axis=0), travelled.max(axis=0), color=look.GREY, lw=1.0)
+        left = self._q[last] - 0.5 * self._width
+        ax.barh(rows, np.full(rows.size, self._width), 0.7, left, color=look.SLIDING)
+        named = rows[:: math.ceil(rows.size / _MOST_NAMED)]
+        ax.set_yticks(named, [self._names[row] for row in named])
+        ax.set(xlabel="displacement", ylim=(rows.size - 0.5, -0.5))
+
+
 class _Bodies:
     """Draws rigid bodies."""
 
@@ -158,7 +195,7 @@ def _moments(run: Run, interval: float) -> Array:
 
 
 def _pictures(
-    figure: Figure, draw: _Point | _Bodies, moments: Array
+    figure: Figure, draw: _Point | _Blocks | _Bodies, moments: Array
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield the pictures, shape ``(rows, columns, 3)``, with the axes at the same place in all."""
     # Its methods have no types.

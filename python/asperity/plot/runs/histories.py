@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
@@ -42,8 +43,11 @@ QUANTITIES = (*_OF_COORDINATES, "acceleration", *_OF_CONTACTS)
 
 # Legends with more entries are put beside the axes.
 _BESIDE = 4
-# Height of the bar of a contact and the space above the bars, relative to the height of the axes.
-_BAR, _SPACE = 0.055, 0.03
+# Of more curves of a run, colours follow the order and so many are named, evenly spread.
+_NAMED = 8
+# Height of the bar of a contact, most of all bars and the space above them, relative to the height
+# of the axes.
+_BAR, _BARS, _SPACE = 0.055, 0.22, 0.03
 _DASHES = ("-", (0, (5.0, 1.5)), (0, (1.2, 1.2)))
 
 
@@ -111,12 +115,17 @@ def plot_history(
         options = look.line_options(kwargs)
         for number, ((_, one), name, own) in enumerate(zip(found, names, curves, strict=True)):
             time = one.time if isinstance(one, MeasuredPath) else one.t
+            many = len(own) > _NAMED
+            named = _spread(len(own), _NAMED)
             for part, (text, values, error) in enumerate(own):
                 together = ", ".join(t for t in (text if len(own) > 1 else "", name) if t)
                 # Parts of one run differ in colour, runs with several parts in dashes.
                 dashes = _DASHES[number % len(_DASHES)] if len(own) > 1 else "-"
-                color = look.color(part if len(own) > 1 else number)
-                line_look = {"color": color, "linestyle": dashes, "label": together or None}
+                color: Any = look.color(part if len(own) > 1 else number)
+                if many:
+                    color = colormaps["viridis"](part / (len(own) - 1))
+                label_here = together if part in named else ""
+                line_look = {"color": color, "linestyle": dashes, "label": label_here or None}
                 (line,) = ax.plot(time, values, **{**line_look, **options})
                 if error is not None:
                     band = values - 2.0 * error, values + 2.0 * error
@@ -137,6 +146,11 @@ def plot_history(
             else:
                 ax.legend(handles, texts)
         return ax
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Return numbers of things that are named of so many: all, or the first, the last and some."""
+    return list(np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist())
 
 
 _Curve = tuple[str, Array, Array | None]
@@ -243,7 +257,7 @@ def _axis_label(
 
 def _draw_bars(ax: Axes, bars: Sequence[tuple[str | None, Run, int]]) -> list[Any]:
     """Draw a bar per contact below the axes and return the phases that occur."""
-    height = _BAR * len(bars)
+    height = min(_BAR * len(bars), _BARS)
     strip = ax.inset_axes((0.0, -height - _SPACE, 1.0, height), sharex=ax)
     seen = []
     for row, (_, run, contact) in enumerate(bars):
@@ -255,7 +269,9 @@ def _draw_bars(ax: Axes, bars: Sequence[tuple[str | None, Run, int]]) -> list[An
         ", ".join(text for text in (name, run.contact_names[contact]) if text)
         for name, run, contact in bars
     ]
-    strip.set_yticks(range(len(bars)), names if len(bars) > 1 else ["phase"], fontsize="small")
+    rows = _spread(len(bars), round(height / _BAR))
+    shown = [names[row] for row in rows] if len(bars) > 1 else ["phase"]
+    strip.set_yticks(rows, shown, fontsize="small")
     strip.tick_params(axis="y", length=0.0)
     strip.grid(False)
     for spine in strip.spines.values():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,12 +12,38 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError
 from asperity.sets.shapes.turned import SizedSet, TurnedSet
+from asperity.sets.star import StarSet
+
+
+class Radius(float):
+    """The radius of a ball or a disk: a number, and `radius` of every planar set when called."""
+
+    _of: StarSet
+
+    def __call__(self, theta: ArrayLike) -> Array:
+        """Return the radius r_C(θ) at polar angles in rad."""
+        return StarSet.radius(self._of, theta)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return float, (float(self),)
 
 
 class RoundSet(SizedSet):
     """A ball, which looks the same from all sides."""
 
     _lengths = ("radius",)
+
+    @property
+    def radius(self) -> Radius:
+        """The radius, a number; ``radius(theta)`` is that of every planar set over the direction.
+
+        >>> from asperity import Disk
+        >>> Disk(0.3).radius, float(Disk(0.3).radius(1.0))
+        (0.3, 0.3)
+        """
+        found = Radius(self._parameters["radius"])
+        found._of = self
+        return found
 
     def rotated(self, angle: float) -> Self:
         """Return the set itself."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity._base.value import keep_views
 from asperity.errors import ParameterError
 from asperity.steady_sliding.linearised.field import STEP, Field
 from asperity.steady_sliding.linearised.painleve import not_keeping_apart
@@ -31,17 +33,20 @@ class Linearisation:
     """
 
     mass: Array
-    contacts: dict[int, Sliding]
+    contacts: Mapping[int, Sliding]
     """The contacts that touch."""
     closed: tuple[int, ...]
     imbalance: Array
     """h + W_N λ_N + W λ, which vanishes at an equilibrium."""
     size: float
     """Sum of the sizes of the forces in it and of those of a displacement by one step."""
-    stiffness: dict[str, Array]
-    damping: dict[str, Array]
+    stiffness: Mapping[str, Array]
+    damping: Mapping[str, Array]
     errors: Pencil
     """Bounds of the errors of the entries of M, B, K."""
+
+    def __post_init__(self) -> None:
+        keep_views(self)
 
     @cached_property
     def normals(self) -> Array:
@@ -78,9 +83,12 @@ class Reduced:
 
     Z: Array
     mass: Array
-    stiffness: dict[str, Array]
-    damping: dict[str, Array]
+    stiffness: Mapping[str, Array]
+    damping: Mapping[str, Array]
     errors: Pencil
+
+    def __post_init__(self) -> None:
+        keep_views(self)
 
     @property
     def pencil(self) -> Pencil:
@@ -158,7 +166,9 @@ def linearisation(
     )
 
 
-def _loads(of: Field, found: dict[str, Any], contacts: dict[int, Sliding], delta: Array) -> Array:
+def _loads(
+    of: Field, found: dict[str, Any], contacts: Mapping[int, Sliding], delta: Array
+) -> Array:
     """Return h, then W λ, w_N λ_N and χ of each contact at q ⊕ δ, with λ and λ_N held."""
     parts = [of.transported(found["forces"], delta)]
     for i, contact in contacts.items():
@@ -229,6 +239,6 @@ def _null_space(normals: Array) -> Array:
     return np.ascontiguousarray(vectors[:, rank:])
 
 
-def total(parts: dict[str, Array]) -> Array:
+def total(parts: Mapping[str, Array]) -> Array:
     """Return the sum of the contributions."""
     return np.sum(list(parts.values()), axis=0)

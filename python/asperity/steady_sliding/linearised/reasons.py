@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def growth_rates(whole: Linearisation) -> dict[str, float]:
     }
 
 
-def sentence(whole: Linearisation, left: dict[str, float], growth_rate: float) -> str:
+def sentence(whole: Linearisation, left: Mapping[str, float], growth_rate: float) -> str:
     """Name the mechanisms without which it would not be unstable."""
     alone = [name for name, rate in left.items() if rate <= _NOTABLE * growth_rate]
     helping = [n for n, rate in left.items() if rate < (1.0 - _NOTABLE) * growth_rate]

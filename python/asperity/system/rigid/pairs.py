@@ -71,7 +71,8 @@ class PointPlane(PlanePair):
             function of the position (x₁, x₂) in the plane that returns the angle of e₁ in rad.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
-        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
+        normal_force: prescribed λ_N ≥ 0 in N, which pushes the body away like any force: without
+            a load against it the body moves off. ``None``: unilateral.
         patch_radius: R > 0 in m, with p = 3 and only then.
         name: of the pair; its contacts are named after it. Default: after the bodies.
 
@@ -122,7 +123,8 @@ class SpherePlane(PlanePair):
         frame: as of `PointPlane`.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
-        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
+        normal_force: prescribed λ_N ≥ 0 in N, which pushes the body away like any force: without
+            a load against it the body moves off. ``None``: unilateral.
         patch_radius: R > 0 in m, with p = 3 and only then.
         name: of the pair; its contacts are named after it. Default: after the bodies.
 
@@ -234,7 +236,8 @@ class SphereSphere(Pair):
             which does not matter to isotropic laws.
         normal_restitution: e_N in [0, 1].
         tangential_restitution: e_T in [0, 1].
-        normal_force: prescribed λ_N ≥ 0 in N; ``None``: unilateral.
+        normal_force: prescribed λ_N ≥ 0 in N, which pushes the body away like any force: without
+            a load against it the body moves off. ``None``: unilateral.
         patch_radius: R > 0 in m, with p = 3 and only then.
         name: of the pair; its contacts are named after it. Default: after the bodies.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -111,36 +112,86 @@ class ImageFolder:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        self._folder = Path(folder)
-        self._paths = _numbered(self._folder)
+        self._paths = _numbered(Path(folder))
         self.source = os.fspath(folder)
 
     def __len__(self) -> int:
         return len(self._paths)
 
     def __iter__(self) -> Iterator[Frame]:
-        from PIL import Image
+        return _of_one_size((path, self._only(path)) for path in self._paths)
 
-        size = None
-        for path in self._paths:
-            try:
-                with Image.open(path) as image:
-                    pixels = _colours(image, path)
-            except ParameterError:
-                raise
-            # Decoders raise errors of many kinds on damaged bytes.
-            except Exception as error:
-                raise ParameterError(
-                    str(path), f"is no image that can be read ({error}): replace the file"
-                ) from None
-            size = size or pixels.shape
-            if pixels.shape != size:
+    def _only(self, path: Path) -> Pixels:
+        with _opened(path) as image:
+            pages = getattr(image, "n_frames", 1)
+            if pages > 1:
                 raise ParameterError(
                     str(path),
-                    f"has {pixels.shape[1]} x {pixels.shape[0]} pixels, the first image "
-                    f"{size[1]} x {size[0]}: all must be of one size",
+                    f"holds {pages} pages: give this file alone, as the film of its pages",
                 )
-            yield ArrayFrame(pixels)
+            return _colours(image, path)
+
+
+class ImageStack:
+    """The pages of a TIFF image in their order, as cameras and ImageJ write films.
+
+    Args:
+        path: of the file; its pages are read as the images of an `ImageFolder`.
+
+    Raises:
+        ParameterError: if it cannot be read, or holds one page only.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.source = os.fspath(path)
+        with _opened(path) as image:
+            self._pages = int(getattr(image, "n_frames", 1))
+        if self._pages < 2:
+            raise ParameterError(
+                self.source, "is an image of one page: give the folder of all images, or a film"
+            )
+
+    def __len__(self) -> int:
+        return self._pages
+
+    def __iter__(self) -> Iterator[Frame]:
+        return _of_one_size(self._numbered())
+
+    def _numbered(self) -> Iterator[tuple[str, Pixels]]:
+        with _opened(self._path) as image:
+            for number in range(self._pages):
+                image.seek(number)
+                yield f"{self.source}, page {number}", _colours(image, self._path)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            yield image
+    except ParameterError:
+        raise
+    # Decoders raise errors of many kinds on damaged bytes.
+    except Exception as error:
+        raise ParameterError(
+            str(path), f"is no image that can be read ({error}): replace the file"
+        ) from None
+
+
+def _of_one_size(images: Iterable[tuple[str | Path, Pixels]]) -> Iterator[Frame]:
+    size = None
+    for name, pixels in images:
+        size = size or pixels.shape
+        if pixels.shape != size:
+            raise ParameterError(
+                str(name),
+                f"has {pixels.shape[1]} x {pixels.shape[0]} pixels, the first image "
+                f"{size[1]} x {size[0]}: all must be of one size",
+            )
+        yield ArrayFrame(pixels)
 
 
 def _colours(image: Any, path: Path) -> Pixels:
@@ -167,11 +218,11 @@ def _colours(image: Any, path: Path) -> Pixels:
 
 
 def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> Frames:
-    """Return the frames of a folder of images, of a video, or of arrays.
+    """Return the frames of a folder of images, of a video, of a stack of images, or of arrays.
 
     Args:
-        source: a folder, a video file (PyAV reads it, extra ``video``), or arrays
-            ``(rows, columns, 3)`` of uint8; what was opened stays as it is.
+        source: a folder, a video file (PyAV reads it, extra ``video``), a TIFF of several pages, or
+            arrays ``(rows, columns, 3)`` of uint8; what was opened stays as it is.
 
     Raises:
         ParameterError: if there is no such file or folder, or no image in it.
@@ -190,6 +241,8 @@ def open_frames(source: str | os.PathLike[str] | Frames | Iterable[Pixels]) -> F
         return ImageFolder(path)
     if not path.is_file():
         raise ParameterError(str(path), "is neither a video file nor a folder of images")
+    if path.suffix.lower() in (".tif", ".tiff"):
+        return ImageStack(path)
     from asperity.track.film.video import VideoFile
 
     return VideoFile(path)

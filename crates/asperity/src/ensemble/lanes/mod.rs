@@ -99,10 +99,12 @@ impl<'a> Run<'a> {
         Some(Self { stepper, trajectory, reduction, progress, plan, in_lanes: 0, outcome: None })
     }
 
-    /// Whether it has come to an end without a failure.
+    /// Whether it has come to an end without a failure. Steps that the stepper does not make are not looked at for
+    /// divergence, but the last one is the stepper's.
     pub(super) fn is_done(&self) -> bool {
         let fine = |outcome: &Outcome| !matches!(outcome, Outcome::Failed(_) | Outcome::Error(_));
-        matches!(&self.outcome, Some(Ok(outcome)) if fine(outcome))
+        let ended = matches!(&self.outcome, Some(Ok(outcome)) if fine(outcome));
+        ended && !self.stepper.may_diverge()
     }
 
     /// A step by the stepper from a state; the next state, if the run goes on.

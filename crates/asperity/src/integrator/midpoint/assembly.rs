@@ -174,6 +174,11 @@ impl Assembly {
         &self.midpoint.momenta
     }
 
+    /// Velocities before and after the last step, both as they are expressed at its midpoint.
+    pub(super) fn change(&self) -> (&[f64], &[f64]) {
+        (&self.midpoint.before, &self.free)
+    }
+
     /// `γ = Wᵀu + χ` of any contact.
     pub(super) fn slip(
         &mut self,

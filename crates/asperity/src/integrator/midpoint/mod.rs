@@ -9,6 +9,7 @@
 //! | `stepper.rs`, `step.rs` | the scheme with its state; one step |
 //! | `assembly.rs`, `coupling.rs` | from a system at the midpoint to the contact problem, and back |
 //! | `closed.rs` | the contacts that are closed, and what they remember |
+//! | `longest_step.rs`, `reversals.rs` | steps that are too long for forces, which act explicitly |
 //! | `rated.rs`, `linear_solve.rs` | friction that depends on the speed |
 //! | `state.rs` | what a run hands over |
 //! | `outcome.rs`, `outputs.rs` | what comes of a step; what is kept of its contacts |
@@ -17,10 +18,12 @@ mod assembly;
 mod closed;
 mod coupling;
 mod linear_solve;
+mod longest_step;
 mod outcome;
 mod outputs;
 mod products;
 mod rated;
+mod reversals;
 mod state;
 mod step;
 mod stepper;

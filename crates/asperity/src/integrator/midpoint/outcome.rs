@@ -38,6 +38,17 @@ pub enum StepError {
         /// First coordinate that is not finite.
         coordinate: usize,
     },
+    /// The velocities have reversed and grown in every one of the last steps, to more than a thousand times.
+    #[error(
+        "velocities reverse and grow in every step up to t = {time} s, most of all that of coordinate {coordinate}: \
+         forces act explicitly, so that springs need Δt² k < 4 m and dampers Δt d < 2 m"
+    )]
+    Reverses {
+        /// Time in s.
+        time: f64,
+        /// The coordinate with the largest velocity.
+        coordinate: usize,
+    },
 }
 
 /// What one contact does after a step.

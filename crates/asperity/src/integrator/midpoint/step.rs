@@ -9,7 +9,7 @@ use super::stepper::Stepper;
 use crate::contact::{ContactRows, Memory};
 use crate::solver::{self, SolveReport, Status, Stop};
 use crate::system::Step;
-use crate::vectors::are_finite;
+use crate::vectors::{are_finite, largest, square};
 
 // Constants of friction that depends on the speed were multiplied by ¼, ½, 2 and 4 in 6000 steps of 60 random linear
 // systems of up to four velocities and four contacts with Stribeck's law. Of the results these depend on none but on
@@ -224,15 +224,25 @@ impl Stepper<'_> {
     }
 
     #[inline]
-    fn check_state(&self) -> Result<(), StepError> {
-        if are_finite(&self.u) && are_finite(&self.q) { Ok(()) } else { Err(self.diverged()) }
+    fn check_state(&mut self) -> Result<(), StepError> {
+        let is_slow = square(&self.u) < self.reversals.bound;
+        if is_slow && are_finite(&self.q) { Ok(()) } else { self.check_growth() }
     }
 
-    /// The first coordinate that is not finite.
+    /// Refuses a state that is not finite, with its first coordinate that is not, and one that diverges, with the
+    /// fastest.
     #[cold]
-    fn diverged(&self) -> StepError {
+    fn check_growth(&mut self) -> Result<(), StepError> {
+        let time = self.time();
         let broken = |state: &[f64]| state.iter().position(|v| !v.is_finite());
-        let coordinate = broken(&self.u).or_else(|| broken(&self.q)).unwrap_or(0);
-        StepError::NotFinite { time: self.time(), coordinate }
+        if let Some(coordinate) = broken(&self.u).or_else(|| broken(&self.q)) {
+            return Err(StepError::NotFinite { time, coordinate });
+        }
+        let (before, after) = self.assembly.change();
+        if self.reversals.look_at(self.steps, before, after) {
+            let coordinate = self.u.iter().map(|u| u.abs()).position(|u| u == largest(&self.u));
+            return Err(StepError::Reverses { time, coordinate: coordinate.unwrap_or(0) });
+        }
+        Ok(())
     }
 }

@@ -2,8 +2,10 @@
 
 use super::assembly::Assembly;
 use super::closed::Closed;
+use super::longest_step;
 use super::outcome::{ContactOutput, StepError};
 use super::outputs::Outputs;
+use super::reversals::Reversals;
 use super::state::State;
 use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
@@ -29,6 +31,7 @@ pub struct Stepper<'a> {
     pub(super) before: Memory,
     pub(super) workspace: Workspace,
     pub(super) outputs: Outputs,
+    pub(super) reversals: Reversals,
 }
 
 /// A state of a system, checked, in steps of length `dt` and with rotations of length one.
@@ -47,7 +50,8 @@ impl<'a> Stepper<'a> {
     ///
     /// [`StepError::Options`] if `tolerance` or `dt` is not finite and positive, if the state is not one of this system,
     /// with as many finite entries as it has coordinates and velocities, or if a contact of the system touches blocks
-    /// that are not there.
+    /// that are not there; for `dt` also if motions of a linear system that contacts do not hold grow in such steps
+    /// though they do not grow, as its stiffness and damping act explicitly.
     pub fn new(
         system: &'a dyn System,
         solver: Solver,
@@ -56,6 +60,7 @@ impl<'a> Stepper<'a> {
         state: &State,
     ) -> Result<Self, StepError> {
         options::check_steps(system, tolerance, dt)?;
+        system.as_linear().map_or(Ok(()), |linear| longest_step::check(linear, dt))?;
         let start = checked(system, dt, state)?;
         let contacts = system.contacts().len();
         let mut stepper = Self {
@@ -73,6 +78,7 @@ impl<'a> Stepper<'a> {
             before: Memory::default(),
             workspace: Workspace::default(),
             outputs: Outputs::new(contacts),
+            reversals: Reversals::default(),
         };
         if start.contacts.is_empty() {
             stepper.find_first_slips()?;
@@ -105,6 +111,7 @@ impl<'a> Stepper<'a> {
         self.before.clear();
         self.workspace.restart(&self.closed.problem);
         self.outputs.restart();
+        self.reversals = Reversals::default();
         Ok(())
     }
 
@@ -182,6 +189,11 @@ impl<'a> Stepper<'a> {
     /// What the only contact of a system that never opens remembers.
     pub(crate) fn remembered(&self) -> ContactState {
         self.memory.states.first().copied().unwrap_or_default()
+    }
+
+    /// Whether the last step has reversed a motion that grows.
+    pub(crate) fn may_diverge(&self) -> bool {
+        self.reversals.last_at(self.steps)
     }
 
     /// Goes on from another state of a system with one contact that never opens, after so many steps.

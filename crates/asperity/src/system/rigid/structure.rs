@@ -127,7 +127,7 @@ impl System for RigidBodies {
             acceleration: self.twist(&bounds.accelerations, body),
         };
         let poses = contact.poses(|body| self.pose_at(at, body));
-        contact.gap_acceleration(&poses, &speeds, bounds.duration)
+        contact.gap_acceleration(&poses, speeds, bounds.duration)
     }
 
     fn rows(

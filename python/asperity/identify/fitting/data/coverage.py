@@ -26,7 +26,7 @@ class Coverage(NamedTuple):
     """
 
     phi: Array
-    gaps: list[tuple[float, float]]
+    gaps: tuple[tuple[float, float], ...]
     is_symmetric: bool
 
     @property
@@ -58,7 +58,7 @@ def coverage(phi: Array, *, is_symmetric: bool) -> Coverage:
     found = np.sort((np.concatenate([half, half + np.pi]) if is_symmetric else half) % _TURN)
     ends = np.append(found[1:], found[0] + _TURN)
     wide = ends - found > _WIDE
-    return Coverage(found, list(zip(found[wide], ends[wide], strict=True)), is_symmetric)
+    return Coverage(found, tuple(zip(found[wide], ends[wide], strict=True)), is_symmetric)
 
 
 def with_opposites(bins: Bins) -> Bins:

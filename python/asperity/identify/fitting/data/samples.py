@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 
 Measured: TypeAlias = "ProcessedData | tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ...]"
 
+WRAPPED = (
+    "φ starts again with each turn, so that it counts as one turn: unwrap it, np.unwrap(phi), or "
+    "give the numbers of the turns as third array, (phi, force, turn)"
+)
 # Samples that fit into the cache with all that is evaluated at them.
 _CHUNK = 8192
 _FEWEST = 24
@@ -185,6 +189,16 @@ def _counted_turns(phi: Array) -> NDArray[np.intp]:
     complete = int(np.floor(progress[-1] + 1.5 * abs(progress[-1] - progress[-2])))
     turn[(turn < 0) | (turn >= complete)] = -1
     return turn
+
+
+def is_wrapped(samples: Samples) -> bool:
+    """Return whether a direction that goes on for turns starts again at each of them."""
+    steps = np.abs(np.diff(samples.phi))
+    jumps = steps[steps > np.pi]
+    # Of directions in any order, most are far from the next one.
+    if not jumps.size or jumps.min() < 1.5 * np.pi or np.median(steps) > 0.5:
+        return False
+    return bool(np.ptp(np.unwrap(samples.phi)) > 1.9 * 2.0 * np.pi)
 
 
 def _runs(turn: NDArray[Any]) -> tuple[NDArray[np.intp], int]:

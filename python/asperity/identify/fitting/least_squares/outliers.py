@@ -102,6 +102,11 @@ def _are_everywhere(place: Array) -> bool:
     return bool(arcs >= _SPREAD * expected)
 
 
+# What φ may be given in, and how it becomes rad.
+_OTHER_UNITS = (
+    (np.pi / 180.0, "degrees", "np.deg2rad(phi)"),
+    (2.0 * np.pi, "turns", "2 * np.pi * phi"),
+)
 # A wrong sign turns forces round in more than these directions.
 _FEW_DIRECTIONS = 0.1
 
@@ -121,6 +126,13 @@ def check_sense(
     if found is None:
         return
     place, share = found
+    for factor, unit, cure in _OTHER_UNITS:
+        turned = replace(samples, phi=samples.phi * factor)
+        if along_sliding(grouped(turned, 1).bins(width=width)) is None:
+            raise FitError(
+                f"data: the force does not oppose sliding at φ = {place:.1f}°, but would if φ were "
+                f"in {unit}: give it in rad, {cure}"
+            )
     rest = without_outliers(samples)
     if rest is not samples and along_sliding(grouped(rest, 1).bins(width=width)) is None:
         raise FitError(

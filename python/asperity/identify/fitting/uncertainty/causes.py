@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,14 @@ from asperity._base.arrays import Array
 from asperity.errors import FitError
 from asperity.identify.fitting.data.bins import Bins, grouped
 from asperity.identify.fitting.data.coverage import coverage
-from asperity.identify.fitting.data.samples import Samples, by_axes, clusters_of
+from asperity.identify.fitting.data.samples import (
+    WRAPPED,
+    Samples,
+    by_axes,
+    clusters_of,
+    is_wrapped,
+    runs_of,
+)
 from asperity.identify.fitting.least_squares.descent import Descent
 from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
@@ -26,6 +34,8 @@ from asperity.identify.fitting.uncertainty.covariance import (
     stakes,
 )
 from asperity.identify.fitting.uncertainty.flat_sides import away_from_axes, means_away_from_axes
+from asperity.identify.fitting.uncertainty.leverage import leverage_of
+from asperity.identify.fitting.uncertainty.mountings import Mountings, mountings_of
 from asperity.identify.forces.strokes import Axes
 
 _PERCENT = 0.01
@@ -65,10 +75,39 @@ class Causes:
         """
         p = self.descent.p
         covariance = self._covariance(self.descent.sums, away=False)
-        if not held:
-            return covariance
-        sums = self.family.sums(away_from_axes(self.samples, p[-1]), p, self.loss)
-        return covariance.at_least(self._covariance(sums, away=True), -1)
+        if held:
+            sums = self.family.sums(away_from_axes(self.samples, p[-1]), p, self.loss)
+            covariance = covariance.at_least(self._covariance(sums, away=True), -1)
+        found = self.mountings
+        return covariance if found is None else covariance.between(found)
+
+    @cached_property
+    def mountings(self) -> Mountings | None:
+        """How two runs differ, between which the pin was set down anew; None for others."""
+        run = runs_of(self.samples, self.data)
+        if run.size == 0 or np.ptp(run) == 0:
+            return None
+        p, means = self.descent.p, self.bins.samples
+        model = means.normal[:, None] * self.family.forces(means.phi, p)[0]
+        # Twice the forces of the model leave these as residuals.
+        level = self.family.sums(replace(means, force=2.0 * model), p, Loss()).gradient[0]
+        parts = self._means(away=False)
+        common = shared(self.family, parts, p, self.data)
+        # Two runs may have zeros of their own; where axes differ, errors move them apart.
+        errors = [(common.zero, 2.0 if len(parts) == 1 else 4.0)]
+        errors += [(common.calibration, 4.0)] * (len(parts) > 1)
+        sums = self.descent.sums
+        root = leverage_of(sums.matrix.sum(axis=0), sums.matrix).root
+        return mountings_of(
+            sums,
+            run,
+            inverse=root @ root.T,
+            level=level,
+            shared=sum(
+                (factor * one for one, factor in errors if one is not None),
+                np.zeros((p.size, p.size)),
+            ),
+        )
 
     def undetermined(self, half_widths: Array) -> NDArray[np.bool_]:
         """Return which coordinates strokes in few directions leave open.
@@ -114,6 +153,8 @@ class Causes:
 
     def _covariance(self, sums: Sums, *, away: bool) -> Covariance:
         common = shared(self.family, self._means(away=away), self.descent.p, self.data)
+        if self.samples.turns == 1 and is_wrapped(self.samples):
+            raise FitError(f"data: {WRAPPED}")
         scatter, leverage = scatter_of(sums, clusters_of(self.samples, self.data))
         for name, known in zip(self.family.coordinates, leverage.single, strict=True):
             # Derivatives by angles are as large as they are cut off where samples are on axes.
@@ -129,11 +170,16 @@ class Causes:
 
     def _means(self, *, away: bool) -> list[tuple[Bins, Axes]]:
         """Return means of samples with the same axes of the sensor, with these."""
+        if not away:
+            return self._parts
+        return [(means_away_from_axes(one, self.descent.p[-1]), axes) for one, axes in self._parts]
+
+    @cached_property
+    def _parts(self) -> list[tuple[Bins, Axes]]:
         parts = by_axes(self.samples, self.data)
-        means = [self.bins] if len(parts) == 1 else [means_of(one, self.loss) for one, _ in parts]
-        if away:
-            means = [means_away_from_axes(mean, self.descent.p[-1]) for mean in means]
-        return [(mean, axes) for mean, (_, axes) in zip(means, parts, strict=True)]
+        if len(parts) == 1:
+            return [(self.bins, parts[0][1])]
+        return [(means_of(one, self.loss), axes) for one, axes in parts]
 
 
 def _open_coordinates(matrix: Array) -> NDArray[np.bool_]:

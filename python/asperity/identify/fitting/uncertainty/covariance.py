@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from asperity.identify.fitting.least_squares.loss import Loss
 from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
 from asperity.identify.fitting.models.coordinates import Coordinate, Estimate, Roundness, Scale
 from asperity.identify.fitting.uncertainty.leverage import Leverage, leverage_of
+from asperity.identify.fitting.uncertainty.mountings import Mountings
 from asperity.identify.forces import stated_errors
 from asperity.identify.forces.strokes import Axes, on_axes
 from asperity.identify.forces.zero import _BATCHES
@@ -37,7 +38,8 @@ class Covariance:
 
     A part is None where the error that causes it is not known. `degrees` are the degrees of freedom
     of the parts, the fewest of all coordinates; infinite where errors are known. Those of the
-    scatter follow from the `leverage` of the turns for every combination of coordinates.
+    scatter follow from the `leverage` of the turns for every combination of coordinates. Where two
+    runs differ by more than their turns, `runs` is what that adds, with one degree of freedom.
     """
 
     scatter: Array
@@ -45,6 +47,7 @@ class Covariance:
     zero: Array | None
     degrees: tuple[float, float, float]
     leverage: Leverage | None = None
+    runs: Array | None = None
 
     @property
     def parts(self) -> tuple[Array, Array | None, Array | None]:
@@ -54,7 +57,7 @@ class Covariance:
     @property
     def total(self) -> Array:
         """Sum of the parts that are known."""
-        return np.sum([part for part in self.parts if part is not None], axis=0)
+        return np.sum([part for part in (*self.parts, self.runs) if part is not None], axis=0)
 
     def shares(self) -> Array:
         """Return the parts of each variance from scatter, calibration and zeros, ``(k, 3)``.
@@ -63,7 +66,8 @@ class Covariance:
         """
         total = np.diag(self.total)
         shares = [
-            np.full_like(total, np.nan) if part is None else np.diag(part) for part in self.parts
+            np.full_like(total, np.nan) if part is None else np.diag(part)
+            for part in self.merged().parts
         ]
         return np.stack(shares, axis=-1) / np.where(total > 0.0, total, 1.0)[:, None]
 
@@ -74,7 +78,8 @@ class Covariance:
         if self.leverage is not None:
             some = np.eye(len(self.scatter))[part]
             degrees = float(self.leverage.degrees(some).min()), *degrees[1:]
-        return Covariance(scatter, parts[1], parts[2], degrees)
+        runs = None if self.runs is None else self.runs[part, part]
+        return Covariance(scatter, parts[1], parts[2], degrees, runs=runs)
 
     def at_least(self, other: Covariance, at: int) -> Covariance:
         """Return the covariance whose variance of one coordinate is not below that in another.
@@ -91,6 +96,19 @@ class Covariance:
             return result
 
         return self._each(raised, other)
+
+    def between(self, found: Mountings) -> Covariance:
+        """Return the covariance with what differs between two runs, apart where it matters."""
+        if found.matters:
+            return replace(self, runs=found.covariance)
+        return replace(self, scatter=self.scatter + found.covariance)
+
+    def merged(self) -> Covariance:
+        """Return the covariance with two runs as what all scatter is between."""
+        if self.runs is None:
+            return self
+        degrees = 1.0, *self.degrees[1:]
+        return Covariance(self.scatter + self.runs, self.calibration, self.zero, degrees)
 
     def _each(self, change: Callable[[Array, Array], Array], other: Covariance) -> Covariance:
         def changed(mine: Array | None, others: Array | None) -> Array | None:
@@ -115,7 +133,8 @@ class Covariance:
 
         squares = np.zeros(len(directions))
         scatter = self.degrees[0] if self.leverage is None else self.leverage.degrees(directions)
-        for part, degrees in zip(self.parts, (scatter, *self.degrees[1:]), strict=True):
+        parts = zip((*self.parts, self.runs), (scatter, *self.degrees[1:], 1.0), strict=True)
+        for part, degrees in parts:
             if part is not None:
                 quantile = t.ppf(0.5 + 0.5 * confidence, np.minimum(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)

@@ -10,7 +10,7 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.sliding.slopes import WORST, Slopes, slopes
-from asperity.identify.records.units import FORCES, MOTION, POSITIONS
+from asperity.identify.records.tables.headings import FORCES, MOTION, POSITIONS
 
 # Positions go on after no more than so many missing samples.
 _LONGEST = 100

@@ -16,7 +16,7 @@ from typing import Any
 from asperity._base.storage.files import unreadable
 from asperity.errors import RecordError
 from asperity.identify.records.tables import clock, labview
-from asperity.identify.records.tables.text_table import THOUSANDS, Format, names_of, split
+from asperity.identify.records.tables.text_table import THOUSANDS, Format, heading_cells, split
 
 # Bytes and lines that are looked at, and bytes in the middle and at the end of what is longer.
 _BYTES, _LINES, _LATER = 1 << 18, 2000, 1 << 15
@@ -89,8 +89,10 @@ def guess(path: Path) -> Guess:
     cells = _cells(lines, delimiter)
     first = _first(cells, decimal, group)
     form = Format(delimiter, decimal, first, encoding, None, group)
-    header = [names_of(line, form) if line.strip() else [] for line in lines[:first]]
-    return Guess(form, header, [row for row in cells[first:] if row])
+    body = [row for row in cells[first:] if row]
+    width = len(body[0])
+    header = [heading_cells(line, form, width) if line.strip() else [] for line in lines[:first]]
+    return Guess(form, header, body)
 
 
 def of_cells(cells: Sequence[Sequence[Any]], source: str, sheet: str | int) -> Guess:
@@ -141,7 +143,7 @@ def _table_lines(lines: list[str]) -> list[str]:
     if not lines or not labview.begins_one(lines[0]) or names is None:
         return lines
     head = names + 1
-    return lines[:head] + [line.strip("\n") for line in labview.without_headings(lines[head:])]
+    return lines[:head] + [line.strip("\n") for line in labview.Parts(lines[head:], lines[:head])]
 
 
 def _plain(encoding: str) -> str:

@@ -7,8 +7,15 @@ column of the table, whose names come last, behind ``X_Value``.
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
+
+import numpy as np
+
+from asperity._base.arrays import Array
+from asperity.identify.records.tables import clock
 
 LAST = "X_Value"
 """Begins the line of names."""
@@ -62,10 +69,92 @@ def heading_of(header: Sequence[Sequence[str]]) -> Heading | None:
     return Heading(units, steps.pop() if alone else "")
 
 
-def without_headings(lines: Iterable[str]) -> Iterator[str]:
-    """Return lines of which those of further headings are empty."""
-    inside = False
-    for line in lines:
-        inside = inside or line.startswith((_PART, _NOTES))
-        yield "\n" if inside else line
-        inside = inside and not line.startswith(LAST)
+class Part(NamedTuple):
+    """Where a part begins.
+
+    Attributes:
+        row: of the numbers, from 0.
+        begins: date and time of its heading in s, NaN if it says none.
+        first: x at the beginning in the heading, 0 if it says none.
+    """
+
+    row: int
+    begins: float
+    first: float
+
+
+class Parts:
+    """Lines of which those of further headings are empty; `starts` grows while they are read.
+
+    Args:
+        lines: after the first heading.
+        heading: the lines of that; None if LabVIEW has not written the file.
+    """
+
+    def __init__(self, lines: Iterable[str], heading: Iterable[str] | None) -> None:
+        self._lines = lines
+        self._again = heading is not None
+        self.starts = [_part(0, heading)] if heading is not None else []
+
+    def __iter__(self) -> Iterator[str]:
+        if not self._again:
+            yield from self._lines
+            return
+        row, heading = 0, list[str]()
+        for line in self._lines:
+            if not heading and not line.startswith((_PART, _NOTES)):
+                row += bool(line.strip())
+                yield line
+                continue
+            heading.append(line)
+            if line.startswith(LAST):
+                self.starts.append(_part(row, heading))
+                heading = []
+            yield "\n"
+
+
+def _part(row: int, heading: Iterable[str]) -> Part:
+    apart = [line.split("\t") if "\t" in line else re.split("[;,]", line) for line in heading]
+    tags = {cells[0]: cells[1] for cells in apart if len(cells) > 1}
+    begins = clock.seconds(f"{tags.get('Date', '')} {tags.get('Time', '')}")
+    try:
+        first = float(tags.get("X0", "0").replace(",", "."))
+    except ValueError:
+        first = 0.0
+    return Part(row, begins, first)
+
+
+def through_parts(x: Array, starts: Sequence[Part]) -> Array:
+    """Return times that go on where x starts again in each part: those of its heading, X0 and x.
+
+    Pauses between parts are gaps of time then. What goes on by itself stays as it is, and so does
+    what headings do not put in order.
+
+    >>> import numpy as np
+    >>> from asperity.identify.records.tables.labview import Part, through_parts
+    >>> through_parts(np.array([0.0, 1.0, 0.0, 1.0]), [Part(0, 60.0, 0.0), Part(2, 65.0, 0.0)])
+    array([0., 1., 5., 6.])
+    """
+    known = [one for one in starts if one.row < len(x)]
+    rows = [one.row for one in known]
+    if not any(x[row] <= x[row - 1] for row in rows[1:]):
+        return x
+    # X0 is in x already where x begins with it.
+    begins = np.array(
+        [one.begins + (0.0 if math.isclose(x[one.row], one.first, rel_tol=1e-9, abs_tol=1e-12)
+                       else one.first) for one in known]
+    )  # fmt: skip
+    lengths = np.diff([*rows, len(x)])
+    found: Array = x + np.repeat(begins - known[0].begins, lengths)
+    return found if all(found[row] > found[row - 1] for row in rows[1:]) else x
+
+
+def of_parts(count: int, starts: Sequence[Part], rate: float) -> Array:
+    """Return the times of rows that are 1/rate apart; between parts as their headings say."""
+    row = np.arange(count)
+    first = np.zeros(count) if not starts else np.repeat(
+        [one.row for one in starts if one.row < count],
+        np.diff([*(one.row for one in starts if one.row < count), count]),
+    )  # fmt: skip
+    time = through_parts((row - first) / rate, starts)
+    return time if (np.diff(time) > 0.0).all() else row / rate

@@ -6,7 +6,7 @@ import csv
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
@@ -19,6 +19,15 @@ from asperity._base.arrays import Array
 from asperity._base.storage.files import unreadable
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.tables import clock, labview
+from asperity.identify.records.tables.headings import (
+    CLOCK,
+    Headings,
+    headings,
+    known_units,
+    place_of,
+    refuse_twice,
+    settled,
+)
 
 if TYPE_CHECKING:
     import pandas
@@ -93,24 +102,31 @@ class Format:
 class Table:
     """Columns of a table, NaN where nothing could be read.
 
-    `rows` are the numbers of its lines if it was no text.
+    Attributes:
+        source: where it comes from.
+        format: of the numbers.
+        values: the columns.
+        units: of the columns, where configuration or heading say them.
+        rows: the numbers of its lines if it was no text.
+        parts: where parts of a file of LabVIEW begin.
     """
 
     source: str
     format: Format
     values: Array
+    units: Mapping[str, str]
     rows: NDArray[np.intp] | None = None
+    parts: Sequence[labview.Part] = ()
 
     def lines(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return the line numbers, from 1, of rows of the table."""
         if self.rows is not None:
             return self.rows[rows]
         with _text(Path(self.source), self.format) as file:
-            lines = _all_lines(file)
-            used = [number for number, line in enumerate(lines, 1) if line.strip()]
-        # Blank lines of the header count as header.
-        kept = [number for number in used if number > self.format.header]
-        return np.asarray(kept, dtype=np.intp)[rows]
+            # Blank lines of the header count as header.
+            lines = enumerate(_all_lines(file, self.format), self.format.header + 1)
+            used = [number for number, line in lines if line.strip()]
+        return np.asarray(used, dtype=np.intp)[rows]
 
 
 def name_of(source: Source) -> str:
@@ -130,7 +146,8 @@ def read_table(
     columns: Mapping[str, str | int],
     form: Format,
     *,
-    clocked: Collection[str] = (),
+    units: Mapping[str, str] | None = None,
+    check: bool = True,
 ) -> Table:
     """Read columns of a table, given by name or by number from 0, in the order of `columns`.
 
@@ -138,30 +155,35 @@ def read_table(
         path: a text file, a spreadsheet or a table in memory.
         columns: where they are.
         form: how the file holds numbers.
-        clocked: the columns, of these, whose cells are times of day.
+        units: of columns, as far as the configuration says them; the headings say the others.
+        check: whether headings that contradict them are refused.
 
     Raises:
         RecordError: if the file is missing, empty, of another encoding, not a table of numbers, or
-            without one of the columns.
+            without one of the columns, if it has two of one name, or a heading has another unit.
     """
+    wanted = _Wanted(columns, form, name_of(path), dict(units or {}), check)
     if is_frame(path):
-        return _of_frame(path, columns, form, clocked)
+        return _of_frame(path, wanted)
     place = Path(path)
     if place.suffix.lower() in SPREADSHEETS:
-        return _of_spreadsheet(place, columns, form, clocked)
+        return _of_spreadsheet(place, wanted)
     # Cells of spreadsheets and of tables in memory are parted already.
     if form.delimiter == form.decimal:
         raise ParameterError("delimiter", "must differ from the decimal mark")
     try:
+        head, width, is_labview = _heading(place, form)
+        at, found = wanted.places(head)
+        if width > 1:
+            # That a single column is no table is said later.
+            wanted.refuse_beyond(at, width)
+        readers = _readers(columns, form, found)
         with _text(place, form) as file:
-            names = _names(file, form, place)
-            wanted = [_position(column, names, str(place), form) for column in columns.values()]
-            _refuse_twice(columns, wanted)
-            readers = _readers(columns, form, clocked)
-            values = _quickly(_further_lines(file, place, form), form, wanted, readers)
+            first = [file.readline() for _ in range(form.header)]
+            parts = labview.Parts(file, first if is_labview else None)
+            values = _quickly(parts if is_labview else file, form, at, readers)
         if values is None:
-            _refuse_missing(columns, wanted, place, form)
-            values = _slowly(place, form, dict(zip(columns, wanted, strict=True)), readers)
+            values, parts = _slowly(place, form, dict(zip(columns, at, strict=True)), readers)
     except UnicodeError:
         raise RecordError(
             str(place),
@@ -174,7 +196,45 @@ def read_table(
         raise RecordError(str(place), unreadable(place, error)) from None
     if not len(values):
         raise RecordError(str(place), f"holds no numbers after {form.header} header lines")
-    return Table(str(place), form, values)
+    return Table(str(place), form, values, found, parts=parts.starts)
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """Columns that are looked for, and what is said of them."""
+
+    columns: Mapping[str, str | int]
+    form: Format
+    source: str
+    units: Mapping[str, str]
+    check: bool
+
+    def places(self, head: Headings, *, also: str = "") -> tuple[list[int], dict[str, str]]:
+        """Return where the columns are, and their units."""
+        places = [_position(one, head, self.source, self.form, also) for one in
+                  self.columns.values()]  # fmt: skip
+        refuse_twice(self.columns, places)
+        found = dict(self.units)
+        for (role, named), at in zip(self.columns.items(), places, strict=True):
+            if not known_units(role):
+                continue
+            text = head.units[at] if at < len(head.units) else ""
+            one = settled(role, self.units.get(role), text, called=repr(named), source=self.source,
+                          check=self.check)  # fmt: skip
+            found |= {} if one is None else {role: one}
+        return places, found
+
+    def refuse_beyond(self, places: Sequence[int], width: int) -> None:
+        """Refuse columns beyond the last one."""
+        for name, at in zip(self.columns, places, strict=True):
+            if at >= width:
+                raise RecordError(
+                    self.source, f"has no column {at} ({name}), {width} columns", ("columns",)
+                )
+
+
+def _is_clocked(role: str, units: Mapping[str, str]) -> bool:
+    return units.get(role, "").removeprefix("-") == CLOCK
 
 
 def names_in(path: Source, form: Format) -> list[str]:
@@ -184,11 +244,33 @@ def names_in(path: Source, form: Format) -> list[str]:
     place = Path(path)
     try:
         if place.suffix.lower() in SPREADSHEETS:
-            return _names_of_cells(cells_of(place, form.sheet), form)
-        with _text(place, form) as file:
-            return _names(file, form, place)
+            return _heading_of_cells(cells_of(place, form.sheet), form).names
+        return _heading(place, form)[0].names
     except (OSError, UnicodeError, csv.Error, RecordError):
         return []
+
+
+def _heading(path: Path, form: Format) -> tuple[Headings, int, bool]:
+    """Return the headings of a text table, its width, and whether LabVIEW has written it."""
+    if path.stat().st_size == 0:
+        raise RecordError(str(path), "is empty")
+    with _text(path, form) as file:
+        lines = [file.readline() for _ in range(form.header)]
+        body = next((line for line in file if line.strip()), "")
+        width, least = _width_of(body, form)
+    found = width
+    if width < 2:
+        # That these are no numbers is said later.
+        width, least = max((len(split(line, form)) for line in lines), default=0), 0
+    rows = [heading_cells(line, form, width) if line.strip() else [] for line in lines]
+    head = headings(rows, width, least=least, line=form.line_of_names)
+    return head, found, bool(lines) and labview.begins_one(lines[0])
+
+
+def _width_of(line: str, form: Format) -> tuple[int, int]:
+    """Return the number of the cells of a line, with and without those empty at its end."""
+    cells = split(line, form)
+    return len(cells), max((at for at, cell in enumerate(cells, 1) if cell), default=0)
 
 
 def sheets_of(path: Path) -> dict[str, list[list[Any]]]:
@@ -227,26 +309,16 @@ def _cells(frame: pandas.DataFrame) -> list[list[Any]]:
     return [list(row) for row in cells.itertuples(index=False, name=None)]
 
 
-def _names_of_cells(cells: list[list[Any]], form: Format) -> list[str]:
-    line = form.line_of_names
-    if not line or line > len(cells):
-        return []
-    return ["" if cell is None else str(cell).strip() for cell in cells[line - 1]]
-
-
-def _of_spreadsheet(
-    path: Path, columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
-) -> Table:
-    cells = cells_of(path, form.sheet)
-    names, source = _names_of_cells(cells, form), str(path)
-    wanted = [_position(one, names, source, form, also="sheet") for one in columns.values()]
-    _refuse_twice(columns, wanted)
+def _heading_of_cells(cells: list[list[Any]], form: Format) -> Headings:
     width = len(cells[0]) if cells else 0
-    for name, at in zip(columns, wanted, strict=True):
-        if at >= width:
-            raise RecordError(
-                str(path), f"has no column {at} ({name}), {width} columns", ("columns",)
-            )
+    return headings(cells[: form.header], width, line=form.line_of_names)
+
+
+def _of_spreadsheet(path: Path, wanted: _Wanted) -> Table:
+    columns, form = wanted.columns, wanted.form
+    cells = cells_of(path, form.sheet)
+    places, units = wanted.places(_heading_of_cells(cells, form), also="sheet")
+    wanted.refuse_beyond(places, len(cells[0]) if cells else 0)
     numbers = [
         number
         for number, row in enumerate(cells, 1)
@@ -257,8 +329,8 @@ def _of_spreadsheet(
     values = np.array(
         [
             [
-                _cell(cells[number - 1][at], form, is_clock=name in clocked)
-                for name, at in zip(columns, wanted, strict=True)
+                _cell(cells[number - 1][at], form, is_clock=_is_clocked(name, units))
+                for name, at in zip(columns, places, strict=True)
             ]
             for number in numbers
         ]
@@ -271,29 +343,24 @@ def _of_spreadsheet(
             f"is not a table of numbers: line {first} reads {shown}",
             ("decimal", "header", "sheet"),
         )
-    return Table(str(path), form, values, np.array(numbers, dtype=np.intp))
+    return Table(str(path), form, values, units, np.array(numbers, dtype=np.intp))
 
 
-def _of_frame(
-    frame: Any, columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
-) -> Table:
+def _of_frame(frame: Any, wanted: _Wanted) -> Table:
+    columns, form, source = wanted.columns, wanted.form, wanted.source
     # What is an index is found by its name as well.
     index = [name for name in frame.index.names if name in columns.values()]
     given = {name: frame.index.get_level_values(name) for name in index if name not in frame}
     frame = frame.assign(**given) if given else frame
-    source, names = name_of(frame), [str(name) for name in frame.columns]
-    wanted = [_position(column, names, source, form) for column in columns.values()]
-    _refuse_twice(columns, wanted)
+    names = [str(name) for name in frame.columns]
+    places, units = wanted.places(headings([names], len(names), line=1))
+    wanted.refuse_beyond(places, len(names))
     series = []
-    for name, at in zip(columns, wanted, strict=True):
-        if at >= len(names):
-            raise RecordError(
-                source, f"has no column {at} ({name}), {len(names)} columns", ("columns",)
-            )
-        column = frame.iloc[:, at].to_numpy()
-        if column.dtype.kind in "iuf" and name not in clocked:
+    for name, at in zip(columns, places, strict=True):
+        column, is_clock = frame.iloc[:, at].to_numpy(), _is_clocked(name, units)
+        if column.dtype.kind in "iuf" and not is_clock:
             series.append(column.astype(np.float64))
-        elif column.dtype.kind in "mM" and name not in clocked:
+        elif column.dtype.kind in "mM" and not is_clock:
             raise RecordError(
                 source,
                 f"column {names[at]!r} ({name}): holds times of day or durations: its unit is "
@@ -301,14 +368,13 @@ def _of_frame(
                 ("units",),
             )
         else:
-            is_clock = name in clocked
             series.append(np.array([_cell(one, form, is_clock=is_clock) for one in column]))
             if not is_clock:
                 _refuse_marks(source, f"{names[at]!r} ({name})", column, series[-1], form)
     values = np.stack(series, axis=-1).astype(np.float64)
     if not len(values):
         raise RecordError(source, "holds no numbers")
-    return Table(source, form, values, np.arange(1, len(values) + 1, dtype=np.intp))
+    return Table(source, form, values, units, np.arange(1, len(values) + 1, dtype=np.intp))
 
 
 def _refuse_marks(
@@ -348,19 +414,11 @@ def _text(path: Path, form: Format) -> TextIO:
     return path.open(encoding=form.encoding, newline=None)
 
 
-def _all_lines(file: TextIO) -> Iterator[str]:
+def _all_lines(file: TextIO, form: Format) -> labview.Parts:
     """Return the lines of a text; headings that come again within a table are empty ones."""
-    first = file.readline()
-    if first:
-        yield first
-    yield from labview.without_headings(file) if labview.begins_one(first) else file
-
-
-def _further_lines(file: TextIO, path: Path, form: Format) -> TextIO | Iterator[str]:
-    """Return the lines after the header, likewise."""
-    with _text(path, form) as other:
-        again = labview.begins_one(other.readline())
-    return labview.without_headings(file) if again and form.header else file
+    first = [file.readline() for _ in range(form.header)]
+    again = bool(first) and labview.begins_one(first[0])
+    return labview.Parts(file, first if again else None)
 
 
 def split(line: str, form: Format) -> list[str]:
@@ -370,84 +428,53 @@ def split(line: str, form: Format) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=form.delimiter), [])]
 
 
-def _names(file: TextIO, form: Format, path: Path) -> list[str]:
-    if path.stat().st_size == 0:
-        raise RecordError(str(path), "is empty")
-    line = ""
-    for number in range(1, form.header + 1):
-        read = file.readline()
-        line = read if number == form.line_of_names else line
-    return names_of(line, form) if form.header else []
+def heading_cells(line: str, form: Format, width: int) -> list[str]:
+    """Return the cells of a line before the numbers; a mark of comments before them is none.
 
-
-def names_of(line: str, form: Format) -> list[str]:
-    """Return the cells of a line of names; a mark of comments before them is none.
-
-    Where blanks part the cells, a unit in brackets belongs to the name before it.
+    Where blanks part the numbers, headings that hold blanks are two blanks or a tab apart, and a
+    unit in brackets belongs to the name before it. Nothing is returned if they are not `width`.
     """
-    cells = split(line, form)
     if form.delimiter is not None:
-        return cells
-    cells = cells[1:] if cells[:1] in (["#"], ["%"]) else cells
+        return split(line, form)
+    line = re.sub(r"^\s*[#%]+\s*", "", line)
     names: list[str] = []
-    for cell in cells:
+    for cell in line.split():
         is_unit = _BRACKETED.fullmatch(cell) is not None
         if is_unit and names and not _BRACKETED.search(names[-1]):
             names[-1] += f" {cell}"
         else:
             names.append(cell)
-    return names
+    apart = re.split(r"\s{2,}|\t", line.strip())
+    return next((one for one in (names, apart) if len(one) == width), names)
 
 
-def _position(
-    column: str | int, names: Sequence[str], source: str, form: Format, *, also: str = ""
-) -> int:
+def _position(column: str | int, head: Headings, source: str, form: Format, also: str = "") -> int:
     if isinstance(column, bool) or not isinstance(column, str | int):
         raise ParameterError("columns", f"must hold names or numbers, got {column!r}")
     if isinstance(column, int):
         return arrays.count(column, "columns", least=0)
-    if column not in names:
-        listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "numbers: header is 0"
-        message = f"has no column {_short(column)}, only {listed}"
-        options: tuple[str, ...] = ("columns", also) if also else ("columns",)
-        if len(names) == 1 and len(names[0].split()) > 1:
-            options = (*options, "delimiter")
-        if form.header > 1 and form.names is None:
-            # A line of units is often the last one.
-            message += f", the names in line {form.header}, the last of the header: if they stand "
-            message += "in another line, give its number, or the numbers of the columns, which "
-            message += "count from 0"
-            options = ("names", *options)
-        raise RecordError(source, message, options)
-    return names.index(column)
+    names = head.names if head.line else []
+    found = place_of(column, names, source)
+    if found is not None:
+        return found
+    listed = ", ".join(_short(name) for name in names[:_SHOWN]) or "numbers: header is 0"
+    if head.odd:
+        listed = f"numbers, which count from 0: {head.odd}"
+    message = f"has no column {_short(column)}, only {listed}"
+    options: tuple[str, ...] = ("columns", also) if also else ("columns",)
+    if len(names) == 1 and len(names[0].split()) > 1:
+        options = (*options, "delimiter")
+    if form.header > 1 and form.names is None:
+        # A line of units is often the last one.
+        message += f", the names in line {form.header}, the last of the header: if they stand "
+        message += "in another line, give its number, or the numbers of the columns, which "
+        message += "count from 0"
+        options = ("names", *options)
+    raise RecordError(source, message, options)
 
 
 def _short(name: str) -> str:
     return repr(name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…")
-
-
-def _refuse_twice(columns: Mapping[str, str | int], wanted: Sequence[int]) -> None:
-    names = list(columns)
-    for at, position in enumerate(wanted):
-        first = wanted.index(position)
-        if first < at:
-            raise ParameterError(
-                "columns", f"give the same column for {names[first]} and {names[at]}"
-            )
-
-
-def _refuse_missing(
-    columns: Mapping[str, str | int], wanted: Sequence[int], path: Path, form: Format
-) -> None:
-    """Refuse a column beyond the last one of the first line of numbers."""
-    with _text(path, form) as file:
-        lines = (line for number, line in enumerate(file, 1) if number > form.header)
-        width = len(split(next((line for line in lines if line.strip()), ""), form))
-    for name, position in zip(columns, wanted, strict=True):
-        if position >= width > 1 and isinstance(columns[name], int):
-            raise RecordError(
-                str(path), f"has no column {position} ({name}), {width} columns", ("columns",)
-            )
 
 
 Reader: TypeAlias = Callable[[str], float]
@@ -455,7 +482,7 @@ Reader: TypeAlias = Callable[[str], float]
 
 
 def _readers(
-    columns: Mapping[str, str | int], form: Format, clocked: Collection[str]
+    columns: Mapping[str, str | int], form: Format, units: Mapping[str, str]
 ) -> list[Reader | None]:
     """Return what reads the cells of each column where they are no plain numbers."""
 
@@ -463,7 +490,7 @@ def _readers(
         return number_in(cell, form)
 
     usual = None if form.thousands is None else grouped
-    return [clock.seconds if name in clocked else usual for name in columns]
+    return [clock.seconds if _is_clocked(name, units) else usual for name in columns]
 
 
 def _quickly(
@@ -521,13 +548,14 @@ def _loaded(
 
 def _slowly(
     path: Path, form: Format, wanted: Mapping[str, int], readers: Sequence[Reader | None]
-) -> Array:
-    """Return the columns line by line, NaN for what is no number."""
+) -> tuple[Array, labview.Parts]:
+    """Return the columns line by line, NaN for what is no number, and the parts of the file."""
     rows, broken, first = [], 0, ""
     read = [one or (lambda cell: number_in(cell, form)) for one in readers]
     with _text(path, form) as file:
-        for number, line in enumerate(_all_lines(file), 1):
-            if number <= form.header or not line.strip():
+        lines = _all_lines(file, form)
+        for number, line in enumerate(lines, form.header + 1):
+            if not line.strip():
                 continue
             cells = split(line, form)
             row = [
@@ -544,7 +572,7 @@ def _slowly(
         raise RecordError(
             str(path), f"is not a table of numbers: {first}", ("delimiter", "decimal", "header")
         )
-    return np.array(rows, dtype=np.float64).reshape(-1, len(wanted))
+    return np.array(rows, dtype=np.float64).reshape(-1, len(wanted)), lines
 
 
 def _refuse_groups(

@@ -1,4 +1,4 @@
-"""Units of the channels, and magnitudes that betray a wrong one."""
+"""Magnitudes that betray a wrong unit."""
 
 from __future__ import annotations
 
@@ -7,51 +7,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.errors import ParameterError, RecordError
+from asperity.errors import RecordError
 from asperity.identify.records.record import CHANNELS, Recording, goes_back
+from asperity.identify.records.tables.headings import COUNTS, NEWTONS, UNITS
 
 _TURN = 2.0 * math.pi
-_GRAVITY, _POUND = 9.80665, 0.45359237
-_FORCES = {
-    **{"N": 1.0, "mN": 1e-3, "cN": 1e-2, "kN": 1e3},
-    **{"gf": 1e-3 * _GRAVITY, "kgf": _GRAVITY, "lbf": _POUND * _GRAVITY},
-}
-_READINGS = {**_FORCES, "V": 1.0, "mV": 1e-3, "raw": 1.0}
-_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
-_SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
-CLOCK, COUNTS = "clock", "counts"
-POSITIONS = ("position", "position_x", "position_y")
-VELOCITIES = ("velocity", "velocity_x", "velocity_y")
-MOTION = (*VELOCITIES, *POSITIONS)
-FORCES = ("force_x", "force_y")
-UNITS: dict[str, dict[str, float]] = {
-    # A clock time is read as seconds.
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, CLOCK: 1.0},
-    # Counts are a turn once it is known how many a turn has.
-    "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN, COUNTS: _TURN},
-    **dict.fromkeys(CHANNELS, _READINGS),
-    "turn_rate": {
-        "turn/s": 1.0,
-        "rpm": 1.0 / 60.0,
-        "deg/s": 1.0 / 360.0,
-        "rad/s": 1.0 / _TURN,
-    },
-    **dict.fromkeys(VELOCITIES, _SPEEDS),
-    **dict.fromkeys(POSITIONS, _LENGTHS),
-    **dict.fromkeys(FORCES, _READINGS),
-}
-DEFAULTS = {
-    "time": "s",
-    "angle": "rad",
-    **dict.fromkeys(CHANNELS, "N"),
-    "turn_rate": "turn/s",
-    **dict.fromkeys(VELOCITIES, "m/s"),
-    **dict.fromkeys(POSITIONS, "m"),
-    **dict.fromkeys(FORCES, "N"),
-}
-
 _RATES, _TURN_RATES, _PER_TURN = (0.5, 2e7), (2e-3, 60.0), 16.0
 _LOADS, _COEFFICIENTS = (1e-4, 1e4), (3e-3, 50.0)
 # An angle is in another unit if the turns of that one explain more than the first share of the
@@ -59,42 +20,6 @@ _LOADS, _COEFFICIENTS = (1e-4, 1e4), (3e-3, 50.0)
 # number of turns a drift is not periodic.
 _MUCH, _LEFT, _TURNS = 0.5, 0.3, 2.5
 _FOLDED, _BINS = 200_000, 36
-
-
-def factors(
-    units: Mapping[str, str] | None, counts_per_turn: float | None = None
-) -> dict[str, float]:
-    """Return the factors to SI of all columns; a leading minus turns the sign of a channel.
-
-    Args:
-        units: by column.
-        counts_per_turn: of the encoder, where the unit of the angle is its counts.
-
-    >>> from asperity.identify.records.units import factors
-    >>> factors({"time": "ms", "normal": "-N"})["normal"]
-    -1.0
-    """
-    found = {}
-    given = {**DEFAULTS, **(units or {})}
-    for column, unit in given.items():
-        if column not in UNITS:
-            raise ParameterError("units", f"has no column {column!r}, only {', '.join(UNITS)}")
-        known = UNITS[column]
-        name = str(unit).removeprefix("-")
-        if name not in known:
-            raise ParameterError("units", f"of {column} must be {', '.join(known)}, got {unit!r}")
-        found[column] = math.copysign(known[name], -1.0 if str(unit).startswith("-") else 1.0)
-    if given["angle"].removeprefix("-") == COUNTS:
-        if counts_per_turn is None:
-            raise ParameterError(
-                "counts_per_turn", "must be given where the unit of the angle is counts"
-            )
-        found["angle"] /= arrays.positive(counts_per_turn, "counts_per_turn")
-    elif counts_per_turn is not None:
-        raise ParameterError(
-            "counts_per_turn", f"is for an angle in counts, its unit is {given['angle']!r}"
-        )
-    return found
 
 
 def check_wrapping(angle: Array, unit: str, factor: float, source: str) -> None:
@@ -153,7 +78,7 @@ def check_magnitudes(runs: Sequence[Recording], units: Mapping[str, str]) -> Non
                     f"angle: {per_turn:.3g} samples per turn: wrong unit?",
                     ("units", "check_units"),
                 )
-    if all(units[channel].removeprefix("-") in _FORCES for channel in CHANNELS):
+    if all(units[channel].removeprefix("-") in NEWTONS for channel in CHANNELS):
         weights = [len(run) for run in runs]
         size = np.abs(np.average([run.readings.mean(axis=0) for run in runs], 0, weights))
         parts = [float(np.hypot(*run.readings[:, :2].T).mean()) for run in runs]

@@ -1,0 +1,483 @@
+"""What headings of tables say: names of columns and their units.
+
+All spellings are here; `guessing` is about how numbers are written, `inspection` uses both.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.errors import ParameterError, RecordError
+from asperity.identify.records.tables import clock, labview
+
+_TURN = 2.0 * math.pi
+CHANNELS = ("tangential", "radial", "normal")
+READINGS = ("V", "mV", "raw")
+"""Units of channels that only a calibration turns into forces."""
+_GRAVITY, _POUND = 9.80665, 0.45359237
+NEWTONS = {
+    **{"N": 1.0, "uN": 1e-6, "mN": 1e-3, "cN": 1e-2, "daN": 10.0, "kN": 1e3},
+    **{"gf": 1e-3 * _GRAVITY, "kgf": _GRAVITY, "lbf": _POUND * _GRAVITY},
+}
+_READINGS = {**NEWTONS, **dict(zip(READINGS, (1.0, 1e-3, 1.0), strict=True))}
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
+_SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
+CLOCK, COUNTS = "clock", "counts"
+POSITIONS = ("position", "position_x", "position_y")
+VELOCITIES = ("velocity", "velocity_x", "velocity_y")
+MOTION = (*VELOCITIES, *POSITIONS)
+FORCES = ("force_x", "force_y")
+UNITS: dict[str, dict[str, float]] = {
+    # A clock time is read as seconds.
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, CLOCK: 1.0},
+    # Counts are a turn once it is known how many a turn has.
+    "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN, COUNTS: _TURN},
+    **dict.fromkeys(CHANNELS, _READINGS),
+    "turn_rate": {
+        "turn/s": 1.0,
+        "rpm": 1.0 / 60.0,
+        "deg/s": 1.0 / 360.0,
+        "rad/s": 1.0 / _TURN,
+    },
+    **dict.fromkeys(VELOCITIES, _SPEEDS),
+    **dict.fromkeys(POSITIONS, _LENGTHS),
+    **dict.fromkeys(FORCES, _READINGS),
+}
+DEFAULTS = {
+    "time": "s",
+    "angle": "rad",
+    **dict.fromkeys(CHANNELS, "N"),
+    "turn_rate": "turn/s",
+    **dict.fromkeys(VELOCITIES, "m/s"),
+    **dict.fromkeys(POSITIONS, "m"),
+    **dict.fromkeys(FORCES, "N"),
+}
+
+_BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*[\[(<{]\s*(?P<unit>[^\])>}]*)\s*[\])>}]\s*")
+# Behind a mark or a blank, a unit must be one of ours.
+_MARKED = re.compile(r"\s*(?P<name>.+?)\s*(?:/|\bin\b|,)\s*(?P<unit>[^\s/]+(?:/\w+)?)\s*")
+_SUFFIX = re.compile(r"\s*(?P<name>.*[^\W_])[\s_.]+(?P<unit>[^\s_.]+)\s*")
+_UNITS = {
+    "s": "s", "sek": "s", "second": "s", "seconds": "s", "sekunden": "s",
+    "ms": "ms", "us": "us", "µs": "us", "min": "min",
+    "hh:mm:ss": CLOCK, "h:m:s": CLOCK, "hh:mm:ss.fff": CLOCK,
+    "rad": "rad", "deg": "deg", "°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg",
+    "turn": "turn", "turns": "turn", "rev": "turn", "u": "turn", "umdr": "turn",
+    "counts": COUNTS, "count": COUNTS, "cts": COUNTS, "inc": COUNTS, "inkr": COUNTS,
+    "ticks": COUNTS,
+    "rpm": "rpm", "1/min": "rpm", "u/min": "rpm", "umdr/min": "rpm", "rev/min": "rpm",
+    "r/min": "rpm", "tr/min": "rpm", "turn/s": "turn/s", "rev/s": "turn/s", "r/s": "turn/s",
+    "1/s": "turn/s", "hz": "turn/s", "deg/s": "deg/s", "°/s": "deg/s", "rad/s": "rad/s",
+    "n": "N", "newton": "N", "newtons": "N", "mn": "mN", "cn": "cN", "dan": "daN", "kn": "kN",
+    "un": "uN", "µn": "uN", "g": "gf", "gf": "gf", "p": "gf", "pond": "gf", "gram": "gf",
+    "kg": "kgf", "kgf": "kgf", "kp": "kgf", "lbf": "lbf", "lb": "lbf", "lbs": "lbf",
+    "v": "V", "volt": "V", "volts": "V", "mv": "mV", "raw": "raw",
+    "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
+    "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
+}  # fmt: skip
+"""Spellings of units, in small letters; where these differ, kN from KN do not."""
+
+# Mega, and conductances.
+_OTHERS = ("MN", "MV", "mS", "µS")
+# Units of one letter that are small in names, such as those of weg_m and of Kraft_N.
+_LETTERS = ("N", "V", "m", "s", "g")
+WORDS = {
+    "time": r"t|time|\w*zeit|zeit\w*|timestamp|time stamp|(elapsed|test|total|run) time|clock|"
+    r"temps|tijd|tiempo|tempo|datum|date|date time|x value",
+    "turn_rate": r"rpm|drehzahl|rotation(al)? speed|turn rate|omega|spindle speed|disk speed",
+    "angle": r"phi|angle|\w*winkel|rotation|drehung|encoder|counts?|theta|position angle|"
+    r"(angular|rotary|disk) position|(rotation|disk|rotary) angle|angle of rotation",
+    "tangential": r"f ?t|f ?tan|tangential( force)?|tangentialkraft|reib(ungs)?kraft|"
+    r"(friction|frictional|drag|traction) force|f ?f|f friction|"
+    r"force (tangential|tangentielle|de frottement)",
+    "radial": r"f ?r|f ?rad|radial( force)?|radialkraft|querkraft|(lateral|transverse)( force)?|"
+    r"f ?q|side force|seitenkraft|force (radiale?|laterale?)",
+    "normal": r"f ?n|f ?z|(normal|axial|vertical)( force| load)?|contact (force|load)|"
+    r"(normal|axial)kraft|"
+    r"anpresskraft|(applied )?load|last|kraft z|z kraft|force (z|normale?)|z force",
+    **{
+        f"{kind}_{axis}": rf"{short} ?{axis}|({names}) {axis}|{axis} ({names})"
+        for kind, names, short in (
+            ("velocity", "velocity|speed|geschwindigkeit", "v"),
+            ("position", "pos|position|weg|displacement", "s?"),
+            ("force", "kraft|force", "f"),
+        )
+        for axis in "xy"
+    },
+    "velocity": r"velocity|speed|geschwindigkeit|vitesse|sliding (speed|velocity)",
+    "position": r"pos|position|weg|hub|stroke|displacement|weg s",
+}
+"""What columns of tribometers are called, in small letters without marks."""
+
+# What may be anything else without a unit that fits: friction, for one, a coefficient.
+_WITH_UNIT = {
+    "turn_rate": r"n|speed|velocity",
+    "angle": r"a|pos|position",
+    "tangential": "friction|reibung|traction|drag",
+    "velocity": "v",
+    "position": "s",
+}
+
+PATH_WORDS = {
+    "time": WORDS["time"],
+    **{
+        f"{name}{error}": rf"({name}|(pos|position|coordinate) {axis}|"
+        rf"{axis}( pos| position| coordinate)?){mark}"
+        for name, axis in (("x1", "x"), ("x2", "y"))
+        for error, mark in (("", ""), ("_error", " error"))
+    },
+}
+"""What columns of paths are called."""
+
+# A column that holds what was asked for, or what is made of readings, is no reading.
+_NOT_READ = re.compile(
+    r"\b(set|setpoint|soll\w*|target|nominal|command\w*|cmd|demand|limit|max\w*|min\w*|std\w*|"
+    r"offset|tolerance|dev|deviation)\b"
+)
+_PLACES = {"daq", "rotary", "linear", "measured", "actual", "ist", "istwert", "meas", "sensor",
+           "channel", "ch", "kanal", "signal", "in", "richtung", "direction", "axis", "achse",
+           "filtered", "filt", "mean", "avg", "abs", "rms"}  # fmt: skip
+_LABELS = ("unit", "units", "einheit", "einheiten", "name", "names", "channel", "channel name",
+           "channel names", "kanal", "kanalname")  # fmt: skip
+# Longer texts are no units.
+_LONGEST_UNIT = 12
+
+
+def factors(
+    units: Mapping[str, str] | None, counts_per_turn: float | None = None
+) -> dict[str, float]:
+    """Return the factors to SI of all columns; a leading minus turns the sign of a channel.
+
+    Args:
+        units: by column.
+        counts_per_turn: of the encoder, where the unit of the angle is its counts.
+
+    >>> from asperity.identify.records.tables.headings import factors
+    >>> factors({"time": "ms", "normal": "-N"})["normal"]
+    -1.0
+    """
+    found = {}
+    given = {**DEFAULTS, **(units or {})}
+    for column, unit in given.items():
+        if column not in UNITS:
+            raise ParameterError("units", f"has no column {column!r}, only {', '.join(UNITS)}")
+        known = UNITS[column]
+        name = str(unit).removeprefix("-")
+        if name not in known:
+            raise ParameterError("units", f"of {column} must be {', '.join(known)}, got {unit!r}")
+        found[column] = math.copysign(known[name], -1.0 if str(unit).startswith("-") else 1.0)
+    if given["angle"].removeprefix("-") == COUNTS:
+        if counts_per_turn is None:
+            raise ParameterError(
+                "counts_per_turn", "must be given where the unit of the angle is counts"
+            )
+        found["angle"] /= arrays.positive(counts_per_turn, "counts_per_turn")
+    elif counts_per_turn is not None:
+        raise ParameterError(
+            "counts_per_turn", f"is for an angle in counts, its unit is {given['angle']!r}"
+        )
+    return found
+
+
+def unit(text: str) -> str:
+    """Return our name of a unit, or nothing.
+
+    >>> from asperity.identify.records.tables.headings import unit
+    >>> [unit(text) for text in ("mm/sec", "min⁻¹", "KN", "MN", "°C")]
+    ['mm/s', 'rpm', 'kN', '', '']
+    """
+    plain = text.strip().replace("μ", "µ").replace("⁻¹", "-1").replace("º", "°")
+    if plain in _OTHERS:
+        return ""
+    plain = re.sub(r"[\s*·^]", "", plain.lower()).replace("sec", "s")
+    plain = re.sub(r"\.?(s|min)-1$", r"/\1", plain).removeprefix(".")
+    return _UNITS.get(f"1{plain}" if plain.startswith("/") else plain, "")
+
+
+def parted(name: str, words: Mapping[str, str] = WORDS) -> tuple[str, str]:
+    """Return a name without its unit, and the unit as it is written.
+
+    >>> from asperity.identify.records.tables.headings import parted
+    >>> parted("Fx [kp]"), parted("angle_deg"), parted("Speed mm/sec"), parted("F_N")
+    (('Fx', 'kp'), ('angle', 'deg'), ('Speed', 'mm/sec'), ('F_N', ''))
+    """
+    found = _BRACKETS.fullmatch(name)
+    if found is not None:
+        text = found["unit"].strip()
+        # Round brackets may hold anything: the symbol of a force, or the number of a channel.
+        other = (
+            len(text) > _LONGEST_UNIT or re.search(r"\d", text) or plain(text) in _PLACES - {"in"}
+        )
+        symbol = any(re.fullmatch(one, plain(text)) for one in words.values())
+        is_unit = name.rstrip().endswith("]") or unit(text) or not (other or symbol)
+        return (found["name"], text) if is_unit else parted(found["name"], words)
+    if any(re.fullmatch(one, plain(name)) for one in words.values()):
+        return name, ""
+    for form in (_SUFFIX, _MARKED):
+        found = form.fullmatch(name)
+        if found is not None and unit(found["unit"]):
+            text = found["unit"]
+            if form is _MARKED or len(text) > 1 or text in _LETTERS or text == "°":
+                return found["name"].removesuffix(" in"), text
+    return name, ""
+
+
+def plain(name: str) -> str:
+    """Return a name in small letters without accents, marks and what says where it is from."""
+    apart = unicodedata.normalize("NFKD", name.lower())
+    letters = "".join(one for one in apart if not unicodedata.combining(one))
+    for greek, latin in (("φ", "phi"), ("ϕ", "phi"), ("θ", "theta"), ("ω", "omega")):
+        letters = letters.replace(greek, latin)
+    parts = re.sub(r"[^a-z0-9]+", " ", letters).split()
+    return " ".join([one for one in parts if one not in _PLACES] or parts)
+
+
+def roles_of(name: str, text: str, words: Mapping[str, str]) -> list[str]:
+    """Return what a column may be by its name and the unit beside it, likeliest first."""
+    called, own = plain(parted(name, words)[0]), unit(text)
+    if _NOT_READ.search(called) or (text and not own):
+        return []
+    found = [role for role, spelt in words.items() if re.fullmatch(spelt, called)]
+    if own:
+        more = [role for role, spelt in _WITH_UNIT.items() if re.fullmatch(spelt, called)]
+        return [role for role in (*found, *more) if own in known_units(role)]
+    # A T is a temperature as well.
+    return [] if parted(name, words)[0].strip() == "T" else found
+
+
+def is_read(name: str) -> bool:
+    """Return whether a column seems to hold readings, and not what was asked for."""
+    return _NOT_READ.search(plain(parted(name)[0])) is None
+
+
+def known_units(role: str) -> Mapping[str, float]:
+    """Return the units of a column and their factors to SI."""
+    if role.startswith(("x1", "x2")):
+        return UNITS["position"]
+    return UNITS.get(role.removeprefix("load_"), {})
+
+
+@dataclass(frozen=True)
+class Headings:
+    """What the lines before the numbers say of each column.
+
+    Attributes:
+        names: of the columns.
+        units: as they are written, empty where there is none.
+        line: of the names, from 1; 0 if there is none.
+        odd: why a line of names is not used, or empty.
+    """
+
+    names: list[str]
+    units: list[str]
+    line: int
+    odd: str = ""
+
+
+def headings(
+    rows: Sequence[Sequence[Any]],
+    width: int,
+    *,
+    least: int = 0,
+    line: int | None = None,
+    words: Mapping[str, str] = WORDS,
+) -> Headings:
+    """Return what the lines before the numbers say.
+
+    Args:
+        rows: their cells.
+        width: of the table.
+        least: columns without those at its end that may be empty.
+        line: of the names, from 1; by default the one that holds most names of columns.
+        words: what columns are called.
+    """
+    cells = [["" if cell is None else str(cell).strip() for cell in row] for row in rows]
+    texts = [_laid(row, width) for row in cells]
+    heading = labview.heading_of(cells)
+    if heading is not None and line is None:
+        line = max(at for at, row in enumerate(cells, 1) if row[:1] == [labview.LAST])
+    if line is None:
+        line = _line_of_names(texts, width, words)
+    nameless = Headings([f"column {at}" for at in range(width)], [""] * width, 0)
+    if not line:
+        # What could be names, but for their number.
+        line = max((at for at, row in enumerate(cells, 1) if len(row) > width), default=0)
+    if not line or line > len(texts):
+        return nameless
+    names, count = texts[line - 1], len(cells[line - 1])
+    if not names or count < least:
+        odd = f"line {line} has {count} headings, the numbers have {least or width} columns"
+        return replace(nameless, odd=odd)
+    within = [parted(name, words)[1] for name in names]
+    beside = [""] * width
+    if heading is not None:
+        beside = (heading.units + [""] * width)[:width]
+    elif not any(within):
+        # Of lines beside the names, those below count first; numbers may be headed by units alone.
+        order = [*range(line, len(texts)), *range(line - 2, -1, -1), line - 1]
+        at = next((one for one in order if _holds_units(texts[one], words)), None)
+        beside = beside if at is None else [_bare(cell) for cell in texts[at]]
+    return Headings(names, [a or b for a, b in zip(within, beside, strict=True)], line)
+
+
+def _laid(cells: list[str], width: int) -> list[str]:
+    """Return the cells of a line, one for each column; none if they are not that many."""
+    while cells and not cells[-1]:
+        cells = cells[:-1]
+    if len(cells) > width and plain(cells[0]) in _LABELS:
+        cells = cells[1:]
+    # LabVIEW names a column of comments that need not be there.
+    if len(cells) > width and cells[0] == labview.LAST:
+        cells = cells[:width]
+    return [] if len(cells) > width else cells + [""] * (width - len(cells))
+
+
+def _line_of_names(texts: Sequence[Sequence[str]], width: int, words: Mapping[str, str]) -> int:
+    """Return the line that holds most names of columns, the last of several; 0 if none does."""
+    best, line = 0, 0
+    for at, row in enumerate(texts, 1):
+        filled = [cell for cell in row if cell]
+        values = sum(cell[:1].isdigit() or clock.seconds(cell) >= 0.0 for cell in filled)
+        if len(filled) < max(2, 0.5 * width) or 2 * values >= len(filled):
+            continue
+        if _holds_units(row, words) and (best or any(map(any, texts[: at - 1]))):
+            continue
+        found = {role for cell in filled for role in roles_of(cell, parted(cell)[1], words)[:1]}
+        score = 1 + len(found) + sum(bool(unit(parted(cell)[1])) for cell in filled)
+        if score >= best:
+            best, line = score, at
+    return line
+
+
+def _holds_units(row: Sequence[str], words: Mapping[str, str]) -> bool:
+    """Return whether a line is one of units, some of which may be none of ours."""
+    cells = [_bare(cell) for cell in row if cell]
+    if not any(unit(cell) for cell in cells) or max(map(len, cells)) > _LONGEST_UNIT:
+        return False
+    named = [cell for cell in cells if not unit(cell) and roles_of(cell, "", words)]
+    return not named and not any(parted(cell)[1] for cell in cells)
+
+
+def _bare(cell: str) -> str:
+    text = re.sub(r"^(units?|einheit(en)?)\s*:", "", cell, flags=re.I).strip("[](){}<>: ")
+    return "" if text.lower() in _LABELS or text in ("-", "--", "1") else text
+
+
+def place_of(column: str, names: Sequence[str], source: str) -> int | None:
+    """Return where the column of a name is; None if there is none.
+
+    Raises:
+        RecordError: if several columns have that name.
+    """
+    places = [at for at, name in enumerate(names) if name == column]
+    if len(places) > 1:
+        listed = " and ".join(map(str, places))
+        raise RecordError(
+            source,
+            f"has several columns {column!r}: give the number of the one that is meant, {listed} "
+            "(numbers count from 0)",
+            ("columns",),
+        )
+    return places[0] if places else None
+
+
+def settled(
+    role: str, stated: str | None, text: str, *, called: str, source: str, check: bool = True
+) -> str | None:
+    """Return the unit of a column: the one of the configuration, else of its heading, else none.
+
+    Args:
+        role: what the column is.
+        stated: by the configuration.
+        text: of the heading.
+        called: the column, for messages.
+        source: for messages.
+        check: whether a contradiction is refused; else the configuration counts.
+
+    Raises:
+        RecordError: if heading and configuration contradict each other, or the heading has a unit
+            that does not fit and the configuration none.
+    """
+    known, found = known_units(role), unit(text)
+    if stated is None:
+        if found in known:
+            return found
+        if text and check:
+            raise RecordError(
+                source,
+                f"column {called} ({role}): its heading says {text!r}, which is none of "
+                f"{', '.join(known)}: say which unit it is",
+                ("units", "check_units"),
+            )
+        return None
+    own = stated.removeprefix("-")
+    if check and found and found != own and own not in ("raw", CLOCK):
+        raise RecordError(
+            source,
+            f"column {called} ({role}): its heading says {text!r}, the configuration {own!r}: "
+            "correct the wrong one",
+            ("units", "check_units"),
+        )
+    return stated
+
+
+def refuse_twice(columns: Mapping[str, str | int], wanted: Sequence[int]) -> None:
+    """Refuse one column for two."""
+    names = list(columns)
+    for at, place in enumerate(wanted):
+        first = wanted.index(place)
+        if first < at:
+            raise ParameterError(
+                "columns", f"give the same column for {names[first]} and {names[at]}"
+            )
+
+
+def assigned(
+    head: Headings, words: Mapping[str, str], values: Array, held: Sequence[int]
+) -> tuple[dict[int, str], list[str]]:
+    """Return what columns are by their names and units, and what is to be said of it.
+
+    Args:
+        head: the headings.
+        words: what columns are called.
+        values: of all columns.
+        held: numbers of those that may be meant.
+    """
+    candidates: dict[str, list[int]] = {}
+    for at in held:
+        for role in roles_of(head.names[at], head.units[at], words)[:1]:
+            candidates.setdefault(role, []).append(at)
+    roles: dict[int, str] = {}
+    notes: list[str] = []
+    for role, places in candidates.items():
+        # A column with a unit is surer than one without.
+        first, *rest = sorted(places, key=lambda at: not head.units[at])
+        one = values[:, first]
+        others = [at for at in rest if not np.array_equal(values[:, at], one, equal_nan=True)]
+        twins = [at for at in others if head.names[at] == head.names[first]]
+        if twins:
+            listed = ", ".join(map(str, sorted([first, *twins])))
+            notes.append(
+                f"{role}: columns {listed} are all called {head.names[first]!r}; give the number "
+                "of the one that is meant in [columns]"
+            )
+            continue
+        roles[first] = role
+        if others:
+            also = ", ".join(repr(head.names[at]) for at in others)
+            notes.append(f"{role}: {head.names[first]!r} is taken, not {also}")
+    for at in held:
+        text = head.units[at] if not unit(head.units[at]) else ""
+        for role in roles_of(head.names[at], "", words)[: bool(text)]:
+            if role not in roles.values():
+                notes.append(f"{role}: unit {text!r} of {head.names[at]!r} is not known")
+    return roles, notes
