@@ -700,6 +700,43 @@ def test_lengths_of_direction_sets_are_those_that_were_written(name, value, made
         assert_is(many, index, asp.simulate(point(index), **options))
 
 
+def tilted(normal=(0.3, 1.0, 3.0), axis=(2.0, 0.0, 1.0), frame="plane", turn=(3.0, 1.0, -1.0, 0.2)):
+    ball = asp.Body.ball(1.0, radius=0.1, orientation=turn, velocity=(1.0, 0.5, 0.0))
+    plane = asp.Plane(normal=normal, axis=axis)
+    pair = asp.SpherePlane(0, radius=0.1, plane=plane, law=LAW, frame=frame, normal_force=5.0)
+    return asp.RigidBodies([ball], pairs=[pair])
+
+
+def sloping(normal):
+    body, law = (
+        asp.PlanarBody.disk(1.0, radius=0.1),
+        asp.FrictionLaw.associated(asp.Interval(-0.3, 0.3)),
+    )
+    pair = asp.SpherePlane(0, radius=0.1, plane=asp.Line(normal=normal), law=law, normal_force=5.0)
+    return asp.RigidBodies([body], pairs=[pair])
+
+
+@pytest.mark.parametrize(
+    ("name", "made"),
+    [
+        ("pairs[0].plane.normal[1]", lambda value: tilted(normal=(0.3, value, 3.0))),
+        ("pairs[0].plane.axis[0]", lambda value: tilted(axis=(value, 0.0, 1.0))),
+        ("pairs[0].frame.axis[2]", lambda value: tilted(frame=asp.BodyAxis((2.0, 0.0, value)))),
+        ("bodies[0].orientation[1]", lambda value: tilted((0, 0, 3), turn=(3.0, value, 0.0, 0.2))),
+        ("pairs[0].plane.normal[0]", lambda value: sloping((value, 4.0))),
+    ],
+)
+def test_entries_of_vectors_of_any_length_are_those_that_were_written(name, made):
+    """Each makes the system that its constructor makes; the one that is there changes nothing."""
+    values, options = [1.0, 1.5, 2.0], {"dt": 0.01, "t_end": 0.1}
+    many = asp.simulate_many(made(1.0), replace={name: values}, **options)
+    for index, value in enumerate(values):
+        assert repr(many.system(index)) == repr(made(value))
+        assert_is(many, index, asp.simulate(made(value), **options))
+    assert made(1.0) == pickle.loads(pickle.dumps(made(1.0)))
+    assert np.unique(many.u, axis=0).shape == many.u.shape
+
+
 def test_borders_of_what_can_be_replaced():
     rated = BELT.replace(law=LAW.replace(rate=asp.Stribeck(0.3, ratio=0.5)))
     many = asp.simulate_many(rated, **STEPS, replace={"law.rate.ratio": [0.5, 1.05]})

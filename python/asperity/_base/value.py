@@ -98,14 +98,17 @@ class Handed(np.ndarray):
 class Value:
     """Base of immutable objects that are equal when their parameters are.
 
-    A subclass hands each parameter of its ``__init__`` to `_set`, and what it derives to `_keep`.
-    Arrays and mappings among them are kept as copies that refuse writing.
+    A subclass hands each parameter of its ``__init__`` to `_set` as it was written, for `replace`,
+    files and text, and what it derives to `_keep`. Arrays and mappings among them are kept as
+    copies that refuse writing.
     """
 
     _hands_out: ClassVar[bool] = False
     """Whether parts of its arrays are copies, see `Handed`: those of results, which others take."""
     _descriptive: ClassVar[frozenset[str]] = frozenset()
     """Parameters that say where a value is from or what its parts are called: not compared."""
+    _scaled: ClassVar[frozenset[str]] = frozenset()
+    """Parameters whose scale has no effect: kept and compared as attributes of one scale."""
 
     if TYPE_CHECKING:
 
@@ -162,7 +165,9 @@ class Value:
         return hash((type(self), *(_hashable(value) for _, value in self._compared())))
 
     def _compared(self) -> Iterator[tuple[str, Any]]:
-        return (pair for pair in self._parameters.items() if pair[0] not in self._descriptive)
+        for name, given in self._parameters.items():
+            if name not in self._descriptive:
+                yield name, getattr(self, name) if name in self._scaled else given
 
     def __repr__(self) -> str:
         return self._call(_text)

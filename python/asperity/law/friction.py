@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,8 @@ class FrictionLaw(Questions):
     """
 
     report: flow.FlowReport | EngineReport | None
+
+    _scaled = frozenset({"direction"})
 
     def __init__(
         self,
@@ -463,10 +465,6 @@ class FrictionLaw(Questions):
         from asperity.law.file import LawFile
 
         return LawFile.load(path).law
-
-    def _compared(self) -> Iterator[tuple[str, Any]]:
-        # With D at the largest scale inside C: its own has no effect.
-        return ((name, getattr(self, name)) for name in self._parameters)
 
     def _misses(self, phi: Array, force: Array) -> Array:
         """Return by how much of the largest force the law misses each of them."""

@@ -56,8 +56,8 @@ class Body(Value):
             ``(3,)`` or the matrix ``(3, 3)``, symmetric to 1e-12 of its largest entry.
         position: of the centre of mass in m, shape ``(3,)``.
         orientation: what turns the body's axes into the world's: a ``Rotation`` of SciPy, or a
-            quaternion (w, x, y, z), which is normalised, such as of `axis_angle`. SciPy's own order
-            is (x, y, z, w).
+            quaternion (w, x, y, z) of any length, such as of `axis_angle`; SciPy's own order is
+            (x, y, z, w). The attribute is of length 1, `replace`, files and text have the given.
         velocity: of the centre of mass in m/s, shape ``(3,)``.
         angular_velocity: ω in rad/s in the world's axes, shape ``(3,)``.
         force: on the centre of mass in N besides gravity, in the world's axes: shape ``(3,)``, or a
@@ -87,6 +87,8 @@ class Body(Value):
     torque: Array | Signal | Callable[[float], ArrayLike]
     name: str | None
 
+    _scaled = frozenset({"orientation"})
+
     def __init__(
         self,
         mass: float,
@@ -104,13 +106,14 @@ class Body(Value):
             mass=arrays.positive(mass, "mass"),
             inertia=_inertia(inertia),
             position=arrays.array(position, "position", (3,)),
-            orientation=rotation.quaternion(orientation, "orientation"),
+            orientation=rotation.written(orientation, "orientation"),
             velocity=arrays.array(velocity, "velocity", (3,)),
             angular_velocity=arrays.array(angular_velocity, "angular_velocity", (3,)),
             force=time_functions.checked(force, "force", (3,)),
             torque=time_functions.checked(torque, "torque", (3,)),
             name=labels.name(name),
         )
+        self._keep(orientation=rotation.quaternion(self.orientation, "orientation"))
 
     @classmethod
     def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:

@@ -34,10 +34,17 @@ Orientation: TypeAlias = ArrayLike | Rotation
 
 def quaternion(value: Orientation, argument: str) -> Array:
     """Return the unit quaternion (w, x, y, z) of an orientation."""
+    return normalised(written(value, argument), argument, 4)
+
+
+def written(value: Orientation, argument: str) -> Array:
+    """Return the quaternion (w, x, y, z) of an orientation, of the length that was given."""
     try:
         if isinstance(value, Rotation):
             value = _wxyz(value, argument)
-        return normalised(value, argument, 4)
+        quaternion = arrays.array(value, argument, (4,))
+        normalised(quaternion, argument, 4)
+        return quaternion
     except ParameterError as error:
         raise type(error)(argument, f"{error.message}; {_ORDER}") from None
 

@@ -27,7 +27,8 @@ class Plane(Value):
 
     Its surface may move in itself: a belt with `velocity`, a turntable with `spin` about the normal
     through `point`; plane and grooves then stay where they are. With `motion` the plane itself
-    moves with its grooves: a shaken table.
+    moves with its grooves: a shaken table. Attributes are unit vectors; `replace`, files and text
+    have the vectors that were given.
 
     Args:
         point: a point of the plane in m, shape ``(3,)``; origin of the coordinates (x₁, x₂).
@@ -58,6 +59,8 @@ class Plane(Value):
     body: int | None
     axes: Array
 
+    _scaled = frozenset({"normal", "axis"})
+
     def __init__(
         self,
         *,
@@ -71,14 +74,15 @@ class Plane(Value):
     ) -> None:
         self._set(
             point=arrays.array(point, "point", (3,)),
-            normal=rotation.normalised(normal, "normal", 3),
-            axis=rotation.normalised(axis, "axis", 3),
+            normal=arrays.array(normal, "normal", (3,)),
+            axis=arrays.array(axis, "axis", (3,)),
             velocity=time_functions.checked(velocity, "velocity", (2,)),
             spin=time_functions.checked(spin, "spin", ()),
             motion=plane_motion.checked(motion, ((3,), (3,))),
             body=None if body is None else arrays.count(body, "body", 0),
         )
-        self._keep(axes=_axes(self.normal, self.axis))
+        n, e1 = (rotation.normalised(getattr(self, name), name, 3) for name in ("normal", "axis"))
+        self._keep(normal=n, axis=e1, axes=_axes(n, e1))
 
     @classmethod
     def oriented(cls, orientation: Orientation, **options: Any) -> Self:
@@ -102,6 +106,8 @@ class Plane(Value):
     def _core_data(self) -> dict[str, Any]:
         return {
             **self._parameters,
+            "normal": self.normal,
+            "axis": self.axis,
             "velocity": time_functions.core(self.velocity),
             "spin": time_functions.core(self.spin),
             "motion": plane_motion.core_data(self.motion, (np.zeros(3), np.zeros(3))),
@@ -135,6 +141,8 @@ class Line(Value):
     body: int | None
     axes: Array
 
+    _scaled = frozenset({"normal"})
+
     def __init__(
         self,
         *,
@@ -146,18 +154,19 @@ class Line(Value):
     ) -> None:
         self._set(
             point=arrays.array(point, "point", (2,)),
-            normal=rotation.normalised(normal, "normal", 2),
+            normal=arrays.array(normal, "normal", (2,)),
             velocity=time_functions.checked(velocity, "velocity", ()),
             motion=plane_motion.checked(motion, ((2,), ())),
             body=None if body is None else arrays.count(body, "body", 0),
         )
-        n1, n2 = self.normal.tolist()
+        n1, n2 = normal = rotation.normalised(self.normal, "normal", 2)
         # Adding zero turns −0 into 0.
-        self._keep(axes=np.array([[n2, -n1], [n1, n2]]) + 0.0)
+        self._keep(normal=normal, axes=np.array([[n2, -n1], [n1, n2]]) + 0.0)
 
     def _core_data(self) -> dict[str, Any]:
         return {
             **self._parameters,
+            "normal": self.normal,
             "velocity": time_functions.core(self.velocity),
             "motion": plane_motion.core_data(self.motion, (np.zeros(2), 0.0)),
         }
@@ -172,13 +181,16 @@ class BodyAxis(Value):
 
     >>> from asperity import BodyAxis
     >>> BodyAxis((0.0, 2.0, 0.0))
-    BodyAxis([0.0, 1.0, 0.0])
+    BodyAxis([0.0, 2.0, 0.0])
     """
 
     axis: Array
 
+    _scaled = frozenset({"axis"})
+
     def __init__(self, axis: ArrayLike) -> None:
-        self._set(axis=rotation.normalised(axis, "axis", 3))
+        self._set(axis=arrays.array(axis, "axis", (3,)))
+        self._keep(axis=rotation.normalised(self.axis, "axis", 3))
 
 
 Frame: TypeAlias = Literal["plane", "polar"] | BodyAxis | Callable[[float, float], float]
