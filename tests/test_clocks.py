@@ -150,6 +150,40 @@ def test_no_impact_of_a_spinning_body_is_missed(count):
         assert gap(motion.q.T).min() > -NEGLIGIBLE, case
 
 
+class Ball(asp.System):
+    """A ball above the floor whose gap is exact to `noise` only."""
+
+    dof = 2
+    contacts = (asp.ContactLaw(LINE, normal_restitution=0.5),)
+
+    def __init__(self, noise):
+        self.noise = noise
+
+    def mass(self, q):
+        return np.eye(2)
+
+    def forces(self, t, q, u):
+        return np.array([-GRAVITY, 0.0])
+
+    def gap(self, t, q, contact):
+        return q[0] + self.noise * (np.modf(abs(np.sin(1e7 * q[0]) * 43758.5))[0] - 0.5)
+
+    def normal(self, t, q, contact):
+        return np.array([1.0, 0.0])
+
+    def direction(self, t, q, contact):
+        return np.array([[0.0], [1.0]])
+
+
+def test_noise_of_a_gap_ends_neither_bounces_nor_steps():
+    first = np.sqrt(2.0 / GRAVITY)
+    for noise in (0.0, 1e-13, 1e-11, 1e-9, 1e-8, 1e-7):
+        motion = asp.integrate(Ball(noise), t_end=1.0, q0=[1.0, 0.0])
+        times = [event.time for event in motion.events]
+        assert times == pytest.approx([first, 2.0 * first], abs=1e-12 + noise), noise
+        assert len(motion.t) < 20, noise
+
+
 # Clocks
 
 

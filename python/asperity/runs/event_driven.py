@@ -13,6 +13,7 @@ from asperity._base.log import log
 from asperity._base.progress import Progress, reporter
 from asperity.errors import (
     ConvergenceError,
+    DimensionError,
     NoSolutionError,
     ParameterError,
 )
@@ -221,12 +222,15 @@ def touching(system: Model, state: State) -> State:
     half a step late, and it stays as deep as it then is: in a state with the memory of contacts,
     which only steps leave, it touches if its gap is not positive.
     """
-    deepest = _core.deepest_overlap(system._core, state.t, state.q)
-    if deepest is None:
+    bodies = system if state.contacts is None and isinstance(system, RigidBodies) else None
+    if state.contacts is None and bodies is None:
         return state
-    rounding = rounded_overlap(system, state.q) if isinstance(system, RigidBodies) else 0.0
-    if state.contacts is None and -deepest[1] > rounding:
-        return state  # The core names the contact.
+    try:
+        deepest = _core.deepest_overlap(system._core, state.t, state.q)
+    except DimensionError:
+        return state  # The run refuses the state by its name.
+    if deepest is None or (bodies is not None and -deepest[1] > rounded_overlap(bodies, state.q)):
+        return state
     q, touch = state.q, np.array(False)
     for _ in range(_CORRECTIONS):
         here = _core.evaluate(system._core, state.t, q, state.u)
