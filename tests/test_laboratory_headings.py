@@ -136,6 +136,13 @@ HEADINGS = {
                 "s deg x y z", ""),
     "comma in a name": ("t [s],phi [deg],Ft, filtered [N],Fr [N],Fn [N]", "s deg x y z",
                         "headings time tangential"),
+    "speed in a line": ("Time,Speed,Load,Ft,Fr\ns,1/min,N,N,N", "s rpm z x y", ""),
+    "units on both lines": ("Time,Angle,Ft,Fr,Load (kg)\nms,deg,mN,mN,", "ms deg xmN ymN zkg", ""),
+    "points": ("Time (sec.),Angle (Deg.),Ft (N.),Fr (N.),Fn (N.)", "s deg x y z", ""),
+    "volts beside": ("t [s],phi [deg],Friction [V],Friction [N],Fr [N],Fn [N]",
+                     "s deg xV x y z", ""),
+    "words in names": ("t [s],phi [deg],Normal force (z) [N],Friction force (x) [N],Side (y) [N]",
+                       "s deg z x y", "tangential radial normal"),
     "potential": ("Time [s],Angle [°],Friction force [N],Normal force [N],Contact potential [mV]",
                   "s deg x z wear", "radial"),
     "wear": ("Time [s],Angle [°],Friction force [N],Normal force [N],Wear [V]", "s deg x z wear",
@@ -219,6 +226,18 @@ def test_units_of_headings_count_and_contradictions_are_refused(tmp_path):
         identify.read_csv(frame, columns={"normal": "Fn [dyn]"})
     (run,) = identify.read_csv(frame, columns={"normal": "Fn [dyn]"}, units={"normal": "N"})
     np.testing.assert_array_equal(run.readings, RUN.readings)
+
+
+def test_what_is_no_unit_is_not_taken_for_one(tmp_path):
+    path = tmp_path / "run.csv"
+    settings = "Weight;10;N\nRange;50;mN\nProbe;A;mm\n"
+    path.write_text(settings + csv("t,phi,F_H,Ft_m,F_V", lab.table(RUN)).replace(",", ";"))
+    columns = {"time": "t", "angle": "phi", "tangential": "F_H", "radial": "Ft_m", "normal": "F_V"}
+    (run,) = identify.read_csv(path, delimiter=";", header=4, columns=columns)
+    np.testing.assert_allclose(run.readings, RUN.readings, atol=1e-5)
+    by_number = {name: at for at, name in enumerate(PLAIN)}
+    (run,) = identify.read_csv(path, delimiter=";", header=4, names=3, columns=by_number)
+    np.testing.assert_allclose(run.readings, RUN.readings, atol=1e-5)
 
 
 def test_volts_are_no_forces_without_a_calibration(tmp_path):
