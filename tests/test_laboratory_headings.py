@@ -1,6 +1,7 @@
 """Headings as machines and programs write them: columns are read as meant, or asked for."""
 
 import datetime
+import pickle
 
 import laboratory_files as lab
 import numpy as np
@@ -138,6 +139,8 @@ HEADINGS = {
                         "headings time tangential"),
     "speed in a line": ("Time,Speed,Load,Ft,Fr\ns,1/min,N,N,N", "s rpm z x y", ""),
     "units on both lines": ("Time,Angle,Ft,Fr,Load (kg)\nms,deg,mN,mN,", "ms deg xmN ymN zkg", ""),
+    "slashes": ("t /s\tphi /°\tF_t /mN\tF_r /mN\tF_n /N", "s deg xmN ymN z", ""),
+    "comments": ("#t,phi,Ft,Fr,Fn\n#s,deg,mN,mN,mN", "s deg xmN ymN zmN", ""),
     "points": ("Time (sec.),Angle (Deg.),Ft (N.),Fr (N.),Fn (N.)", "s deg x y z", ""),
     "volts beside": ("t [s],phi [deg],Friction [V],Friction [N],Fr [N],Fn [N]",
                      "s deg xV x y z", ""),
@@ -248,6 +251,10 @@ def test_volts_are_no_forces_without_a_calibration(tmp_path):
     (run,) = identify.read_csv(frame, columns=columns)
     with pytest.raises(RecordError, match=r"tangential: is in mV, which only a calibration"):
         identify.RawData([run])
+    for copy in (pickle.loads(pickle.dumps(run)), run.replace(source="a copy")):
+        with pytest.raises(RecordError, match=r"tangential: is in mV"):
+            identify.RawData([copy])
+    identify.RawData([run.replace(readings=run.readings / 20.0)])
     loads = (5.0 * np.eye(3)).tolist()
     sections = {"columns": columns}
     # Are the readings of the weighings in mV or in V?

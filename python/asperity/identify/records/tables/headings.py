@@ -65,7 +65,7 @@ DEFAULTS = {
 _BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*[\[(<{]\s*(?P<unit>[^\])>}]*)\s*[\])>}]\s*")
 # Behind a mark or a blank, a unit must be one of ours.
 _MARKED = re.compile(r"\s*(?P<name>.+?)\s*(?:/|\bin\b|,)\s*(?P<unit>[^\s/]+(?:/\w+)?)\s*")
-_SUFFIX = re.compile(r"\s*(?P<name>.*[^\W_])[\s_.]+(?P<unit>[^\s_.]+)\s*")
+_SUFFIX = re.compile(r"\s*(?P<name>.*[^\W_])[\s_.]+(?P<unit>[^\s_./][^\s_.]*)\s*")
 _UNITS = {
     "s": "s", "sek": "s", "second": "s", "seconds": "s", "sekunden": "s",
     "ms": "ms", "us": "us", "µs": "us", "min": "min",
@@ -384,7 +384,7 @@ def _holds_units(row: Sequence[str], words: Mapping[str, str]) -> bool:
 
 
 def _bare(cell: str) -> str:
-    text = re.sub(r"^(units?|einheit(en)?)\s*:", "", cell, flags=re.I).strip("[](){}<>: ")
+    text = re.sub(r"^(units?|einheit(en)?)\s*:", "", cell, flags=re.I).strip("[](){}<>:# ")
     return "" if text.lower() in _LABELS or text in ("-", "--", "1") else text
 
 
