@@ -94,7 +94,6 @@ HEADINGS = {
                 "s deg xlb ylb zlb", ""),
     "mtm": ("Step Time (s),Traction Force (N),Ball Load (N),Rolling Speed (mm/s),Angle (deg)",
             "s x z speed deg", "normal radial"),
-    "labview": ("Time\tPhi\tFt\tFr\tFn", "s deg x y z", ""),
     "labview, volts": ("Time (s)\tAngle (deg)\tVoltage_0 (V)\tVoltage_1 (V)\tVoltage_2 (V)",
                        "s deg xV yV zV", "calibration"),
     "volts": ("t [s],phi [°],Ft [V],Fr [V],Fn [N]", "s deg xV yV z", "calibration"),
@@ -107,7 +106,6 @@ HEADINGS = {
                "s deg x y z", ""),
     "catman, lines": ("Zeit\tWinkel\tKraft_X\tKraft_Y\tKraft_Z\ns\tGrad\tN\tN\tN\n\t\tCh 1\tCh 2\t"
                       "Ch 3", "s deg x y z", ""),
-    "frames": ("time_s,angle_deg,Fx_N,Fy_N,Fz_N", "s deg x y z", ""),
     "frames, symbols": ("t_ms,phi_rad,F_T,F_R,F_N", "ms rad x y z", ""),
     "frames, mixed": ("time_ms,phi_deg,ft_mN,fr_mN,fn_kN", "ms deg xmN ymN zkN", ""),
     "temperature": ("T,Time,Phi,Ft,Fr,Fn", "temp s deg x y z", ""),
@@ -146,10 +144,6 @@ HEADINGS = {
                      "s deg xV x y z", ""),
     "words in names": ("t [s],phi [deg],Normal force (z) [N],Friction force (x) [N],Side (y) [N]",
                        "s deg z x y", "tangential radial normal"),
-    "potential": ("Time [s],Angle [°],Friction force [N],Normal force [N],Contact potential [mV]",
-                  "s deg x z wear", "radial"),
-    "wear": ("Time [s],Angle [°],Friction force [N],Normal force [N],Wear [V]", "s deg x z wear",
-             "radial"),
 }  # fmt: skip
 
 
