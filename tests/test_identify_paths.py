@@ -819,6 +819,7 @@ def test_configurations_say_how_paths_are_read(tmp_path):
         ("t,x1,x2\n0,1,2\n1,1,2\n2,1,two\n", "line 4: must hold numbers, holds 'two'"),
         ("t,x1,x2\n0,1,2\n1,1,2\n,1,2\n", "must hold a time in every line"),
         ("t,x1\n0,1,2\n1,1,2\n", "line 1 has 2 headings, the numbers have 3 columns"),
+        ("t,x,y [mm]\n0,1,2\n1,1,3\n", "x1 has no unit, the other coordinate has"),
         ("t,x,x\n0,1,2\n1,1,3\n", "columns 1, 2 are all called 'x'"),
     ],
 )

@@ -1,6 +1,7 @@
 """Headings as machines and programs write them: columns are read as meant, or asked for."""
 
 import datetime
+import pickle
 
 import laboratory_files as lab
 import numpy as np
@@ -93,7 +94,6 @@ HEADINGS = {
                 "s deg xlb ylb zlb", ""),
     "mtm": ("Step Time (s),Traction Force (N),Ball Load (N),Rolling Speed (mm/s),Angle (deg)",
             "s x z speed deg", "normal radial"),
-    "labview": ("Time\tPhi\tFt\tFr\tFn", "s deg x y z", ""),
     "labview, volts": ("Time (s)\tAngle (deg)\tVoltage_0 (V)\tVoltage_1 (V)\tVoltage_2 (V)",
                        "s deg xV yV zV", "calibration"),
     "volts": ("t [s],phi [°],Ft [V],Fr [V],Fn [N]", "s deg xV yV z", "calibration"),
@@ -106,7 +106,6 @@ HEADINGS = {
                "s deg x y z", ""),
     "catman, lines": ("Zeit\tWinkel\tKraft_X\tKraft_Y\tKraft_Z\ns\tGrad\tN\tN\tN\n\t\tCh 1\tCh 2\t"
                       "Ch 3", "s deg x y z", ""),
-    "frames": ("time_s,angle_deg,Fx_N,Fy_N,Fz_N", "s deg x y z", ""),
     "frames, symbols": ("t_ms,phi_rad,F_T,F_R,F_N", "ms rad x y z", ""),
     "frames, mixed": ("time_ms,phi_deg,ft_mN,fr_mN,fn_kN", "ms deg xmN ymN zkN", ""),
     "temperature": ("T,Time,Phi,Ft,Fr,Fn", "temp s deg x y z", ""),
@@ -136,10 +135,15 @@ HEADINGS = {
                 "s deg x y z", ""),
     "comma in a name": ("t [s],phi [deg],Ft, filtered [N],Fr [N],Fn [N]", "s deg x y z",
                         "headings time tangential"),
-    "potential": ("Time [s],Angle [°],Friction force [N],Normal force [N],Contact potential [mV]",
-                  "s deg x z wear", "radial"),
-    "wear": ("Time [s],Angle [°],Friction force [N],Normal force [N],Wear [V]", "s deg x z wear",
-             "radial"),
+    "speed in a line": ("Time,Speed,Load,Ft,Fr\ns,1/min,N,N,N", "s rpm z x y", ""),
+    "units on both lines": ("Time,Angle,Ft,Fr,Load (kg)\nms,deg,mN,mN,", "ms deg xmN ymN zkg", ""),
+    "slashes": ("t /s\tphi /°\tF_t /mN\tF_r /mN\tF_n /N", "s deg xmN ymN z", ""),
+    "comments": ("#t,phi,Ft,Fr,Fn\n#s,deg,mN,mN,mN", "s deg xmN ymN zmN", ""),
+    "points": ("Time (sec.),Angle (Deg.),Ft (N.),Fr (N.),Fn (N.)", "s deg x y z", ""),
+    "volts beside": ("t [s],phi [deg],Friction [V],Friction [N],Fr [N],Fn [N]",
+                     "s deg xV x y z", ""),
+    "words in names": ("t [s],phi [deg],Normal force (z) [N],Friction force (x) [N],Side (y) [N]",
+                       "s deg z x y", "tangential radial normal"),
 }  # fmt: skip
 
 
@@ -221,6 +225,18 @@ def test_units_of_headings_count_and_contradictions_are_refused(tmp_path):
     np.testing.assert_array_equal(run.readings, RUN.readings)
 
 
+def test_what_is_no_unit_is_not_taken_for_one(tmp_path):
+    path = tmp_path / "run.csv"
+    settings = "Weight;10;N\nRange;50;mN\nProbe;A;mm\n"
+    path.write_text(settings + csv("t,phi,F_H,Ft_m,F_V", lab.table(RUN)).replace(",", ";"))
+    columns = {"time": "t", "angle": "phi", "tangential": "F_H", "radial": "Ft_m", "normal": "F_V"}
+    (run,) = identify.read_csv(path, delimiter=";", header=4, columns=columns)
+    np.testing.assert_allclose(run.readings, RUN.readings, atol=1e-5)
+    by_number = {name: at for at, name in enumerate(PLAIN)}
+    (run,) = identify.read_csv(path, delimiter=";", header=4, names=3, columns=by_number)
+    np.testing.assert_allclose(run.readings, RUN.readings, atol=1e-5)
+
+
 def test_volts_are_no_forces_without_a_calibration(tmp_path):
     pandas = pytest.importorskip("pandas")
     names = ["time", "angle", "Ft [mV]", "Fr [mV]", "normal"]
@@ -229,6 +245,10 @@ def test_volts_are_no_forces_without_a_calibration(tmp_path):
     (run,) = identify.read_csv(frame, columns=columns)
     with pytest.raises(RecordError, match=r"tangential: is in mV, which only a calibration"):
         identify.RawData([run])
+    for copy in (pickle.loads(pickle.dumps(run)), run.replace(source="a copy")):
+        with pytest.raises(RecordError, match=r"tangential: is in mV"):
+            identify.RawData([copy])
+    identify.RawData([run.replace(readings=run.readings / 20.0)])
     loads = (5.0 * np.eye(3)).tolist()
     sections = {"columns": columns}
     # Are the readings of the weighings in mV or in V?

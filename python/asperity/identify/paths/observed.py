@@ -173,6 +173,13 @@ def read_path(
     form = Format(**{k: v for k, v in stated["file"].items() if k in vars(Format())})
     table = read_table(path, columns, form, units=given.get("units"))
     _refuse_texts(table, columns)
+    bare = {"x1", "x2"} - set(table.units)
+    if len(bare) == 1:
+        raise RecordError(
+            str(path),
+            f"{bare.pop()} has no unit, the other coordinate has: say both",
+            ("units",),
+        )
     known = [known_units(name) for name in columns]
     scale = [
         one[table.units.get(name, next(iter(one)))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -37,6 +38,7 @@ from asperity.identify.records.tables.headings import (
     assigned,
     headings,
     is_read,
+    plain,
     unit,
 )
 from asperity.identify.records.tables.text_table import (
@@ -342,7 +344,12 @@ def _channels(
             notes.append("time: 'T' is taken by its even steps")
     forces = [at for at in free if at not in roles and unit(head.units[at]) in UNITS["normal"]]
     alike = {unit(head.units[at]) for at in forces}
-    named = {*CHANNELS, *FORCES} & set(roles.values())
+    called = [plain(head.names[at]) for at in forces]
+    # The order says nothing where one of the names has the word for a channel in it.
+    named = {*CHANNELS, *FORCES} & set(roles.values()) or any(
+        sum(re.search(rf"\b({WORDS[role]})\b", name) is not None for name in called) == 1
+        for role in CHANNELS
+    )
     if len(forces) == len(CHANNELS) and len(alike) == 1 and not named:
         roles |= dict(zip(forces, CHANNELS, strict=True))
         notes.append(

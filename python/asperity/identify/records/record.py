@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY
 from itertools import combinations, pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,9 @@ from asperity.errors import DimensionError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration, by_channel
 from asperity.identify.records.tables.headings import CHANNELS as CHANNELS
 from asperity.identify.records.tables.headings import READINGS
+
+if TYPE_CHECKING:
+    from typing import Self
 
 # A step longer than this many usual ones is a gap.
 GAP = 1.5
@@ -85,6 +88,16 @@ class Recording(Value):
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return *super().__reduce__(), {"_units": self._units}
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed."""
+        found = super().replace(**changes)
+        if "readings" not in changes:
+            found._keep(_units=self._units)
+        return found
 
     def __repr__(self) -> str:
         motion = f"{abs(self.turns):.6g} turns" if self.velocity is None else "strokes"

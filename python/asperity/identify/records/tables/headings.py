@@ -65,7 +65,7 @@ DEFAULTS = {
 _BRACKETS = re.compile(r"\s*(?P<name>.*?)\s*[\[(<{]\s*(?P<unit>[^\])>}]*)\s*[\])>}]\s*")
 # Behind a mark or a blank, a unit must be one of ours.
 _MARKED = re.compile(r"\s*(?P<name>.+?)\s*(?:/|\bin\b|,)\s*(?P<unit>[^\s/]+(?:/\w+)?)\s*")
-_SUFFIX = re.compile(r"\s*(?P<name>.*[^\W_])[\s_.]+(?P<unit>[^\s_.]+)\s*")
+_SUFFIX = re.compile(r"\s*(?P<name>.*[^\W_])[\s_.]+(?P<unit>[^\s_./][^\s_.]*)\s*")
 _UNITS = {
     "s": "s", "sek": "s", "second": "s", "seconds": "s", "sekunden": "s",
     "ms": "ms", "us": "us", "µs": "us", "min": "min",
@@ -146,6 +146,7 @@ _NOT_READ = re.compile(
 _PLACES = {"daq", "rotary", "linear", "measured", "actual", "ist", "istwert", "meas", "sensor",
            "channel", "ch", "kanal", "signal", "in", "richtung", "direction", "axis", "achse",
            "filtered", "filt", "mean", "avg", "abs", "rms"}  # fmt: skip
+_SPELT = (("φ", "phi"), ("ϕ", "phi"), ("θ", "theta"), ("ω", "omega"), ("°", " deg"))
 _LABELS = ("unit", "units", "einheit", "einheiten", "name", "names", "channel", "channel name",
            "channel names", "kanal", "kanalname")  # fmt: skip
 # Longer texts are no units.
@@ -195,7 +196,7 @@ def unit(text: str) -> str:
     >>> [unit(text) for text in ("mm/sec", "min⁻¹", "KN", "MN", "°C")]
     ['mm/s', 'rpm', 'kN', '', '']
     """
-    plain = text.strip().replace("μ", "µ").replace("⁻¹", "-1").replace("º", "°")
+    plain = text.strip().rstrip(".").replace("μ", "µ").replace("⁻¹", "-1").replace("º", "°")
     if plain in _OTHERS:
         return ""
     plain = re.sub(r"[\s*·^]", "", plain.lower()).replace("sec", "s")
@@ -207,8 +208,10 @@ def parted(name: str, words: Mapping[str, str] = WORDS) -> tuple[str, str]:
     """Return a name without its unit, and the unit as it is written.
 
     >>> from asperity.identify.records.tables.headings import parted
-    >>> parted("Fx [kp]"), parted("angle_deg"), parted("Speed mm/sec"), parted("F_N")
-    (('Fx', 'kp'), ('angle', 'deg'), ('Speed', 'mm/sec'), ('F_N', ''))
+    >>> parted("Fx [kp]"), parted("angle_deg"), parted("Speed mm/sec"), parted("Angle/°")
+    (('Fx', 'kp'), ('angle', 'deg'), ('Speed', 'mm/sec'), ('Angle', '°'))
+    >>> parted("load_N"), parted("F_N"), parted("F_V"), parted("deg/s")
+    (('load', 'N'), ('F_N', ''), ('F_V', ''), ('deg/s', ''))
     """
     found = _BRACKETS.fullmatch(name)
     if found is not None:
@@ -220,14 +223,16 @@ def parted(name: str, words: Mapping[str, str] = WORDS) -> tuple[str, str]:
         symbol = any(re.fullmatch(one, plain(text)) for one in words.values())
         is_unit = name.rstrip().endswith("]") or unit(text) or not (other or symbol)
         return (found["name"], text) if is_unit else parted(found["name"], words)
-    if any(re.fullmatch(one, plain(name)) for one in words.values()):
+    if unit(name) or any(re.fullmatch(one, plain(name)) for one in words.values()):
         return name, ""
     for form in (_SUFFIX, _MARKED):
         found = form.fullmatch(name)
-        if found is not None and unit(found["unit"]):
-            text = found["unit"]
-            if form is _MARKED or len(text) > 1 or text in _LETTERS or text == "°":
-                return found["name"].removesuffix(" in"), text
+        if found is not None and (own := unit(text := found["unit"])):
+            rest = found["name"].removesuffix(" in")
+            # A letter may be an index as well, such as that of a vertical force F_V.
+            fits = text in _LETTERS and _roles_in(plain(rest), own, words)
+            if form is _MARKED or len(text) > 1 or fits:
+                return rest, text
     return name, ""
 
 
@@ -235,8 +240,8 @@ def plain(name: str) -> str:
     """Return a name in small letters without accents, marks and what says where it is from."""
     apart = unicodedata.normalize("NFKD", name.lower())
     letters = "".join(one for one in apart if not unicodedata.combining(one))
-    for greek, latin in (("φ", "phi"), ("ϕ", "phi"), ("θ", "theta"), ("ω", "omega")):
-        letters = letters.replace(greek, latin)
+    for mark, latin in _SPELT:
+        letters = letters.replace(mark, latin)
     parts = re.sub(r"[^a-z0-9]+", " ", letters).split()
     return " ".join([one for one in parts if one not in _PLACES] or parts)
 
@@ -246,12 +251,20 @@ def roles_of(name: str, text: str, words: Mapping[str, str]) -> list[str]:
     called, own = plain(parted(name, words)[0]), unit(text)
     if _NOT_READ.search(called) or (text and not own):
         return []
-    found = [role for role, spelt in words.items() if re.fullmatch(spelt, called)]
     if own:
-        more = [role for role, spelt in _WITH_UNIT.items() if re.fullmatch(spelt, called)]
-        return [role for role in (*found, *more) if own in known_units(role)]
+        return _roles_in(called, own, words)
     # A T is a temperature as well.
-    return [] if parted(name, words)[0].strip() == "T" else found
+    if parted(name, words)[0].strip() == "T":
+        return []
+    return [role for role, spelt in words.items() if re.fullmatch(spelt, called)]
+
+
+def _roles_in(called: str, own: str, words: Mapping[str, str]) -> list[str]:
+    """Return what a column in a unit may be by its name without that."""
+    spellings = (*words.items(), *_WITH_UNIT.items())
+    return [
+        role for role, one in spellings if own in known_units(role) and re.fullmatch(one, called)
+    ]
 
 
 def is_read(name: str) -> bool:
@@ -321,7 +334,7 @@ def headings(
     beside = [""] * width
     if heading is not None:
         beside = (heading.units + [""] * width)[:width]
-    elif not any(within):
+    else:
         # Of lines beside the names, those below count first; numbers may be headed by units alone.
         order = [*range(line, len(texts)), *range(line - 2, -1, -1), line - 1]
         at = next((one for one in order if _holds_units(texts[one], words)), None)
@@ -360,15 +373,18 @@ def _line_of_names(texts: Sequence[Sequence[str]], width: int, words: Mapping[st
 
 def _holds_units(row: Sequence[str], words: Mapping[str, str]) -> bool:
     """Return whether a line is one of units, some of which may be none of ours."""
-    cells = [_bare(cell) for cell in row if cell]
-    if not any(unit(cell) for cell in cells) or max(map(len, cells)) > _LONGEST_UNIT:
+    cells = [bare for cell in row if (bare := _bare(cell))]
+    others = [cell for cell in cells if not unit(cell)]
+    # Of settings, such as a load with its number and unit, the smaller part is units.
+    if 2 * len(others) >= len(cells) or max(map(len, cells)) > _LONGEST_UNIT:
         return False
-    named = [cell for cell in cells if not unit(cell) and roles_of(cell, "", words)]
-    return not named and not any(parted(cell)[1] for cell in cells)
+    return not any(
+        roles_of(cell, "", words) or parted(cell)[1] or cell[0].isdigit() for cell in others
+    )
 
 
 def _bare(cell: str) -> str:
-    text = re.sub(r"^(units?|einheit(en)?)\s*:", "", cell, flags=re.I).strip("[](){}<>: ")
+    text = re.sub(r"^(units?|einheit(en)?)\s*:", "", cell, flags=re.I).strip("[](){}<>:# ")
     return "" if text.lower() in _LABELS or text in ("-", "--", "1") else text
 
 
@@ -459,8 +475,10 @@ def assigned(
     roles: dict[int, str] = {}
     notes: list[str] = []
     for role, places in candidates.items():
-        # A column with a unit is surer than one without.
-        first, *rest = sorted(places, key=lambda at: not head.units[at])
+        # A column with a unit is surer than one without, one in N than one in V.
+        first, *rest = sorted(
+            places, key=lambda at: (not head.units[at], unit(head.units[at]) in READINGS)
+        )
         one = values[:, first]
         others = [at for at in rest if not np.array_equal(values[:, at], one, equal_nan=True)]
         twins = [at for at in others if head.names[at] == head.names[first]]
