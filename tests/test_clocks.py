@@ -320,6 +320,8 @@ def test_clocks_are_right_and_nothing_sinks_in(count):
         for t, q in zip(motion.t, motion.q, strict=True):
             overlap = _core.deepest_overlap(system._core, t, q)
             assert overlap is None or overlap[1] > -NEGLIGIBLE, (case, scene.__name__, tolerance)
-    # Boxes whose corners share the load on moving surfaces end by name in a few scenes.
-    assert {name for _, name, _ in errors} <= {scene.__name__ for scene in redundant}, errors
+    # Boxes whose corners share the load on moving surfaces end by name in a few scenes, and so may
+    # the impacts in a pile, which follow each other ever faster.
+    allowed = {scene.__name__ for scene in (*redundant, pile)}
+    assert {name for _, name, _ in errors} <= allowed, errors
     assert len(errors) <= 0.05 * boxes, errors
