@@ -70,11 +70,11 @@ class View(Mapping[Key, Part]):
         return View, (self._parts,)
 
 
-class Handed(np.ndarray):
+class ResultArray(np.ndarray):
     """A read-only array whose parts are copies that may be written into.
 
-    Others take only such: the rotations of SciPy 1.17 refuse buffers that are read-only, and parts
-    of results, such as positions of a body, are what they are given.
+    Compiled functions may refuse read-only buffers, as the rotations of SciPy 1.17 do with the
+    position of a body.
     """
 
     def __getitem__(self, key: Any) -> Any:
@@ -103,8 +103,8 @@ class Value:
     copies that refuse writing.
     """
 
-    _hands_out: ClassVar[bool] = False
-    """Whether parts of its arrays are copies, see `Handed`: those of results, which others take."""
+    _is_result: ClassVar[bool] = False
+    """Whether its arrays are those of a result, whose parts are copies: see `ResultArray`."""
     _descriptive: ClassVar[frozenset[str]] = frozenset()
     """Parameters that say where a value is from or what its parts are called: not compared."""
     _scaled: ClassVar[frozenset[str]] = frozenset()
@@ -123,11 +123,11 @@ class Value:
         self._keep(**shown)
 
     def _keep(self, **attributes: Any) -> None:
-        hands_out = self._hands_out
+        is_result = self._is_result
         for name, attribute in attributes.items():
             kept = _frozen(attribute)
-            if hands_out and isinstance(kept, np.ndarray):
-                kept = kept.view(Handed)
+            if is_result and isinstance(kept, np.ndarray):
+                kept = kept.view(ResultArray)
             object.__setattr__(self, name, kept)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
@@ -271,7 +271,7 @@ def _check_of(hint: Any, ending: str = "") -> Check:
 
 
 def _plain(value: Any) -> Any:
-    return value.view(np.ndarray) if isinstance(value, Handed) else value
+    return value.view(np.ndarray) if isinstance(value, ResultArray) else value
 
 
 def _build(kind: type[Value], parameters: dict[str, Any]) -> Value:

@@ -70,7 +70,7 @@ class AnyEnsemble(TableResult, Value):
     _noun: ClassVar[str]
     _plural: ClassVar[str]
     _descriptive = frozenset({"labels", "again"})
-    _hands_out = True
+    _is_result = True
 
     shape: tuple[int, ...]
     failures: tuple[MemberFailure, ...]

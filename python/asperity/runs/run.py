@@ -73,7 +73,7 @@ class Run(TableResult, Value):
     _kind: ClassVar[str]
     _picture = "plot_history"
     _descriptive = frozenset({"labels", "origin"})
-    _hands_out = True
+    _is_result = True
     _series: ClassVar[dict[str, type[np.generic]]] = {
         **dict.fromkeys(("t", "q", "u", "slip", "force", "normal_force"), np.float64),
         "phase": np.int8,

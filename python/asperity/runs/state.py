@@ -56,7 +56,7 @@ class State(Value):
     contacts: Array | None
     momenta: Array | None
 
-    _hands_out = True
+    _is_result = True
 
     def __init__(
         self,

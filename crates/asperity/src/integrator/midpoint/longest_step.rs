@@ -32,7 +32,7 @@ const SWEEPS: usize = 50;
 /// Relative error of the longest step.
 const ACCURACY: f64 = 1e-4;
 
-/// Refuses steps of a length with which motions of a linear system grow that do not grow.
+/// Refuses steps of a length in which the scheme amplifies motions of a linear system that the exact flow does not.
 pub(super) fn check(system: &LinearSystem, dt: f64) -> Result<(), ArgumentError> {
     let Some(matrices) = system.internal_forces() else { return Ok(()) };
     if are_weak(&matrices, dt) {
@@ -119,7 +119,7 @@ impl FreeMotion {
         Some(Self { stiffness, damping, dissipative })
     }
 
-    /// Whether no more motions grow in steps of a length than there are that grow. What is beyond all numbers is taken.
+    /// Whether the scheme amplifies no more motions in steps of a length than the exact flow does; yes where numbers overflow.
     fn allows(&self, dt: f64) -> bool {
         let (stiffness, damping) = (&self.stiffness * (dt * dt), &self.damping * dt);
         if self.dissipative {
