@@ -13,8 +13,9 @@ use crate::integrator::event::integration::variables::Integration;
 use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, shortest_step};
 use crate::system::MotionBounds;
 
-/// Where in a piece the polynomial through its nodes is compared with the gap: in intervals where it is off most.
-const COMPARED: [f64; 2] = [0.16, 0.73];
+/// Where in a piece the polynomial through its nodes is compared with the gap, in intervals where it is off most: no second
+/// place is needed where it is the gap to rounding at the first.
+const COMPARED: [f64; 2] = [0.73, 0.16];
 /// Gap over the largest difference found there from which on a piece needs no better polynomial: kinks of a user's gap far
 /// above the ground.
 const CLEAR: f64 = 100.0;
@@ -71,7 +72,6 @@ impl Integration<'_> {
                 Search::Unresolved => return Ok(None),
             }
         }
-        self.dynamics.chart.place(self.step.end(&self.step.q));
         Ok(Some(found))
     }
 
@@ -104,10 +104,24 @@ impl Integration<'_> {
         if (0..stages).all(|k| peak(node(k), node(k + 1), bend) <= 0.0) {
             return Ok(Search::StaysOpen);
         }
-        let end = node(stages);
         let known: Option<[Value; NODES]> = (stages == STAGES).then(|| std::array::from_fn(node));
-        // The start counts as closed or not as it has been decided on; the polynomial goes through what it is.
-        let start = self.gap_function(contact, 0.0)?;
+        let found = self.search(contact, known, node(stages), bend);
+        self.dynamics.chart.place(self.step.end(&self.step.q));
+        found
+    }
+
+    /// The same, where a bound on the second derivative alone does not say it: `known` are the values at all nodes, `end` is the
+    /// last place of interest.
+    fn search(
+        &mut self,
+        contact: usize,
+        known: Option<[Value; NODES]>,
+        end: Value,
+        bend: f64,
+    ) -> Result<Search, EvaluationError> {
+        // Where the start counts as closed, the polynomial goes through what its gap is.
+        let decided = known.map(|nodes| nodes[0]).filter(|start| start.value < 0.0);
+        let start = decided.map_or_else(|| self.gap_function(contact, 0.0), Ok)?;
         let reach = self.dynamics.contacts[contact].reach;
         let (mut a, mut ends, mut unseen) = (start, vec![end], CLOSED_GAP * reach);
         // Differences by the number of halvings, and the noise that they have shown.
@@ -133,6 +147,9 @@ impl Integration<'_> {
             for x in COMPARED {
                 let here = self.gap_function(contact, a.at + x * width)?;
                 off = off.max((here.value - interpolated(&heights, x)).abs());
+                if off <= unseen {
+                    break;
+                }
             }
             let clear = heights.iter().all(|height| *height < -CLEAR * off);
             if !clear && off > unseen && width > shortest_step(self.state.t) {
