@@ -150,6 +150,26 @@ def test_no_impact_of_a_spinning_body_is_missed(count):
         assert gap(motion.q.T).min() > -NEGLIGIBLE, case
 
 
+def test_samples_of_a_sliding_rod_lie_on_the_floor():
+    """At loose tolerances, where constraints are met to the tolerance between the ends of steps."""
+    rod = asp.PlanarBody(
+        1.0,
+        inertia=1 / 12,
+        position=(0.0, 1.953669),
+        angle=2.206128,
+        velocity=(-1.119237, 0.832377),
+        angular_velocity=-4.994699,
+    )
+    ends = (0.5, 0.0), (-0.5, 0.0)
+    pairs = [asp.PointPlane(0, point=end, plane=FLOOR, law=LINE) for end in ends]
+    system = asp.RigidBodies([rod], pairs=pairs, gravity=(0, -GRAVITY))
+    gap = lowest_point(ends)
+    for tolerance in (1e-6, 1e-7, 1e-9):
+        motion = asp.integrate(system, t_end=0.8, tolerance=tolerance, sample_every=0.004)
+        assert (motion.phase == asp.Phase.SLIP).any()
+        assert gap(motion.q.T).min() > -1e-12, tolerance
+
+
 class Ball(asp.System):
     """A ball above the floor whose gap is exact to `noise` only."""
 

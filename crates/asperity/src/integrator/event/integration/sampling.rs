@@ -42,6 +42,8 @@ impl Integration<'_> {
         self.interpolate(h, whole)?;
         while due(self.samples) && !self.observer.has_asked_to_stop() {
             self.dense_output.at(time(self.samples), &mut self.sampled);
+            // Between the ends of steps constraints hold to the tolerance only.
+            self.dynamics.project(&mut self.sampled)?;
             let State { t, q, u } = &self.sampled;
             let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
             redundancy::evaluate(&mut self.dynamics, q, u, SlidingForces::Updated, &solving)?;
