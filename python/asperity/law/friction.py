@@ -25,7 +25,7 @@ from asperity.sets.star import checked_set, same_dimension
 # Tolerances of a flow rule's closure and convexity, and of the law that is made of it.
 _EXACT, _RESOLVED = 1e-6, 1e-2
 _DIRECTIONS = 1440
-# In rad: directions are not told apart that are so near to each other.
+# In rad: directions nearer to each other than this count as one.
 _BESIDE = 1e-5
 
 
