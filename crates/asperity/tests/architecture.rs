@@ -377,3 +377,14 @@ fn used_children(root: &Path, file: &Path) -> Vec<Vec<String>> {
 fn is_test(file: &Path) -> bool {
     file.file_stem().is_some_and(|name| name == "tests")
 }
+
+#[test]
+fn no_source_file_holds_its_tests() {
+    let root = root("asperity");
+    // Those of the solver move next.
+    let checked = sources(&root).into_iter().filter(|file| !file.starts_with(root.join("solver")));
+    for file in checked {
+        let inline = code(&file).lines().any(|line| line.trim_start().starts_with("mod tests {"));
+        assert!(!inline, "the tests of {} belong in a file beside it", file.display());
+    }
+}
