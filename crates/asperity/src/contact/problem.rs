@@ -12,8 +12,8 @@ use crate::vectors::unrolled;
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
 /// cubes of them.
 const LARGEST: f64 = 1e100;
-/// What the largest velocity must reach if any is not zero, and the percussion that belongs to it: squares of what is far below
-/// vanish, and no percussions would look like a solution.
+/// Least value of the largest velocity, if any is not zero, and of the percussion that belongs to it: squares of values far
+/// below vanish, and no percussions would look like a solution.
 const SMALLEST: f64 = 1e-100;
 
 /// How the normal force of a contact is found.

@@ -7,8 +7,7 @@ use std::time::{Duration, Instant};
 /// How often the observer is asked: a person who interrupts a run does not notice the delay.
 const ASK_EVERY: Duration = Duration::from_millis(50);
 
-/// Most steps between two looks at the clock: its cost is lost among so many, and if steps suddenly take a
-/// hundred times longer, nobody notices.
+/// Most steps between two looks at the clock, whose cost is negligible among so many.
 const MOST_UNSEEN: u32 = 64;
 
 /// The observer, which is told how far the run is, when it was asked last and whether it has asked to stop.

@@ -11,8 +11,7 @@ const PANEL: usize = 16;
 /// Rows and columns of a tile that stays in registers.
 const ROWS: usize = 8;
 const COLUMNS: usize = 4;
-/// Operations of the update by a panel that are worth a second thread, and columns that one thread takes at a time: two
-/// threads make 1.24 times as many factorisations per second for `problems.pile(10)`.
+/// Operations of the update by a panel that are worth a second thread, and columns that one thread takes at a time.
 const WORTHWHILE: usize = 500_000;
 const PART: usize = 16 * COLUMNS;
 

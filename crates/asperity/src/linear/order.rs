@@ -27,11 +27,8 @@ impl Graph<'_> {
         &self.neighbours[self.starts[node]..self.starts[node + 1]]
     }
 
-    /// Approximate minimum degree (\[AmestoyDavisDuff1996\]), then a postorder of the tree.
-    ///
-    /// Nested dissection does not pay here: by METIS's orders factorisations take 1.06, 1.10 and 0.86 times the operations
-    /// for `problems.wall` of 10³, 10⁴ and 4·10⁴ contacts, 1.07 and 0.97 times for piles of 960 and 1377, and 0.94 to 1.68
-    /// times for the stored walls, vault and arches, among bodies as among contacts.
+    /// Approximate minimum degree (\[AmestoyDavisDuff1996\]), then a postorder of the tree. Nested dissection does not save
+    /// operations on the matrices of contact problems.
     pub(super) fn order(&self) -> Order {
         let n = self.len();
         let control = amd::Control::default();

@@ -44,11 +44,8 @@ pub(crate) struct Symbolic {
     pub(crate) operations: f64,
 }
 
-/// Consecutive columns are joined although their patterns differ while the zeros this adds are few, at most a tenth, and
-/// up to so many columns however many they are: more of them trade operations with zeros against fronts that are too
-/// small for the tiles of `dense.rs`. On the stored problems of `make linear`, whose times vary by 3 % from run to run,
-/// factorisations took as long with 6 and 24; a quarter of zeros in fronts of up to 24 or 48 columns, as there once was,
-/// made them 6 to 10 % longer.
+/// Consecutive columns of different patterns are joined while at most a tenth of the entries are added zeros, and up to
+/// so many columns in any case: smaller fronts would not fill the tiles of `dense.rs`.
 const NARROW: usize = 12;
 
 impl Symbolic {

@@ -8,9 +8,7 @@ use super::Csr;
 use crate::argument::{ArgumentError, length, refuse};
 use crate::vectors::prefetch;
 
-/// Entries ahead of a block that are asked for: 64 blocks of nine. The walls of 10⁴ and 10⁵ contacts of
-/// `benches/many_contacts.py` take 0.84 and 0.87 of the time that they take without, as little as with 128
-/// blocks; with 16 blocks 0.94 and 0.92. One of 10² contacts, whose matrix is in the cache, takes as long with each of these.
+/// Entries ahead of a block that are prefetched: 64 blocks of nine, for matrices that are larger than the cache.
 const AHEAD: usize = 576;
 
 /// Number of rows of contacts with `sizes` rows each.

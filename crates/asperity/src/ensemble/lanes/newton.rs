@@ -4,8 +4,7 @@ use pulp::Simd;
 
 use super::vector::{Mask, Number, Pair};
 
-/// Newton iterations after which the stepper is asked. On the belts of `benches/lanes.rs` with isotropic friction it never
-/// is.
+/// Newton iterations after which the stepper is asked.
 pub(super) const ITERATIONS: usize = 8;
 /// Defects that are nothing but rounding, twice those of the scalar solver.
 pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;

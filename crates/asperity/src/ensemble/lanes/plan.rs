@@ -23,8 +23,7 @@ type M = Matrix<2>;
 const LEAST_TOLERANCE: f64 = 1e-11;
 /// Largest condition of the maps of both sets to their unit disks.
 const LARGEST_CONDITION: f64 = 1e3;
-/// Exponents of superellipses that lanes take. On the belts of `benches/lanes.rs` Newton's method finds no slip in less than
-/// one of 10,000 steps between them; in a tenth of the steps with 100, which is nearly a rectangle.
+/// Exponents of superellipses that lanes take: beyond, in nearly rectangular sets, Newton's method often finds no slip.
 const EXPONENTS: RangeInclusive<f64> = 1.1..=20.0;
 
 /// A run in a lane.

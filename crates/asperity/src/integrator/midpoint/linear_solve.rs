@@ -3,12 +3,9 @@
 use crate::linear::DenseLu;
 use crate::vectors::{add, dot};
 
-/// Systems up to this size are solved by elimination: a product is a pass over all of `G`, and some tens of them are what
-/// the iteration takes. Of the steps that `step.rs` names all are solved with 2, 6 and 96, too.
+/// Systems up to this size are solved by elimination: the iteration takes some tens of products, each a pass over all of `G`.
 const SMALL: usize = 24;
-/// Iterations after which the best is taken: an inexact correction costs a further solve of the contact
-/// problem, no accuracy. No iteration of those steps changes with 5, 12 and 200, nor with ten times more or less left
-/// over.
+/// Iterations after which the best is taken: an inexact correction costs a further solve of the contact problem, no accuracy.
 const MOST: usize = 50;
 /// Part of the right-hand side that may be left over.
 const LEFT_OVER: f64 = 1e-8;

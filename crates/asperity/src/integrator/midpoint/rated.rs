@@ -51,8 +51,7 @@ const SMALLEST: f64 = 1e-12;
 /// Change of a slip velocity, over what it is the sum of, up to which it may be rounding.
 const ROUNDED: f64 = 1e-6;
 
-/// Most sweeps over contacts that disturb each other, after which Newton's method goes on: no iteration of the steps that
-/// `step.rs` names changes with a quarter or four times as many.
+/// Most sweeps over contacts that disturb each other, after which Newton's method goes on.
 const MOST_SWEEPS: usize = 300;
 
 /// How factors are corrected.

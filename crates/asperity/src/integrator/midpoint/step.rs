@@ -11,16 +11,11 @@ use crate::solver::{self, SolveReport, Status, Stop};
 use crate::system::Step;
 use crate::vectors::{are_finite, largest, square};
 
-// Constants of friction that depends on the speed were multiplied by ¼, ½, 2 and 4 in 6000 steps of 60 random linear
-// systems of up to four velocities and four contacts with Stribeck's law. Of the results these depend on none but on
-// `MOST_CORRECTIONS`.
-
-/// Solves of ordinary cost after which the search for factors of the speed at the end of the step gives up. One or two do
-/// while contacts do not disturb each other. With half as many one of the 6000 steps is not solved, with this and more all are.
+/// Solves of ordinary cost after which the search for factors of the speed at the end of the step gives up. One or two
+/// suffice while contacts do not disturb each other.
 const MOST_CORRECTIONS: usize = 120;
-/// Corrections after which solutions are looked for in which speed and factor of every contact agree by itself, and
-/// after which factors are kept within bounds. Half of a round has bounds; then it begins anew. All steps are solved
-/// with any of them, with between 1 % fewer and 4 % more iterations.
+/// Corrections after which the search is for solutions in which speed and factor of every contact agree by itself, and
+/// after which factors are kept within bounds. Half of a round has bounds; then it begins anew.
 const UNAIDED: usize = 6;
 const SETTLING: usize = 12;
 const WHOLE_CORRECTIONS: usize = 30;

@@ -4,8 +4,7 @@ use asperity_set::{Convex, ConvexSet, Star, StarSet, Vector};
 
 use super::node::{Node, angle};
 
-/// Number of sectors that loads are sorted into. In 2.7 % of the steps of the mass on a belt of `benches/step.rs` a load is
-/// in doubt and the boundary is scanned, with 128 sectors in 6.5 %.
+/// Number of sectors that loads are sorted into: the more, the fewer loads are in doubt, for which the boundary is scanned.
 const SECTORS: usize = 1024;
 
 /// An interval of gauges.

@@ -31,14 +31,12 @@ use crate::system::rotation::{differential, matrix, turned_back};
 use crate::system::time_function::Extent;
 use crate::system::{Configuration, Derivative, SystemError, TimeDependence};
 
-/// Most iterations for the angular velocity at the end of a step: of 1000 random bodies, a quarter with moments down to
-/// 10⁻⁸ of the others, those that turn by up to 3 rad in a step needed 8 at the most, and all were found.
+/// Most iterations for the angular velocity at the end of a step; bodies that turn by up to 3 rad take 8 at the most.
 const MOST_ITERATIONS: usize = 20;
-/// Defect of its equation relative to its terms that counts as rounding: it was reached by the same bodies.
+/// Defect of its equation relative to its terms that counts as rounding.
 const CONVERGED: f64 = 4.0 * f64::EPSILON;
 /// Change of the angular velocity times half the step, in rad, up to which it may be any: a wheel that spins about its
-/// axis. Else more than half a turn in a step has several solutions: of 60 random bodies that turned by 5 rad, some gained
-/// three times their energy.
+/// axis. Otherwise more than half a turn in a step has several solutions, of which some gain energy.
 const STEADY: f64 = 1e-2;
 
 impl RigidBodies {

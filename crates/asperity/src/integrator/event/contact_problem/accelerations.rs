@@ -16,15 +16,11 @@ use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load that counts as none.
 const AT_REST: f64 = 1e-11;
-/// The same of contacts that share the load on boundaries that are curved, of which it is known less well, see the polish
-/// of their solution: at 1e-11, boxes that a growing force pulled began to slip too early, by 1.3e-8 of the time.
+/// The same of contacts that share the load on curved boundaries, whose solution is less accurate, see its polish.
 const AT_REST_SHARED: f64 = 1e-9;
 
 /// Change of the force of a contact that would keep it from slipping, over the largest force of all, up to which it may
-/// count as at rest. Where rounding has left the acceleration it is far less; in a nearly immobile
-/// direction an acceleration below those limits may ask for any force: a contact of two directions that differ by 2e-4
-/// (`events/nearly_immobile_1` of the corpus of the fuzzer) was taken for stick with thirty times the force that its
-/// reservoir holds.
+/// count as at rest. In a nearly immobile direction an acceleration below those limits may ask for any force.
 const HELD: f64 = 1e-2;
 /// Mobility over the largest one that is rounding: accelerations that rounding leaves ask for a tenth of that change there.
 const ROUNDED_MOBILITY: f64 = 1e-13;
@@ -331,9 +327,8 @@ fn stick_at_limit(
 /// A contact as if it were the only one.
 ///
 /// Where slipping contacts leave hardly a direction free, accelerations and mobilities along the rows of another contact
-/// are small differences of what they would be if it were alone, and rounding is a part of them. Of the mobilities of a
-/// light body that a belt held down (`events/held_but_for_rounding_1` of the corpus of the fuzzer) rounding was 1e-8: a
-/// contact at rest slipped with 1e-14 m/s and began to slip again and again.
+/// are small differences of those that it would have alone, and rounding is a part of them: a contact at rest would
+/// begin to slip again and again.
 struct Alone<'r> {
     rows: &'r [usize],
     /// `WᵀM⁻¹W` of the contact.

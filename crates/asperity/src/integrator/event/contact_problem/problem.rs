@@ -11,23 +11,22 @@ use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
 use crate::vectors::{dot, largest, norm};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over. Where
-/// normal forces are shared, sweeps come last: they stagnated on 1267 of 1452 such problems of a box on six feet.
+/// normal forces are shared, sweeps mostly stagnate and come last.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
 const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
 const TOLERANCE: f64 = 1e-12;
-/// What contacts do that share a load which is nearly all that friction can hold is not told by this tolerance: where
-/// the share δ of the load is left, forces on the boundaries of the reservoirs may point √δ away from the common slip
-/// and balance but for accelerations of the tolerance over √δ. Newton's method makes these forces as accurate as
-/// rounding allows: the end of the stick of 77 boxes in space that a growing force pulled was found to 2e-8 of its time
-/// then, and to 1e-5 before.
+/// The tolerance does not decide between stick and slip of contacts that share nearly the largest load that friction can
+/// hold: where the share δ of the load is left, forces on the boundaries of the reservoirs may point √δ away from the
+/// common slip and balance but for accelerations of the tolerance over √δ. Newton's method makes these forces as accurate
+/// as rounding allows.
 const POLISH: Solver = Solver::Newton { max_iterations: 8 };
 /// Acceleration over the load that may be none: at the tolerance this is what is left of it where δ is 1e-12.
 const MAY_BE_AT_REST: f64 = 1e-6;
 /// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
 const ROUNDED: f64 = 1e-9;
 /// Velocity that contacts may keep against their laws, over the largest load. Residuals are relative to percussions: where
-/// these cancel each other, rounding leaves bodies that go through what they touch: in the worst case known 8e-5 of the load
-/// remain, of columns of three bodies that bear one of 10⁸ times their mass, and of five and 10⁷, less than this.
+/// these cancel each other, rounding leaves bodies that penetrate each other. Columns of three bodies that bear one of 10⁸
+/// times their mass exceed this limit, those of five and 10⁷ do not.
 const AGAINST_THE_LAWS: f64 = 1e-5;
 /// Mobility of a row, over that without other contacts, that counts as none.
 const NO_MOBILITY: f64 = 1e-12;

@@ -9,8 +9,7 @@ use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::norm;
 
-/// Slip over the speed of the contact that the first step of a slip has to reach: rounding must not decide on
-/// its direction. The first stage is at 0.06 of the step, where the slip may be 0.003 of that at its end.
+/// Slip over the speed of the contact that the first step of a slip has to reach: rounding must not decide on its direction.
 pub(crate) const ONSET_SLIP: f64 = 1e-8;
 
 impl Integration<'_> {

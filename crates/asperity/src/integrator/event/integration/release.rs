@@ -17,9 +17,8 @@ const CONTINUOUS: f64 = 1e-3;
 /// it is still that of this step.
 const FIRST_TRIAL: f64 = 1e-7;
 const LAST_TRIAL: f64 = 0.1;
-/// Jump of the accelerations over the load above which the end of a stick that contacts share is told from rest more surely
-/// than the contact problem is solved. Without it, two of 180 boxes on three to six feet that a growing force pulled
-/// off-centre took the solver's error for slip, and came to no first step.
+/// Jump of the accelerations over the load above which the end of a stick that contacts share is slip: below it, it may be
+/// the error of the contact solver.
 const RESOLVED: f64 = 1e-6;
 
 impl Integration<'_> {

@@ -22,8 +22,7 @@ const WINDOW: usize = 2000;
 const TOO_MANY: usize = 800;
 /// Share of the whole time in which so many attempts are worth the effort, though many are rejected.
 const PROGRESS: f64 = 1e-5;
-/// Share of the whole time in which so many attempts are worth the effort, even if all succeed: at this pace the
-/// motion would take 2e13 steps.
+/// Share of the whole time in which so many attempts are worth the effort, even if all succeed.
 const LEAST_PROGRESS: f64 = 1e-10;
 /// Share of the whole time that is left out at its end: events are not located better.
 const UNRESOLVED_END: f64 = 2e-14;

@@ -9,8 +9,7 @@ use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
 use crate::vectors::{largest, norm};
 
-/// Slip over the speed of a contact below which it is asked whether rounding turns its friction force: it does so of laws
-/// whose direction sets are three hundred times as long as wide.
+/// Slip over the speed of a contact below which rounding may turn its friction force, as it does where *D* is slender.
 const NEARLY_ZERO: f64 = 1e-9;
 /// Height of a bounce over the overlap with which it begins up to which the contact closes where steps cannot be shorter.
 const FAR_HIGHER: f64 = 100.0;
