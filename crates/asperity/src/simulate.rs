@@ -234,7 +234,10 @@ pub(crate) fn run(
 ) -> Result<Outcome, StepError> {
     trajectory.begin(stepper)?;
     let mut progress = Loop::new(options);
-    let outcome = steps(options, stepper, trajectory, observer, each_step, &mut progress);
+    let step = |before| {
+        progress.step(before + 1, options, stepper, trajectory, observer, each_step).transpose()
+    };
+    let outcome = (0..options.steps).find_map(step).unwrap_or(Ok(Outcome::Finished));
     progress.end(outcome, stepper, trajectory)
 }
 
@@ -324,21 +327,4 @@ impl Loop {
         };
         outcome.and_then(|outcome| recorded.map(|()| outcome))
     }
-}
-
-fn steps(
-    options: &Options,
-    stepper: &mut Stepper<'_>,
-    trajectory: &mut Trajectory,
-    observer: &Observer<'_, usize>,
-    each_step: &mut impl FnMut(&Stepper<'_>),
-    progress: &mut Loop,
-) -> Result<Outcome, StepError> {
-    for step in (0..options.steps).map(|before| before + 1) {
-        let ended = progress.step(step, options, stepper, trajectory, observer, each_step)?;
-        if let Some(outcome) = ended {
-            return Ok(outcome);
-        }
-    }
-    Ok(Outcome::Finished)
 }

@@ -121,14 +121,10 @@ fn prepare<'a>(
         None => Rc::new(members.system(variant)?),
     };
     if Layout::of(made.system()) != *layout {
-        return Err(other_layout());
+        let message = "must have as many coordinates, velocities and contacts, and laws of the same dimensions, as the others";
+        return Err(ArgumentError::new("system", message).into());
     }
     let start = members.start(member, made.system());
     *last = Some((variant, made.clone()));
     Ok((made, start))
-}
-
-fn other_layout() -> SystemError {
-    let message = "must have as many coordinates, velocities and contacts, and laws of the same dimensions, as the others";
-    SystemError::Argument(ArgumentError::new("system", message))
 }

@@ -91,11 +91,8 @@ pub(super) struct Layout {
 impl Layout {
     pub(super) fn of(system: &dyn System) -> Self {
         let dimensions = system.contacts().iter().map(|contact| contact.law().dimension());
-        Self {
-            coordinates: system.coordinates(),
-            dof: system.dof(),
-            dimensions: dimensions.collect(),
-        }
+        let (coordinates, dof) = (system.coordinates(), system.dof());
+        Self { coordinates, dof, dimensions: dimensions.collect() }
     }
 
     fn sizes(&self) -> [usize; 3] {
@@ -146,31 +143,19 @@ impl<'a> Rows<'a> {
         counts: Counts,
         found: &Reduction,
     ) {
-        let Ensemble {
-            ends,
-            endings,
-            steps,
-            ambiguous,
-            in_lanes,
-            samples_per_member,
-            samples: kept,
-            reduced,
-            ..
-        } = &mut self.ensemble;
+        let (most, all) = (self.ensemble.samples_per_member, &mut self.ensemble);
         match samples.len().checked_sub(1).filter(|_| ended) {
-            Some(last) => ends.copy(samples, last..last + 1),
-            None => ends.leave_out(1),
+            Some(last) => all.ends.copy(samples, last..last + 1),
+            None => all.ends.leave_out(1),
         }
-        if *samples_per_member > 0 {
-            let there = samples.len().min(*samples_per_member);
-            kept.copy(samples, 0..there);
-            kept.leave_out(*samples_per_member - there);
-        }
-        endings.push(ending);
-        steps.push(counts.steps as i64);
-        ambiguous.push(counts.ambiguous as i64);
-        in_lanes.push(counts.in_lanes as i64);
-        found.finish(self.keep, self.layout.sizes(), reduced);
+        let there = samples.len().min(most);
+        all.samples.copy(samples, 0..there);
+        all.samples.leave_out(most - there);
+        all.endings.push(ending);
+        all.steps.push(counts.steps as i64);
+        all.ambiguous.push(counts.ambiguous as i64);
+        all.in_lanes.push(counts.in_lanes as i64);
+        found.finish(self.keep, self.layout.sizes(), &mut all.reduced);
     }
 
     /// Appends a run that was not begun.

@@ -19,10 +19,8 @@ pub(crate) fn check_structure(system: &dyn System) -> Result<(), ArgumentError> 
     let (blocks, n, coordinates) = (system.blocks().count(), system.dof(), system.coordinates());
     if n != system.blocks().velocities() {
         let velocities = system.blocks().velocities();
-        return refuse(
-            "system",
-            format!("must have {velocities} velocities in its blocks, has {n}"),
-        );
+        let message = format!("must have {velocities} velocities in its blocks, has {n}");
+        return refuse("system", message);
     }
     if (0..blocks).any(|block| system.blocks().range(block).is_empty()) {
         return refuse("system", "must have a velocity at least in every block");

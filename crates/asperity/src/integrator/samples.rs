@@ -85,31 +85,18 @@ impl Samples {
         self.u.extend_from_slice(u);
     }
 
-    /// The columns of numbers with their entries per sample.
-    fn columns(&self) -> [(&Vec<f64>, usize); 6] {
-        let Self { t, q, u, slip, force, normal_force, contacts, .. } = self;
-        let row = contacts * self.p;
-        [
-            (t, 1),
-            (q, self.coordinates),
-            (u, self.dof),
-            (slip, row),
-            (force, row),
-            (normal_force, *contacts),
-        ]
+    /// The columns of numbers.
+    fn columns(&self) -> [&Vec<f64>; 6] {
+        [&self.t, &self.q, &self.u, &self.slip, &self.force, &self.normal_force]
     }
 
-    fn columns_mut(&mut self) -> [(&mut Vec<f64>, usize); 6] {
-        let Self { t, q, u, slip, force, normal_force, contacts, .. } = self;
+    /// The columns of numbers with their entries per sample.
+    fn columns_mut(&mut self) -> impl Iterator<Item = (&mut Vec<f64>, usize)> {
+        let Self { coordinates, dof, contacts, t, q, u, slip, force, normal_force, .. } = self;
         let row = *contacts * self.p;
-        [
-            (t, 1),
-            (q, self.coordinates),
-            (u, self.dof),
-            (slip, row),
-            (force, row),
-            (normal_force, *contacts),
-        ]
+        let state = [(t, 1), (q, *coordinates), (u, *dof)];
+        let forces = [(slip, row), (force, row), (normal_force, *contacts)];
+        state.into_iter().chain(forces)
     }
 
     /// Time, coordinates and velocities of a sample.
@@ -126,7 +113,7 @@ impl Samples {
 
     /// Appends samples of another run of the same system.
     pub(crate) fn copy(&mut self, of: &Self, samples: Range<usize>) {
-        for ((to, width), (from, _)) in self.columns_mut().into_iter().zip(of.columns()) {
+        for ((to, width), from) in self.columns_mut().zip(of.columns()) {
             to.extend_from_slice(&from[samples.start * width..samples.end * width]);
         }
         let phases = samples.start * of.contacts..samples.end * of.contacts;
@@ -144,7 +131,7 @@ impl Samples {
 
     /// Replaces samples from one on by others.
     pub(crate) fn overwrite(&mut self, first: usize, by: &Self) {
-        for ((to, width), (from, _)) in self.columns_mut().into_iter().zip(by.columns()) {
+        for ((to, width), from) in self.columns_mut().zip(by.columns()) {
             to[first * width..][..from.len()].copy_from_slice(from);
         }
         self.phase[first * by.contacts..][..by.phase.len()].copy_from_slice(&by.phase);
@@ -152,12 +139,7 @@ impl Samples {
 
     /// Keeps the first samples, without contacts of one that is not complete.
     pub(crate) fn truncate(&mut self, samples: usize) {
-        self.t.truncate(samples);
-        self.q.truncate(samples * self.coordinates);
-        self.u.truncate(samples * self.dof);
-        self.slip.truncate(samples * self.contacts * self.p);
-        self.force.truncate(samples * self.contacts * self.p);
-        self.normal_force.truncate(samples * self.contacts);
+        self.columns_mut().for_each(|(to, width)| to.truncate(samples * width));
         self.phase.truncate(samples * self.contacts);
     }
 }

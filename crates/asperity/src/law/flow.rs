@@ -130,16 +130,12 @@ fn check(phi: &[f64], force: &[Vector<2>]) -> Result<(), SetError> {
     for i in 0..phi.len() {
         let next = if i + 1 == phi.len() { phi[0] + TAU } else { phi[i + 1] };
         if !(next - phi[i] > SAME) {
-            return refuse(
-                "phi",
-                format!("must rise within one turn, does not after {} rad", phi[i]),
-            );
+            let message = format!("must rise within one turn, does not after {} rad", phi[i]);
+            return refuse("phi", message);
         }
         if next - phi[i] > FRAC_PI_2 {
-            return refuse(
-                "phi",
-                format!("must leave no gap above π/2, has one after {} rad", phi[i]),
-            );
+            let message = format!("must leave no gap above π/2, has one after {} rad", phi[i]);
+            return refuse("phi", message);
         }
     }
     Ok(())

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
-use super::{Contact, LinearSystem, Normal};
+use super::{Contact, LinearSystem};
 use crate::argument::{ArgumentError, positive};
-use crate::law::{FrictionLaw, Law};
+use crate::law::FrictionLaw;
 
 /// A point mass sliding on a plane under its weight (\[WL19\] §5.3).
 ///
@@ -19,14 +19,8 @@ pub fn sliding_point(
     positive("mass", mass)?;
     positive("gravity", gravity)?;
     let contact = Contact::with_force(law, DMatrix::identity(2, 2), mass * gravity);
-    let zero = DMatrix::zeros(2, 2);
-    LinearSystem::new(
-        DMatrix::identity(2, 2) * mass,
-        zero.clone(),
-        zero,
-        vec![0.0; 2],
-        vec![contact],
-    )
+    let (mass, zero) = (DMatrix::identity(2, 2) * mass, DMatrix::zeros(2, 2));
+    LinearSystem::new(mass, zero.clone(), zero, vec![0.0; 2], vec![contact])
 }
 
 /// A mass on springs that rubs on a belt moving with `belt_velocity` v: χ = −v (\[WL19\] §4.3).
@@ -41,20 +35,10 @@ pub fn mass_on_belt(
     normal_force: f64,
     belt_velocity: Vector2<f64>,
 ) -> Result<LinearSystem, ArgumentError> {
-    let contact = Contact {
-        law: Law::from(law),
-        direction: DMatrix::identity(2, 2),
-        velocity: vec![-belt_velocity.x, -belt_velocity.y],
-        normal: Normal::Force(normal_force),
-        restitution: (0.0, 0.0),
-    };
+    let velocity = vec![-belt_velocity.x, -belt_velocity.y];
+    let at_rest = Contact::with_force(law, DMatrix::identity(2, 2), normal_force);
+    let contact = Contact { velocity, ..at_rest };
     let stiffness = DMatrix::from_column_slice(2, 2, stiffness.as_slice());
-    let damping = DMatrix::zeros(2, 2);
-    LinearSystem::new(
-        DMatrix::identity(2, 2) * mass,
-        stiffness,
-        damping,
-        vec![0.0; 2],
-        vec![contact],
-    )
+    let (mass, damping) = (DMatrix::identity(2, 2) * mass, DMatrix::zeros(2, 2));
+    LinearSystem::new(mass, stiffness, damping, vec![0.0; 2], vec![contact])
 }

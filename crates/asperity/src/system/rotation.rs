@@ -147,10 +147,8 @@ impl Turn {
 /// Unit quaternion of a rotation vector; by its series where that is exact to rounding.
 #[inline]
 fn exponential(angle: &Vector3<f64>) -> [f64; 4] {
-    let square = 0.25 * angle.norm_squared();
-    let (cosine, sinc) = if square < 0.25 { series(square) } else { closed(square.sqrt()) };
-    let scale = 0.5 * sinc;
-    [cosine, scale * angle.x, scale * angle.y, scale * angle.z]
+    let Turn { cosine, axis, .. } = Turn::new(angle);
+    [cosine, axis.x, axis.y, axis.z]
 }
 
 /// `(cos x, sin(x)/x)` from `x² < ¼`; the first terms left out are below 1e-17.

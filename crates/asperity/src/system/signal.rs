@@ -170,17 +170,13 @@ impl Signal {
             return refuse("values", "must be as many for every time, and not none");
         }
         if !times.iter().chain([&(times[times.len() - 1] - times[0])]).all(|t| t.is_finite()) {
-            return refuse(
-                "times",
-                "must be finite, and so must the time between the first and the last",
-            );
+            let message = "must be finite, and so must the time between the first and the last";
+            return refuse("times", message);
         }
         finite("values", values)?;
         if !times.is_sorted() || times.windows(3).any(|t| t[0] == t[2]) {
-            return refuse(
-                "times",
-                "must ascend, with a time at most twice, where the values jump",
-            );
+            let message = "must ascend, with a time at most twice, where the values jump";
+            return refuse("times", message);
         }
         if times[0] == times[1] || times[times.len() - 2] == times[times.len() - 1] {
             return refuse("times", "must not begin or end with a jump");
@@ -240,13 +236,8 @@ impl Signal {
         match &self.shape {
             Shape::Pieces(pieces) => match pieces.place(at.piece) {
                 Place::Within(piece, shift) => {
-                    let [a, b, c, d] = pieces.coefficients[piece * self.components + component];
-                    let x = at.t - shift - pieces.knots[piece];
-                    match derivative {
-                        Derivative::Value => a + x * (b + x * (c + x * d)),
-                        Derivative::First => b + x * (2.0 * c + 3.0 * x * d),
-                        Derivative::Second => 2.0 * c + 6.0 * x * d,
-                    }
+                    let own = pieces.coefficients[piece * self.components + component];
+                    jet(own, at.t - shift - pieces.knots[piece])[derivative as usize]
                 }
                 _ if derivative != Derivative::Value => 0.0,
                 Place::Before => pieces.coefficients[component][0],
@@ -476,14 +467,7 @@ impl Pieces {
         let end = |piece: usize| -> Vec<[f64; 3]> {
             let h = self.knots[piece + 1] - self.knots[piece];
             let own = &self.coefficients[piece * width..][..width];
-            let at = |[a, b, c, d]: &[f64; 4]| {
-                [
-                    a + h * (b + h * (c + h * d)),
-                    b + h * (2.0 * c + 3.0 * h * d),
-                    2.0 * c + 6.0 * h * d,
-                ]
-            };
-            own.iter().map(at).collect()
+            own.iter().map(|own| jet(*own, h)).collect()
         };
         let before = match knot {
             0 if self.periodic => end(pieces - 1),
@@ -548,16 +532,15 @@ impl Pieces {
         let pieces = self.knots.windows(2).enumerate();
         let in_time = |ends: &[f64]| self.periodic || (ends[0] <= t_end && ends[1] > 0.0);
         pieces.filter(|(_, ends)| in_time(ends)).fold(held, |largest, (piece, ends)| {
-            let [a, b, c, d] = self.coefficients[piece * width + component].map(f64::abs);
+            let own = self.coefficients[piece * width + component].map(f64::abs);
             let x = if self.periodic { ends[1] } else { ends[1].min(t_end) } - ends[0];
             let time = ends[0].abs().max(t_end);
-            let slopes = b + x * (2.0 * c + 3.0 * x * d);
-            let size = match derivative {
-                Derivative::Value => a + x * (b + x * (c + x * d)) + time * slopes,
-                Derivative::First => slopes + time * (2.0 * c + 6.0 * x * d),
-                Derivative::Second => 2.0 * c + 6.0 * x * d + 6.0 * time * d,
-            };
-            largest.max(size)
+            let [value, slope, bend] = jet(own, x);
+            largest.max(match derivative {
+                Derivative::Value => value + time * slope,
+                Derivative::First => slope + time * bend,
+                Derivative::Second => bend + 6.0 * time * own[3],
+            })
         })
     }
 
@@ -574,17 +557,11 @@ impl Pieces {
             (self.place(from), self.place(to))
             && (a, shift) == (b, other)
         {
-            // Without the cancellation of what lies before.
-            let [c0, c1, c2, c3] = self.coefficients[a * width + component];
-            let start = from - shift - self.knots[a];
-            let (h, x) = (to - from, start);
-            let moved = [
-                c0 + x * (c1 + x * (c2 + x * c3)),
-                c1 + x * (2.0 * c2 + 3.0 * x * c3),
-                c2 + 3.0 * x * c3,
-                c3,
-            ];
-            return primitive(&moved, h);
+            // About the start, without the cancellation of the integral up to there.
+            let own = self.coefficients[a * width + component];
+            let x = from - shift - self.knots[a];
+            let [value, slope, _] = jet(own, x);
+            return primitive(&[value, slope, own[2] + 3.0 * x * own[3], own[3]], to - from);
         }
         let since = |t: f64| {
             let (first, end) = (self.knots[0], self.knots[self.knots.len() - 1]);
@@ -626,6 +603,12 @@ impl Pieces {
             number += 1.0;
         }
     }
+}
+
+/// Value, first and second derivative of a polynomial at `x`.
+fn jet([a, b, c, d]: [f64; 4], x: f64) -> [f64; 3] {
+    let slope = b + x * (2.0 * c + 3.0 * x * d);
+    [a + x * (b + x * (c + x * d)), slope, 2.0 * c + 6.0 * x * d]
 }
 
 /// The integral of a polynomial from zero to `x`.

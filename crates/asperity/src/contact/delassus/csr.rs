@@ -33,10 +33,8 @@ impl Csr {
         length(argument, indices.len(), values.len())?;
         if starts[0] != 0 || starts[rows] != indices.len() || starts.windows(2).any(|w| w[0] > w[1])
         {
-            return refuse(
-                argument,
-                "must have row starts that ascend from 0 to the number of entries",
-            );
+            let message = "must have row starts that ascend from 0 to the number of entries";
+            return refuse(argument, message);
         }
         if indices.iter().any(|&j| j >= columns) {
             return refuse(argument, "must have column indices within its shape");
@@ -74,29 +72,29 @@ impl Csr {
         if self.values.iter().all(|value| *value != 0.0) {
             return self;
         }
-        let mut sparse = Self { rows: self.rows, columns: self.columns, ..Self::default() };
-        sparse.starts.push(0);
-        for i in 0..self.rows {
-            let (indices, values) = self.row(i);
-            for (j, value) in indices.iter().zip(values).filter(|(_, value)| **value != 0.0) {
-                sparse.indices.push(*j);
-                sparse.values.push(*value);
-            }
-            sparse.starts.push(sparse.indices.len());
-        }
-        sparse
+        self.select(0..self.rows, self.columns, |j, value| (value != 0.0).then_some(j))
     }
 
     /// Some rows of the matrix, without the columns that are not among `columns`, ascending.
     pub(super) fn part(&self, rows: &[usize], columns: &[usize]) -> Self {
-        let mut part = Self { rows: rows.len(), columns: columns.len(), ..Self::default() };
-        part.starts.push(0);
-        for &i in rows {
+        let place = |j: usize, _| columns.binary_search(&j).ok();
+        self.select(rows.iter().copied(), columns.len(), place)
+    }
+
+    /// The entries of some rows that have a place among new columns.
+    fn select(
+        &self,
+        rows: impl ExactSizeIterator<Item = usize>,
+        columns: usize,
+        place: impl Fn(usize, f64) -> Option<usize>,
+    ) -> Self {
+        let mut part = Self { rows: rows.len(), columns, starts: vec![0], ..Self::default() };
+        for i in rows {
             let (indices, values) = self.row(i);
-            for (j, value) in indices.iter().zip(values) {
-                if let Ok(place) = columns.binary_search(j) {
+            for (&j, &value) in indices.iter().zip(values) {
+                if let Some(place) = place(j, value) {
                     part.indices.push(place);
-                    part.values.push(*value);
+                    part.values.push(value);
                 }
             }
             part.starts.push(part.indices.len());

@@ -71,19 +71,16 @@ impl Options {
     /// [`ArgumentError`] if that is not finite and positive.
     pub fn new(t_end: f64) -> Result<Self, ArgumentError> {
         positive("t_end", t_end)?;
-        let (tolerance, max_events) = (1e-10, 10_000);
-        let (t_start, start, sample, max_step, section) = (0.0, None, None, None, None);
-        let goes_on = false;
         Ok(Self {
-            t_start,
+            t_start: 0.0,
             t_end,
-            start,
-            tolerance,
-            sample,
-            max_step,
-            section,
-            goes_on,
-            max_events,
+            start: None,
+            tolerance: 1e-10,
+            sample: None,
+            max_step: None,
+            section: None,
+            goes_on: false,
+            max_events: 10_000,
         })
     }
 

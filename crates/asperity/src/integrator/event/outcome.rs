@@ -35,6 +35,13 @@ pub enum Outcome {
     Error(EvaluationError),
 }
 
+impl Outcome {
+    /// The forces or percussions of the contacts are not found.
+    pub(crate) fn unsolved(contact: usize) -> Self {
+        Self::Stagnated { cause: Stagnation::Unsolved, contact: Some(contact) }
+    }
+}
+
 /// How it shows that a motion does not get on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]

@@ -11,7 +11,7 @@ use crate::vectors::copy;
 
 /// What the contacts did in the last step that was made, as its contact problem had it. Forces are made of it when somebody
 /// asks for them: most steps are not sampled.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Outputs {
     /// Phases of all contacts, and the rows of those that were closed.
     pub(super) phases: Vec<Phase>,
@@ -25,13 +25,8 @@ pub(super) struct Outputs {
 impl Outputs {
     /// Of so many contacts, before the first step.
     pub(super) fn new(contacts: usize) -> Self {
-        Self {
-            phases: vec![Phase::Open; contacts],
-            rows: vec![None; contacts],
-            velocity: Vec::new(),
-            percussion: Vec::new(),
-            factors: Vec::new(),
-        }
+        let (phases, rows) = (vec![Phase::Open; contacts], vec![None; contacts]);
+        Self { phases, rows, ..Self::default() }
     }
 
     /// Before the first step of another run.

@@ -207,13 +207,8 @@ impl Shape {
         let timed = self.timed().map(Arc::new);
         match self {
             Self::PointPlane { point, plane, .. } => {
-                let surface = surface(plane)?;
-                Ok(vec![Touching::Plane {
-                    point: place("point", *point, planar)?,
-                    radius: 0.0,
-                    surface,
-                    timed,
-                }])
+                let (surface, point) = (surface(plane)?, place("point", *point, planar)?);
+                Ok(vec![Touching::Plane { point, radius: 0.0, surface, timed }])
             }
             Self::SpherePlane { centre, radius, plane, .. } => {
                 let (point, radius) =
@@ -238,13 +233,12 @@ impl Shape {
                 Ok((0..1 << count).map(touching).collect())
             }
             Self::SphereSphere { centre, radius, other_centre, other_radius, .. } => {
-                Ok(vec![Touching::Spheres {
-                    centres: [
-                        place("centre", *centre, planar)?,
-                        place("other_centre", *other_centre, planar)?,
-                    ],
-                    radii: [positive("radius", *radius)?, positive("other_radius", *other_radius)?],
-                }])
+                let (own, other) = (*centre, *other_centre);
+                let centres =
+                    [place("centre", own, planar)?, place("other_centre", other, planar)?];
+                let radii =
+                    [positive("radius", *radius)?, positive("other_radius", *other_radius)?];
+                Ok(vec![Touching::Spheres { centres, radii }])
             }
         }
     }

@@ -28,13 +28,8 @@ fn place(i: usize) -> f64 {
 
 impl DenseOutput {
     pub(crate) fn new(n: usize) -> Self {
-        Self {
-            n,
-            start: 0.0,
-            h: 0.0,
-            origin: vec![0.0; n],
-            differences: vec![[0.0; CONDITIONS]; n],
-        }
+        let (origin, differences) = (vec![0.0; n], vec![[0.0; CONDITIONS]; n]);
+        Self { n, start: 0.0, h: 0.0, origin, differences }
     }
 
     /// A step of length `h` from `start`, with accelerations `a` there.

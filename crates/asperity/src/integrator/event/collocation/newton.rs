@@ -16,28 +16,22 @@ const LONGEST: f64 = 0.5;
 /// Part of the slowest slip that an error of a velocity may be: its direction is an angle of this size then.
 const TURN: f64 = 1e-6;
 
-/// When Newton's method has converged: the largest error that may be left, relative to the scale.
+/// The goal of Newton's method: the largest error that may be left, relative to the scale.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NewtonGoal {
     tolerance: f64,
     scale: Scale,
-    /// A change, relative to the scale, that rounding of velocities may make of none.
+    /// Rounding of velocities, relative to the scale.
     rounding: f64,
 }
 
 impl NewtonGoal {
-    pub(crate) fn new(tolerance: f64, scale: Scale) -> Self {
-        Self { tolerance, scale, rounding: 0.0 }
-    }
-
-    /// The same where slips have directions that velocities of the size `slip` turn: where a slip comes to its end together
-    /// with its acceleration, the accelerations follow from its direction, which errors of velocities that are small beside
-    /// all others turn at will.
-    pub(crate) fn with_slip(self, slip: f64) -> Self {
-        let Self { tolerance, scale, .. } = self;
+    /// A goal where the slowest slip has this size in velocities: where a slip comes to its end together with its
+    /// acceleration, the accelerations follow from its direction, which small errors of velocities turn.
+    pub(crate) fn new(tolerance: f64, scale: Scale, slip: f64) -> Self {
         let wanted = TURN * slip;
         if wanted >= tolerance * scale.u {
-            return self;
+            return Self { tolerance, scale, rounding: 0.0 };
         }
         let rounding = ROUNDING * scale.u;
         let u = wanted.max(rounding) / tolerance;

@@ -10,7 +10,7 @@ use crate::integrator::event::contact_problem::problem::{
 use crate::integrator::event::dynamics::{
     ContactVariables, Dynamics, LIGHT, RANK, ROWS, SlidingForces,
 };
-use crate::integrator::event::outcome::{Outcome, Stagnation};
+use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
 use crate::vectors::{add, largest, norm};
 
@@ -198,12 +198,12 @@ fn decide_with_shares(
             });
             let closed: Vec<_> = slips.chain(set_aside).chain(rests).collect();
             let Some(carries) = load_bearing(dynamics, &closed) else {
-                return Ok(unsolved(closed[0].contact));
+                return Ok(Decision::Ended(Outcome::unsolved(closed[0].contact)));
             };
             if aside.exchange(dynamics, &closed, &carries) {
                 exchanges += 1;
                 if exchanges > closed.len() + MORE_EXCHANGES {
-                    return Ok(unsolved(closed[0].contact));
+                    return Ok(Decision::Ended(Outcome::unsolved(closed[0].contact)));
                 }
                 aside.ask_immobile(dynamics);
                 continue;
@@ -212,7 +212,7 @@ fn decide_with_shares(
             let most = closed.iter().map(|contact| contact.force.abs()).fold(0.0, f64::max);
             let pulls = |&k: &usize| normal_forces[k] < -LIGHT * most;
             if let Some(k) = smallest.filter(pulls) {
-                return Ok(unsolved(slipping[k] / ROWS));
+                return Ok(Decision::Ended(Outcome::unsolved(slipping[k] / ROWS)));
             }
         }
         for (row, &force) in slipping.iter().zip(&normal_forces) {
@@ -232,12 +232,6 @@ fn decide_with_shares(
         settle_unloaded(dynamics, &aside.unloaded, AT_REST_SHARED * scale);
         return Ok(Decision::Made { ambiguous: solved.ambiguous });
     }
-}
-
-/// The contact forces are not found.
-fn unsolved(contact: usize) -> Decision {
-    let cause = Stagnation::Unsolved;
-    Decision::Ended(Outcome::Stagnated { cause, contact: Some(contact) })
 }
 
 /// Contacts without load open, stick where all that they touch rests, or else stay closed by the contacts that carry load.

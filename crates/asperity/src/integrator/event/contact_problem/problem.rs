@@ -4,7 +4,7 @@ use crate::contact::{
     BlockMatrix, ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase,
 };
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
-use crate::integrator::event::outcome::{Outcome, Stagnation};
+use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::EvaluationError;
 use crate::integrator::observer::Observer;
 use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
@@ -190,8 +190,7 @@ impl Participants {
                     (Some(polished), _) => return Ok(polished),
                     (None, None) => return Ok(solved),
                     (None, Some(k)) => {
-                        let cause = Stagnation::Unsolved;
-                        outcome = Outcome::Stagnated { cause, contact: Some(self.contacts[k]) };
+                        outcome = Outcome::unsolved(self.contacts[k]);
                         continue;
                     }
                 }
@@ -208,10 +207,7 @@ impl Participants {
                     });
                     Outcome::NoSolution { contact, unsolvable }
                 }
-                _ => {
-                    let cause = Stagnation::Unsolved;
-                    Outcome::Stagnated { cause, contact: Some(contact) }
-                }
+                _ => Outcome::unsolved(contact),
             };
         }
         Err(outcome)

@@ -33,8 +33,8 @@ pub(crate) struct Constraints {
     pub(crate) defects: Vec<f64>,
 }
 
-/// The Jacobian at fixed sliding directions, which changes little along a step, and what belongs to it.
-#[derive(Debug)]
+/// The Jacobian at fixed sliding directions, which changes little along a step, and its buffers.
+#[derive(Debug, Default)]
 pub(crate) struct SmoothJacobian {
     /// Derivatives of the accelerations by velocities and by coordinates, row by row.
     pub(crate) by_u: Vec<f64>,
@@ -57,9 +57,7 @@ impl SmoothJacobian {
             by_q: vec![0.0; n * n],
             slip_by_q: vec![0.0; rows * n],
             acceleration: vec![0.0; n],
-            slips: Vec::new(),
-            shifted: Default::default(),
-            together: None,
+            ..Self::default()
         }
     }
 }

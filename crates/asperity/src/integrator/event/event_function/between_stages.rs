@@ -12,11 +12,16 @@ const LEBESGUE: f64 = 2.0;
 /// Height over the largest value of an event function that may be the error of the polynomial.
 const MARGIN: f64 = 1e-10;
 
-/// The polynomial through values at the nodes, at a place relative to the step.
-pub(crate) fn interpolated(values: &[f64; NODES], x: f64) -> f64 {
+fn nodes() -> [f64; NODES] {
     let mut nodes = [0.0; NODES];
     nodes[1..].copy_from_slice(&Tableau::radau().c);
-    (0..NODES).map(|j| values[j] * lagrange_at(&nodes, j, x)).sum()
+    nodes
+}
+
+/// The polynomial through values at the first nodes, at a place relative to the step.
+pub(crate) fn interpolated(values: &[f64], x: f64) -> f64 {
+    let nodes = &nodes()[..values.len()];
+    (0..values.len()).map(|j| values[j] * lagrange_at(nodes, j, x)).sum()
 }
 
 /// Where an event function that is not positive at the nodes may be so between them, relative to the step. `values` are
@@ -31,12 +36,7 @@ pub(crate) fn hidden_maximum(values: &[f64]) -> Option<f64> {
         return None;
     }
     let largest = most.abs().max(least.abs());
-    let mut nodes = [0.0; NODES];
-    nodes[1..].copy_from_slice(&Tableau::radau().c);
-    let nodes = &nodes[..values.len()];
-    let at =
-        |x: f64| -> f64 { (0..values.len()).map(|j| values[j] * lagrange_at(nodes, j, x)).sum() };
-    for (i, ends) in nodes.windows(2).enumerate() {
+    for (i, ends) in nodes()[..values.len()].windows(2).enumerate() {
         if values[i].max(values[i + 1]) > 0.0 {
             continue;
         }
@@ -44,7 +44,7 @@ pub(crate) fn hidden_maximum(values: &[f64]) -> Option<f64> {
         let heights: [f64; POINTS + 1] = std::array::from_fn(|k| match k {
             0 => values[i],
             POINTS => values[i + 1],
-            _ => at(ends[0] + k as f64 * width),
+            _ => interpolated(values, ends[0] + k as f64 * width),
         });
         for k in 1..POINTS {
             let [left, here, right] = [heights[k - 1], heights[k], heights[k + 1]];

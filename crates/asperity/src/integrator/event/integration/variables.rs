@@ -139,16 +139,15 @@ impl<'a> Integration<'a> {
         Accuracy { goal, load, reach }
     }
 
-    /// What errors that Newton's method leaves in a step of length `h` with accelerations up to `largest` are compared
-    /// with.
+    /// The scale of errors of Newton's method in a step of length `h` with accelerations up to `largest`.
     pub(crate) fn newton_scale(&self, h: f64, largest: f64) -> Scale {
         self.step_size.scale(h, largest, self.accuracy(self.step_size.newton))
     }
 
-    /// What Newton's method aims at in a step of length `h` with accelerations up to `largest`.
+    /// The goal of Newton's method in a step of length `h` with accelerations up to `largest`.
     pub(crate) fn newton_goal(&self, h: f64, largest: f64) -> NewtonGoal {
-        let goal = NewtonGoal::new(self.step_size.newton, self.newton_scale(h, largest));
-        goal.with_slip(self.slowest_slip)
+        let scale = self.newton_scale(h, largest);
+        NewtonGoal::new(self.step_size.newton, scale, self.slowest_slip)
     }
 
     /// Keeps the sliding forces of the present state, at which the dynamics have been evaluated.
