@@ -41,8 +41,7 @@ impl Threads {
         self.0.as_ref().map_or(1, pool::count)
     }
 
-    /// The pool for work that would make others wait, if nobody else does such work there: calls that share a pool would
-    /// else wait for each other, where each has a processor of its own.
+    /// The pool for work that others would wait for, if it is free: calls that share it would wait for each other.
     pub(crate) fn claim(&self) -> Option<Claim<'_>> {
         let busy = pool::busy(self.0.as_ref()?);
         (!busy.swap(true, Ordering::Acquire)).then_some(Claim(busy))

@@ -24,8 +24,7 @@ macro_rules! unrolled {
 }
 pub(crate) use unrolled;
 
-/// Asks for the values `ahead` of the first one of a list, or of what follows in memory, before they are needed: where a list
-/// is read once from end to end, what the processor asks for by itself comes too late.
+/// Prefetches the values `ahead` of the first one of a long list that is read once: the processor itself begins too late.
 #[inline(always)]
 pub(crate) fn prefetch(values: &[f64], ahead: usize) {
     #[cfg(target_arch = "x86_64")]

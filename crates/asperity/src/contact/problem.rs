@@ -9,8 +9,7 @@ use crate::argument::{ArgumentError, check, finite, length, not_negative, refuse
 use crate::law::Law;
 use crate::vectors::unrolled;
 
-/// Largest velocity, percussion and product of the two with an entry of `G`: solvers and measures take squares and
-/// cubes of them.
+/// Largest velocity, percussion and product of the two with an entry of `G`: solvers take squares and cubes of them.
 const LARGEST: f64 = 1e100;
 /// Least value of the largest velocity, if any is not zero, and of the percussion that belongs to it: squares of values far
 /// below vanish, and no percussions would look like a solution.
@@ -260,8 +259,7 @@ impl ContactProblem {
         !self.delassus.is_matrix_free() && self.delassus.blocks().is_block_diagonal()
     }
 
-    /// Calls `each` with contact, column and entry of all entries of a contact's row; of a matrix-free operator with
-    /// those of the contact's own block.
+    /// Calls `each` with contact, column and entry of a contact's row; of a matrix-free operator with its own block.
     pub(crate) fn each_entry(
         &self,
         contact: usize,
@@ -348,8 +346,7 @@ impl ContactProblem {
         self.rho[contact]
     }
 
-    /// Velocities `ξ = G P + b + e γ_B` of a contact's rows with the percussions of the others only, or
-    /// with all.
+    /// Velocities `ξ = G P + b + e γ_B` of a contact's rows by all percussions, or by those of the others only.
     #[inline(always)]
     pub(crate) fn contact_velocity(
         &self,

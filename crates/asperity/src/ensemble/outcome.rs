@@ -133,8 +133,7 @@ impl<'a> Rows<'a> {
         Self { layout, keep, first, ensemble }
     }
 
-    /// Appends a run: how it ended, its samples, of which the last is its end if that is known, and what was found on
-    /// the way.
+    /// Appends a run: how it ended, its samples, of which the last is its end if that is known, and its reduced quantities.
     pub(super) fn push(
         &mut self,
         ending: Ending,

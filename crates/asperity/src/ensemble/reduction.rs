@@ -57,10 +57,8 @@ struct Seen {
 impl Seen {
     fn set(&mut self, t: f64, q: &[f64], u: &[f64]) {
         self.t = t;
-        self.q.clear();
-        self.q.extend_from_slice(q);
-        self.u.clear();
-        self.u.extend_from_slice(u);
+        q.clone_into(&mut self.q);
+        u.clone_into(&mut self.u);
     }
 }
 

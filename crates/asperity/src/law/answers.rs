@@ -213,8 +213,7 @@ impl Law {
         }
     }
 
-    /// The boundary of *C* times `unit` in pieces with the normals of *D* that belong to them; none with drilling
-    /// friction.
+    /// The boundary of *C* times `unit` in pieces with the normals of *D* that belong to them; none with drilling friction.
     pub(crate) fn boundary(&self, unit: f64) -> Option<Vec<BoundaryPiece>> {
         match self {
             Self::One(law) => Some(law.boundary(unit)),
@@ -241,8 +240,7 @@ impl Law {
         answer!(self, law => violation(law, friction, rho))
     }
 
-    /// Whether the projection of the natural map has to do something, as it has in slip: `α(x)(x + ρξ_T/P_N)` is
-    /// outside of *D*, `x = −P_T/P_N`.
+    /// Whether the natural map projects, as in slip: `α(x)(x + ρξ_T/P_N)` is outside of *D*, `x = −P_T/P_N`.
     pub(crate) fn is_projected(&self, friction: Friction<'_>, rho: f64) -> bool {
         answer!(self, law => is_projected(law, friction, rho))
     }

@@ -407,8 +407,7 @@ fn size_of_slip<const P: usize>(slip: &Vector<P>, normal_force: f64) -> Result<f
     Ok(size)
 }
 
-/// `across ∇²h factor` where the curvature of a planar *D* vanishes and `∇²h = ∞ t tᵀ`; a number is not
-/// to be had in other dimensions.
+/// `across ∇²h factor` where the curvature of a planar *D* vanishes and `∇²h = ∞ t tᵀ`; not a number in other dimensions.
 fn jump<const P: usize>(across: &Matrix<P>, slip: &Vector<P>, factor: f64) -> Matrix<P> {
     if P != 2 {
         return Matrix::repeat(f64::NAN);
@@ -424,8 +423,7 @@ fn probes<const P: usize>() -> Vec<Vector<P>> {
     directions(if P == 3 { 500 } else { 1440 })
 }
 
-/// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction; the gauges of closed forms
-/// are numbers.
+/// Refuses a set that a user's gauge makes flat, unbounded or undefined in some direction; closed forms never are.
 fn check_size<const P: usize>(
     argument: &'static str,
     set: &dyn StarSet<P>,

@@ -141,8 +141,8 @@ fn check(phi: &[f64], force: &[Vector<2>]) -> Result<(), SetError> {
     Ok(())
 }
 
-/// The nearest sequence (least squares, pool adjacent violators) that never falls, taken around the turn;
-/// the largest fall of the given one and where that is.
+/// The nearest sequence (least squares, pool adjacent violators) that never falls, around the turn; the largest fall of the
+/// given one and its place.
 fn rising(theta: &[f64]) -> (Vec<f64>, f64, usize) {
     let n = theta.len();
     let around = |k: usize| theta[k % n] + TAU * (k / n) as f64;
@@ -303,8 +303,7 @@ impl Walk {
     }
 }
 
-/// Support function of the convex hull of places in turn around the origin, along rising normals: what
-/// quadrature leaves of dents goes.
+/// Support function of the convex hull of places in turn around the origin, along rising normals.
 fn hull_heights(normals: &[Vector<2>], places: &[Vector<2>]) -> Vec<f64> {
     let n = places.len();
     let farthest = (0..n).max_by(|&i, &j| places[i].norm().total_cmp(&places[j].norm()));

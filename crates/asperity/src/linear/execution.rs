@@ -20,8 +20,7 @@ pub(crate) struct Execution<'a> {
 }
 
 impl Execution<'_> {
-    /// Runs a factorisation of so many operations, among threads where that is worth it and these are free; false if it
-    /// failed.
+    /// Runs a factorisation of so many operations, among threads where that pays and they are free; false if it failed.
     pub(super) fn run<F: FnMut(&mut Work<'_>) -> bool + Send>(
         self,
         operations: f64,

@@ -11,8 +11,7 @@ use crate::vectors::dot;
 /// Factors of a matrix and all buffers to make them again.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Numeric {
-    /// Of every front the eliminated columns, column-major, then the rows of `U` beyond them, transposed, if it is a general
-    /// matrix.
+    /// The eliminated columns of every front, column-major, then of a general matrix the rows of `U` beyond them, transposed.
     factors: Vec<f64>,
     /// What was factored last.
     kind: Kind,

@@ -72,8 +72,7 @@ impl PaddedLu {
             }
             swaps[step] = best;
             if best != step {
-                // At once, and not at all where nothing is exchanged: a group that is read when one of its numbers has
-                // just been written is waited for.
+                // At once and only where rows are exchanged: reading a group right after writing one of its numbers stalls.
                 column.swap(step, best);
                 for other in after.chunks_exact_mut(groups) {
                     other.as_flattened_mut().swap(step, best);

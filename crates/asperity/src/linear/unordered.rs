@@ -37,8 +37,7 @@ impl Numeric {
         }
     }
 
-    /// Factors a matrix of any kind; false if a pivot vanishes, if the matrix is too large to be factored densely, or if it is
-    /// given up on the way.
+    /// Factors a matrix of any kind; false if a pivot vanishes, the matrix is too large, or the factorisation is given up.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,

@@ -83,8 +83,7 @@ pub struct LinearSystem {
     longest_step: LongestStep,
 }
 
-/// The step that was asked about last, and the longest one if it is too long: all runs of an ensemble ask, and eigenvalues
-/// of many coordinates take longer than a short run.
+/// The step of the last question and the longest one, if it is too long: eigenvalues take longer than a run of an ensemble.
 #[derive(Debug, Default)]
 struct LongestStep(Mutex<Option<(f64, Option<f64>)>>);
 
@@ -100,8 +99,7 @@ impl PartialEq for LongestStep {
     }
 }
 
-/// Up to so many velocities all forces are computed at once in registers: what is stored number by number, the processor
-/// cannot load in pairs at once.
+/// Up to so many velocities all forces are computed in registers: numbers stored one by one cannot be loaded in pairs.
 const FEW: usize = 3;
 
 /// An entry of `−K` and `−B`.

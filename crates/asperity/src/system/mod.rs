@@ -370,8 +370,7 @@ pub trait System: Debug + Sync {
         Constancy::default()
     }
 
-    /// The system by its matrices, if it is linear and made of them: what is known of these need not be asked for step by
-    /// step.
+    /// The system by its matrices, if it is linear and made of them, so that steps need not ask for these.
     fn as_linear(&self) -> Option<&LinearSystem> {
         None
     }

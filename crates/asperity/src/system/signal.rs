@@ -10,9 +10,8 @@ use crate::argument::{ArgumentError, finite, positive, refuse};
 
 /// Difference of slopes over the larger one that is rounding: samples on a straight line have no kink.
 const SAME_SLOPE: f64 = 1e-10;
-/// Parts of a period of a sine that no step goes beyond, so that none jumps over an oscillation that does not show in the
-/// accelerations at its beginning. On an eighth of a period polynomials through the stages of a step of `integrate` follow
-/// it to 1e-6 of its amplitude.
+/// Least number of steps in a period of a sine, so that none jumps over an oscillation: polynomials through the stages of a
+/// step of `integrate` follow an eighth of a period to 1e-6 of the amplitude.
 const PARTS_OF_A_PERIOD: f64 = 8.0;
 
 /// A time, and the smooth piece of functions of time that holds there.
@@ -309,8 +308,7 @@ impl Signal {
         }
     }
 
-    /// The largest parts of which a component or one of its derivatives is made between zero and `t_end`: rounding leaves
-    /// a share of them.
+    /// Sizes of the terms of a component or one of its derivatives between zero and `t_end`, which give its rounding.
     pub(super) fn size(&self, component: usize, derivative: Derivative, t_end: f64) -> f64 {
         match &self.shape {
             Shape::Pieces(pieces) => pieces.size(component, self.components, derivative, t_end),
@@ -616,8 +614,7 @@ fn primitive([a, b, c, d]: &[f64; 4], x: f64) -> f64 {
     x * (a + x * (b / 2.0 + x * (c / 3.0 + x * d / 4.0)))
 }
 
-/// Slopes of cubic splines at their samples (\[DeBoor2001\] ch. IV): the equations that make the second derivative
-/// continuous, component by component.
+/// Slopes of cubic splines at their samples (\[DeBoor2001\] ch. IV), which make the second derivative continuous.
 mod spline {
     use asperity_set::Cyclic;
 

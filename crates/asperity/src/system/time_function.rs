@@ -11,8 +11,7 @@ pub type Function<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 /// A function of the time in s that returns its value and its rate.
 pub type FunctionWithRate<const D: usize> = Arc<dyn Fn(f64) -> [[f64; D]; 2] + Send + Sync>;
 
-/// At how many times per factor of ten, and over how many of these factors before the end, functions of the user are
-/// asked how large they become.
+/// Number of samples of functions of the user per factor of ten, and number of these factors before the end.
 const TIMES_PER_DECADE: i32 = 3;
 const DECADES: i32 = 32;
 
@@ -165,9 +164,8 @@ impl<const D: usize> TimeFunction<D> {
         }
     }
 
-    /// How large its components, or with [`Derivative::First`] their rates, become between zero and `t_end`: of a signal
-    /// the parts of which they are made, of a function of the user the largest of samples. Constants do not depend on
-    /// time.
+    /// Sizes of its components, or with [`Derivative::First`] of their rates, between zero and `t_end`: of a signal the largest
+    /// terms, of a function of the user the largest samples. Constants do not depend on time.
     pub(super) fn extents(&self, derivative: Derivative, t_end: f64) -> [Extent; D] {
         let mut extents = [Extent::default(); D];
         let mut include = |t: f64, values: [f64; D]| {

@@ -11,8 +11,7 @@ pub(super) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Largest step of Newton's method, as the tangent of an angle.
 const LARGEST_STEP: f64 = 0.5;
 
-/// The direction `d − (Φ/Φ′) d⊥` in the lanes that are open, where `Φ′` is the derivative of `Φ` along `d⊥`. The others
-/// stay where they are.
+/// The direction `d − (Φ/Φ′) d⊥` in the lanes that are open, with the derivative `Φ′` along `d⊥`; others keep theirs.
 #[inline(always)]
 pub(super) fn turned<S: Simd>(
     simd: S,

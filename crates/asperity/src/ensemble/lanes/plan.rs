@@ -168,8 +168,7 @@ impl<'a> Plan<'a> {
         })
     }
 
-    /// Whether a contact may have several solutions by the force `F x` that stick needs. The gauges for which this is asked
-    /// may be fewer afterwards.
+    /// Whether a contact may have several solutions by the force `F x` of stick; narrows the gauges that are in doubt.
     pub(super) fn may_have_several(&mut self, x: Pair<f64>) -> bool {
         let load = self.from_disk * V::from(x);
         let several = self.uniqueness.may_have_several(&load, self.reservoir.gauge(&load));

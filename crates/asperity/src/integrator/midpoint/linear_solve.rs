@@ -10,8 +10,7 @@ const MOST: usize = 50;
 /// Part of the right-hand side that may be left over.
 const LEFT_OVER: f64 = 1e-8;
 
-/// A solver with its buffers: elimination while systems are small, else bi-conjugate gradients, stabilised
-/// (\[VanDerVorst1992\]).
+/// A solver with its buffers: elimination of small systems, else stabilised bi-conjugate gradients (\[VanDerVorst1992\]).
 #[derive(Debug, Default)]
 pub(super) struct LinearSolver {
     small: DenseLu,

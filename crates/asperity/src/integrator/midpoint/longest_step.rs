@@ -24,8 +24,7 @@ const PARALLEL: f64 = 1e-12;
 /// Growth per radian of a motion which the step resolves that counts as the error of a method of first order: gyroscopic
 /// forces, which act explicitly, too, would allow no step.
 const SLOW: f64 = 1e-3;
-/// What rounding makes of a double eigenvalue over `√ε` of the largest one, and of a fourfold one, as free motions under
-/// follower forces have, over `⁴√ε`.
+/// Rounding of a double eigenvalue over `√ε` of the largest one, and of a fourfold one, as under follower forces, over `⁴√ε`.
 const ROUNDING: f64 = 4.0;
 /// Iterations per eigenvalue: the QR algorithm takes two or three of them.
 const SWEEPS: usize = 50;
@@ -50,8 +49,7 @@ pub(super) fn check(system: &LinearSystem, dt: f64) -> Result<(), ArgumentError>
     refuse("dt", message)
 }
 
-/// Whether norms alone prove that a step is short enough, as they do of most: what eigenvalues cost a run that is short
-/// would be seen.
+/// Whether norms alone prove that a step is short enough, as for most: eigenvalues would take longer than a short run.
 fn are_weak(matrices: &Matrices<'_>, dt: f64) -> bool {
     let Matrices { mass, stiffness, damping, .. } = matrices;
     let n = mass.nrows();

@@ -9,8 +9,8 @@ use crate::contact::{Memory, Phase};
 use crate::system::ContactLaw;
 use crate::vectors::copy;
 
-/// What the contacts did in the last step that was made, as its contact problem had it. Forces are made of it when somebody
-/// asks for them: most steps are not sampled.
+/// Results of the contacts in the last step, as its contact problem had them. Forces follow on demand: most steps are not
+/// sampled.
 #[derive(Debug, Default)]
 pub(super) struct Outputs {
     /// Phases of all contacts, and the rows of those that were closed.

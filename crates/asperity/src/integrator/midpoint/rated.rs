@@ -143,8 +143,8 @@ impl Factors {
         }
     }
 
-    /// How far the factors are from those of the speeds at the end of the step; what mends it is found on
-    /// the way. Also returns the contact that is farthest.
+    /// Distance of the factors from those of the speeds at the end of the step, with the contact that is farthest; finds the
+    /// correction on the way.
     pub(super) fn defect(
         &mut self,
         problem: &ContactProblem,
@@ -312,8 +312,8 @@ impl Factors {
         }
     }
 
-    /// Moves the contacts with a factor that rises, one after another, to solutions in which their speeds and
-    /// factors agree, which [`Correction::Following`] then continues. Whether it has moved any.
+    /// Moves the contacts with a rising factor one by one to solutions in which their speeds and factors agree, which
+    /// [`Correction::Following`] then continues. Whether it has moved any.
     pub(super) fn settle(
         &mut self,
         problem: &ContactProblem,
@@ -386,8 +386,7 @@ impl Factors {
         self.several
     }
 
-    /// Lets the states go with the correction, so that the next solve continues what was found and not what was
-    /// before the step.
+    /// Corrects the states, so that the next solve continues the last solution and not the state before the step.
     pub(super) fn follow(&self, problem: &ContactProblem, states: &mut [ContactState]) {
         for (contact, state) in problem.contacts().iter().zip(states) {
             let slips = contact.tangential_rows().any(|row| self.direction[row] != 0.0);

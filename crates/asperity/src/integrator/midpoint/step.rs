@@ -126,8 +126,7 @@ impl Stepper<'_> {
         // What the solver has left over in this step though more was asked for.
         let mut attained: f64 = 0.0;
         loop {
-            // What a solve leaves over must not hide what the factors lack: among contacts of one body a stiff
-            // factor magnifies it.
+            // The error of a solve must not hide the defect of the factors, which stiff factors of one body magnify.
             let part = if correction < UNAIDED { 0.1 } else { 1e-3 };
             let asked = (part * stop.tolerance).max(LEFT_OVER * attained).min(stop.tolerance);
             let sharp = Stop { tolerance: asked, ..stop };
@@ -224,8 +223,7 @@ impl Stepper<'_> {
         if is_slow && are_finite(&self.q) { Ok(()) } else { self.check_growth() }
     }
 
-    /// Refuses a state that is not finite, with its first coordinate that is not, and one that diverges, with the
-    /// fastest.
+    /// Refuses a state that is not finite, with its first such coordinate, and one that diverges, with the fastest.
     #[cold]
     fn check_growth(&mut self) -> Result<(), StepError> {
         let time = self.time();

@@ -22,8 +22,7 @@ use super::Bounds;
 
 /// Number of coarse cells.
 pub(crate) const COARSE: usize = 64;
-/// Smallest and largest number of fine cells in a coarse one. There are so many that all corners are nodes and a
-/// quarter of the nodes are left for what is smooth.
+/// Smallest and largest number of fine cells in a coarse one: enough for all corners, and for a quarter of smooth nodes.
 const FINE: usize = 16;
 const FINEST: usize = 1024;
 /// Most nodes at corners and ends of flats: of a polygon with more than some 16 000 corners the others turn by less than
@@ -301,8 +300,7 @@ fn walk_angle(point: &BoundaryPoint) -> f64 {
     2.0 * theta + (z.x * n.y - z.y * n.x).atan2(z.dot(n))
 }
 
-/// How far `n` and `n ⊗ x` stray from their chord at the inner nodes, with a margin for what lies
-/// between those.
+/// How far `n` and `n ⊗ x` stray from their chord at the inner nodes, with a margin for the points between these.
 fn deviation(first: &Node, last: &Node, inner: &[Node], margin: f64) -> Cell {
     let dyad = |node: &Node| node.point.normal * node.x.transpose();
     let (n0, dn) = (first.point.normal, last.point.normal - first.point.normal);

@@ -113,8 +113,7 @@ impl From<Vec<Body>> for Bodies {
     }
 }
 
-/// Mass and loads of a body. A planar body is one of space that only turns about z: its inertia is
-/// taken as isotropic.
+/// Mass and loads of a body. A planar body is one of space that only turns about z: its inertia is taken as isotropic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Inertial {
     pub(super) mass: f64,

@@ -33,8 +33,7 @@ use super::surface::{Surface, SurfaceCourse};
 use crate::system::rotation::Turn;
 use crate::system::{Midpoint, Moment};
 
-/// Radians per step up to which a rotation is followed. Beyond, the chord has little to do with the velocity, and from
-/// half a turn on it points the other way.
+/// Radians per step up to which a rotation is followed; beyond, the chord has little to do with the velocity.
 const LARGEST_TURN: f64 = 1.0;
 
 /// How a body moves on with the velocities before the step, in the world's axes.
@@ -42,8 +41,7 @@ pub(super) struct Course {
     pose: Pose,
     velocity: Vector3<f64>,
     omega: Vector3<f64>,
-    /// What has to be added to `omega` for the velocity at the midpoint that ends up as `omega` after the step: none
-    /// where gyroscopic terms vanish.
+    /// Difference between `omega` and the velocity at the midpoint that ends up as `omega`, by gyroscopic terms.
     gyroscopic: Vector3<f64>,
     turn: Turn,
 }
@@ -60,8 +58,7 @@ impl Course {
     }
 }
 
-/// The corrections `c` of all rows that a contact may have: along its normal, along directions of its tangential plane
-/// and about the normal.
+/// The corrections `c` of all rows of a contact: along its normal, along tangential directions and about the normal.
 #[derive(Default)]
 pub(super) struct Bend {
     pub(super) normal: f64,
@@ -89,8 +86,8 @@ impl RigidBodies {
 }
 
 impl Contact {
-    /// Whether anything turns in a step, by more than rounding and not too far to be followed, or a surface changes its
-    /// velocity; from the velocities of both bodies before the step.
+    /// Whether bodies turn in a step, by more than rounding and not too far to be followed, or a surface changes its velocity;
+    /// from the velocities of both bodies before the step.
     pub(super) fn bends(&self, first: &Twist, second: &Twist, dt: f64) -> bool {
         let (own, moves) = match &self.touching {
             Touching::Plane { surface, timed, .. } => (surface.spin.abs(), timed.is_some()),

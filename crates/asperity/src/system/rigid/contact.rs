@@ -145,8 +145,7 @@ impl Contact {
         }
     }
 
-    /// How large the parts become of the gap and of the velocities that depend on time, seen from these poses; none if
-    /// nothing does.
+    /// Sizes of the parts of gap and velocities that depend on time, seen from these poses; none if nothing does.
     pub(super) fn extents(&self, poses: &Poses, t_end: f64) -> Option<[f64; 2]> {
         let Poses { first, second } = poses;
         let Touching::Plane { point, surface, timed: Some(timed), .. } = &self.touching else {

@@ -139,8 +139,7 @@ impl Surface {
         }
     }
 
-    /// Velocity of the material at a place `x` of the plane, and its part along the normal, which is none but by the
-    /// motion of the plane itself.
+    /// Velocity of the material at a place `x` of the plane, and its part along the normal, by motion of the plane alone.
     #[inline]
     pub(super) fn material_velocity(&self, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let belt = self.e1 * self.velocity[0] + self.e2 * self.velocity[1];
@@ -271,8 +270,7 @@ impl Timed {
         SurfaceCourse { belt: surface.e1 * v1 + surface.e2 * v2, angle, plane }
     }
 
-    /// How large the parts become of the gap and of the velocities of what touches the plane at this distance from its
-    /// point.
+    /// Sizes of the parts of the gap and of the velocities of a body that touches the plane at this distance from its point.
     pub(super) fn extents(&self, arm: f64, t_end: f64) -> [f64; 2] {
         let largest = |sum: f64, extent: Extent| sum + extent.size;
         let vector = |extents: &[Extent]| extents.iter().copied().fold(0.0, largest);

@@ -88,8 +88,7 @@ impl DirectionPoints {
         dynamics.direction_points.extend(points);
     }
 
-    /// Changes the points of a stage, each at most by the part `longest` of its size; the largest relative change that
-    /// was asked for.
+    /// Changes the points of a stage, each at most by the part `longest` of its size; the largest relative change asked for.
     pub(crate) fn turn(&mut self, stage: usize, changes: &[f64], longest: f64) -> f64 {
         let (m, mut turn) = (self.count(), 0.0_f64);
         for ends in self.first.windows(2) {
@@ -122,8 +121,7 @@ impl DirectionPoints {
         &self.by_q[(stage * self.count() + r) * self.n..][..self.n]
     }
 
-    /// The defects of the points of a stage, at which the dynamics have been evaluated, and their derivatives; false
-    /// where a slip vanishes.
+    /// The defects of the points of an evaluated stage and their derivatives; false where a slip vanishes.
     pub(crate) fn linearise(
         &mut self,
         dynamics: &mut Dynamics<'_>,
@@ -164,8 +162,7 @@ impl DirectionPoints {
                 }
             }
             for s in 0..contact.p {
-                self.column.clear();
-                self.column.extend_from_slice(dynamics.response(ROWS * i + 1 + s));
+                dynamics.response(ROWS * i + 1 + s).clone_into(&mut self.column);
                 dynamics.constrain(&mut self.column, None);
                 for c in 0..contact.p {
                     let factor = contact.normal_force * at.by_point[s][c];

@@ -35,8 +35,7 @@ impl Step {
         })
     }
 
-    /// Multiplies the velocities and points in the residual by `(I − width J)⁻¹` with the derivatives at the first
-    /// stage; false if the matrix is singular.
+    /// Multiplies the residual by `(I − width J)⁻¹` with the derivatives at the first stage; false if that is singular.
     fn filter(&mut self, width: f64) -> bool {
         let (n, m) = (self.n, self.points.count());
         let matrix = self.matrix.begin(n + m);

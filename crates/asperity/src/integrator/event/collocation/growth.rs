@@ -18,11 +18,9 @@ use crate::integrator::event::state::ROUNDING;
 pub(crate) const GROWTH: f64 = 1.0;
 /// Iterations per eigenvalue: the QR algorithm takes two or three of them.
 const SWEEPS: usize = 50;
-/// Share of the growth that a step allows which need not be known at its end: the next step is at most eight times
-/// as long.
+/// Share of the allowed growth that need not be known at the end of a step: the next one is at most eight times as long.
 const NEXT: f64 = 0.1;
-/// What is added to `1 − ∂prox_D` to see whether deviations grow: the contraction makes it positive, but where the
-/// boundary is flat rounding may not.
+/// Regularisation of `1 − ∂prox_D`, which the contraction makes positive, but not where the boundary is flat.
 const FLAT: f64 = 1e-8;
 
 impl Step {
@@ -55,12 +53,11 @@ impl Step {
         growth
     }
 
-    /// The derivatives of the accelerations by the velocities at a stage, with points of *D* as they follow from
-    /// slips, into `total_by_u`; false where they do not follow.
+    /// The derivatives of the accelerations by the velocities at a stage into `total_by_u`, with points of *D* that follow from
+    /// slips; false where they do not follow.
     fn acceleration_by_velocity(&mut self, stage: usize) -> bool {
         let (n, m) = (self.n, self.points.count());
-        self.total_by_u.clear();
-        self.total_by_u.extend_from_slice(&self.by_u[stage * n * n..(stage + 1) * n * n]);
+        self.by_u[stage * n * n..(stage + 1) * n * n].clone_into(&mut self.total_by_u);
         if m == 0 {
             return true;
         }
@@ -89,8 +86,7 @@ impl Step {
     }
 }
 
-/// The largest real part of the eigenvalues of `h` times a matrix as far as it is positive beyond rounding; zero
-/// where it cannot reach `least`.
+/// The largest positive real part of the eigenvalues of `h` times a matrix; zero where it cannot reach `least`.
 fn largest_rate(n: usize, matrix: &[f64], h: f64, least: f64) -> f64 {
     // No eigenvalue is larger than the matrix.
     let size = h * matrix.iter().map(|m| m * m).sum::<f64>().sqrt();

@@ -15,8 +15,7 @@ const LENGTHENING: f64 = 10.0;
 /// How far accelerations may bend along a step, relative to the largest of them: an oscillation from rest does so
 /// within a fifth of a radian, which the method follows to all digits.
 const BEND: f64 = 0.01;
-/// Share of the coordinates by which they are changed to see what balances: the root of rounding, at which a difference
-/// has half of the digits.
+/// Relative change of the coordinates that shows which forces balance: the root of rounding.
 const SHARE: f64 = 1.490_116_119_384_765_6e-8;
 
 /// The longest trial step, at most `longest`, along which accelerations and contact forces from `state` on, where

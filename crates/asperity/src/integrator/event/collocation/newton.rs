@@ -126,8 +126,7 @@ impl Step {
         Ok(false)
     }
 
-    /// Residuals and derivatives at the stages; false where points are unknowns and a slip vanishes, or where an iterate
-    /// has left the chart.
+    /// Residuals and derivatives at the stages; false where a slip of a point vanishes, or an iterate has left the chart.
     fn linearise(
         &mut self,
         dynamics: &mut Dynamics<'_>,

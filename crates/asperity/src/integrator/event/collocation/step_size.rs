@@ -6,8 +6,7 @@ use crate::integrator::event::dynamics::{Dynamics, ROWS};
 use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
 use crate::vectors::{largest, norm};
 
-/// Exponent of the error estimate, which is of lower order than the method: tolerances are made to fit it
-/// (\[HairerWanner1996\] IV.8).
+/// Exponent of the error estimate, which is of lower order than the method (\[HairerWanner1996\] IV.8); tolerances fit it.
 const ESTIMATE: f64 = 6.0;
 /// Share of the time until a slip or a resistance vanishes that a step may take. Powers of the remaining time are
 /// approximated to the tolerance then, which the error estimate would not ensure.
@@ -41,9 +40,8 @@ pub(crate) struct StepSize {
     refused_growth: f64,
 }
 
-/// A relative error that counts, and what keeps rounding: the largest of the forces that balance and of the parts of
-/// functions of time, as accelerations, and the velocity that these give while they grow. Below what rounding leaves of
-/// these no error can be asked for.
+/// A relative error to be reached, and the quantities whose rounding limits it: the largest acceleration of forces that
+/// balance and of parts of functions of time, and the velocity that these give while they grow.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Accuracy {
     pub(crate) goal: f64,
@@ -100,8 +98,7 @@ impl StepSize {
         }
     }
 
-    /// What errors of a step are compared with: the largest values so far, at least what this acceleration changes
-    /// in a step of length `h`.
+    /// The scale of errors of a step of length `h`: the largest values so far, at least the change by this acceleration.
     pub(crate) fn scale(
         &self,
         h: f64,
@@ -118,8 +115,7 @@ impl StepSize {
         self.scale.u.max(self.creep)
     }
 
-    /// The longest first step: a share of the times in which velocities and coordinates change by themselves, as
-    /// far as there are any, and of all the time.
+    /// The longest first step: a share of the whole time and of the times in which velocities and coordinates change.
     pub(crate) fn first_step_limit(&self, duration: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         // A velocity that is rounding, such as of a sine at its crest, tells no time.
@@ -146,9 +142,8 @@ impl StepSize {
         true
     }
 
-    /// Whether deviations grow so much within a step of length `h` that the method would damp them. Then the length of
-    /// the next attempt is set. A step is kept where a shorter one would be the same, as at the beginning of slips from
-    /// rest.
+    /// Whether deviations grow so much within a step of length `h` that the method would damp them. Then sets the length of the
+    /// next attempt, unless a shorter step would be the same, as at the beginning of slips from rest.
     pub(crate) fn is_unstable(&mut self, h: f64, growth: f64) -> bool {
         let repels = growth > GROWTH && !((growth / self.refused_growth - 1.0).abs() < SAME_GROWTH);
         if repels {
@@ -183,8 +178,7 @@ impl StepSize {
         }
     }
 
-    /// A step must not go beyond half the flight of contacts that have just bounced or opened, nor far beyond
-    /// the closing of gaps that are no polynomials of the motion.
+    /// A step must not exceed half the flight of contacts that have just opened, nor go far beyond the closing of curved gaps.
     pub(crate) fn gap_limit(&self, dynamics: &Dynamics<'_>, u: &[f64], a0: &[f64]) -> f64 {
         let mut limit = f64::INFINITY;
         for (i, contact) in dynamics.contacts.iter().enumerate() {
@@ -208,8 +202,7 @@ impl StepSize {
         limit
     }
 
-    /// The longest step that reaches neither the end of a slip, where the direction is not defined, nor the end
-    /// of a resistance.
+    /// The longest step that reaches neither the end of a slip, which has no direction there, nor that of a resistance.
     pub(crate) fn slip_limit(&self, dynamics: &Dynamics<'_>, a0: &[f64]) -> f64 {
         let mut limit = GROWTH / self.growth_rate;
         for (i, contact) in dynamics.contacts.iter().enumerate() {

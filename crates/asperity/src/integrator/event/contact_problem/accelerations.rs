@@ -304,8 +304,7 @@ fn stick_at_limit(
         let is_rounding =
             |alone: &Alone| alone.explains(dynamics, &found.percussion[own.clone()], rate);
         let rests = norm(rate) <= at_rest * load || alone.as_ref().is_some_and(is_rounding);
-        // Forces in stick are not those that are found here, but those that hold the contact. Where it is only asked whether
-        // stick goes on, the ones that are found are kept.
+        // Forces in stick are those that hold the contact, but where only the end of stick is in question.
         let keeps_force = force == 0.0 || question == Question::WhetherStickGoesOn;
         let can_be_held = |alone: &Alone| {
             keeps_force || change_that_holds(problem, k, rate, &alone.mobility) <= HELD * force
@@ -336,11 +335,10 @@ impl<'r> Alone<'r> {
         Self { rows, mobility: DMatrix::from_fn(rows.len(), rows.len(), entry) }
     }
 
-    /// Whether accelerations along the rows are rounding of what the forces of the contact would give if it were alone.
+    /// Whether accelerations along the rows are rounding of those that the forces of the contact would give it alone.
     ///
     /// Each row is compared with itself, so that neither bodies that the contact does not touch nor units count. Directions
-    /// that the constraints of a sticking contact could not tell from each other are not said to rest: there nothing would hold
-    /// it.
+    /// in which the constraints of a sticking contact are dependent do not rest: no constraint would hold it there.
     fn explains(&self, dynamics: &Dynamics<'_>, forces: &[f64], rates: &[f64]) -> bool {
         let effect = |row: usize| -> f64 {
             let parts = self.rows.iter().zip(forces).map(|(&other, force)| {
@@ -363,9 +361,8 @@ impl<'r> Alone<'r> {
     }
 }
 
-/// The least change of the force of a contact that takes its accelerations away, the forces of the others unchanged; zero
-/// where its mobility cannot be told. `alone` are its mobilities without other contacts. Forces are in units in which the
-/// mobilities along the rows are one.
+/// The least change of the force of a contact alone, in units of mobilities of one, that takes its accelerations away; zero
+/// where its mobility cannot be told. `alone` are its mobilities without other contacts.
 fn change_that_holds(
     problem: &ContactProblem,
     contact: usize,

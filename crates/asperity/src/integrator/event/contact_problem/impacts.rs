@@ -23,8 +23,7 @@ pub(crate) enum ImpactLaw {
     Closing,
 }
 
-/// Solves the impact of unilateral contacts: the velocities of the state jump, and the contacts' new normal
-/// velocities are left in `after`.
+/// Solves the impact of unilateral contacts: velocities of the state jump; the new normal velocities are left in `after`.
 pub(crate) fn collide(
     dynamics: &mut Dynamics<'_>,
     state: &mut State,
@@ -85,8 +84,7 @@ fn close(dynamics: &Dynamics<'_>, state: &mut State, contacts: &[usize]) {
     }
 }
 
-/// Percussions that balance leave rounding in slips, of what hits a surface flat for instance: it is a share of what they
-/// do one by one.
+/// Percussions that balance, as in a flat impact, leave rounding in slips: a share of the velocities that each gives alone.
 fn account_for_percussions(
     dynamics: &mut Dynamics<'_>,
     participants: &Participants,

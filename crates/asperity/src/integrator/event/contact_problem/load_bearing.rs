@@ -33,8 +33,7 @@ use crate::vectors::{add, largest};
 const AT_REST: f64 = 1e-9;
 /// Pivots of Lemke's method at most, for each contact.
 const PIVOTS: usize = 20;
-/// Compliance, over the mean mobility, that comes close to none and is far from rounding, and entries of the tableau that
-/// are no pivots.
+/// Compliance, over the mean mobility, that is small but far above rounding, and entries of the tableau that are no pivots.
 const COMPLIANCE: f64 = 1e-7;
 const SMALL_PIVOT: f64 = 1e-12;
 /// Rounds without fewer contacts of the wrong sign before another way is taken.
@@ -51,8 +50,7 @@ pub(crate) struct ClosedContact {
     pub(crate) carries: bool,
 }
 
-/// Whether each of some closed contacts carries load, with the friction of those at rest with which the dynamics hold the
-/// accelerations; `None` if that is not found.
+/// Whether each of some closed contacts carries load, with the friction that the dynamics hold; `None` if that is not found.
 pub(crate) fn load_bearing(dynamics: &Dynamics<'_>, closed: &[ClosedContact]) -> Option<Vec<bool>> {
     let parts = dynamics.parts_of_contacts();
     let mut carries: Vec<bool> = closed.iter().map(|contact| contact.carries).collect();
@@ -182,8 +180,7 @@ impl NormalForces {
         (!basis.contains(&cover)).then_some(loaded)
     }
 
-    /// The contacts whose load, or without load whose acceleration or share, has the wrong sign; `None` if the contacts with
-    /// load have no forces.
+    /// The contacts whose load, acceleration or share has the wrong sign; `None` if the contacts with load have no forces.
     fn of_wrong_sign(&self, loaded: &[bool]) -> Option<Vec<usize>> {
         let (with, without): (Vec<usize>, Vec<usize>) = (0..loaded.len()).partition(|&i| loaded[i]);
         let Load { forces, unbounded, dependence } = self.load(&with)?;

@@ -70,8 +70,7 @@ pub(crate) struct Solved {
     pub(crate) velocity: Vec<f64>,
 }
 
-/// Contacts that take part in a contact problem, with their rows and the accelerations that unit forces along these
-/// give.
+/// Contacts of a contact problem, with their rows and the accelerations by unit forces along these.
 pub(crate) struct Participants {
     pub(crate) contacts: Vec<usize>,
     pub(crate) rows: Vec<usize>,
@@ -88,8 +87,7 @@ impl Participants {
         Self { contacts, rows, responses, shared: Vec::new() }
     }
 
-    /// Contacts among slipping ones that stay closed, and the normal forces with which these answer to unit forces
-    /// along the rows.
+    /// Contacts among slipping ones that stay closed, and the normal forces of these in answer to unit forces along the rows.
     pub(crate) fn constrained(
         dynamics: &mut Dynamics<'_>,
         contacts: Vec<usize>,
@@ -114,8 +112,7 @@ impl Participants {
         (participants, answers)
     }
 
-    /// Contacts that the slipping ones hold in all their directions already. The mobility that is left of them is
-    /// rounding, and must not ask for a force.
+    /// Contacts that the slipping ones hold in all directions already: their mobility is rounding, and must give no force.
     pub(crate) fn immobile(&self, dynamics: &Dynamics<'_>) -> Vec<usize> {
         let moves = |(&row, response): (&usize, &[f64])| {
             let left = dot(dynamics.row(row), response);
@@ -213,8 +210,7 @@ impl Participants {
         Err(outcome)
     }
 
-    /// What Newton's method makes of a solution, if it is asked to or several contacts may be at rest or not; `None` if that
-    /// is no better one.
+    /// A better solution by Newton's method, if it is `asked` for or several contacts may be at rest.
     fn polished(
         problem: &ContactProblem,
         solved: &Solved,

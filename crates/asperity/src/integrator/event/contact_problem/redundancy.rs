@@ -7,13 +7,11 @@ use crate::integrator::event::dynamics::{ContactVariables, Dynamics, SlidingForc
 use crate::integrator::event::event_function::{contact_event_function, rounded_excess};
 use crate::integrator::event::state::{EvaluationError, State};
 
-/// What the forces that contacts share at the end of their stick may leave of the acceleration, over the load: the time of
-/// this end is known to about 1e-8 of itself.
+/// Change of the acceleration, over the load, by shared forces at the end of stick, whose time is known to about 1e-8.
 const AT_END_OF_STICK: f64 = 1e-6;
 
-/// Evaluates the dynamics at the time of `solving`. Closed contacts that share their forces so that one could not carry
-/// its part or would have to pull, though together they can, are given parts that they can carry. The accelerations stay
-/// the same.
+/// Evaluates the dynamics at the time of `solving`. Closed contacts whose shares they cannot carry one by one, though
+/// together they can, are given parts that they can carry. The accelerations stay the same.
 pub(crate) fn evaluate(
     dynamics: &mut Dynamics<'_>,
     q: &[f64],
@@ -36,10 +34,10 @@ pub(crate) fn evaluate(
     Ok(())
 }
 
-/// Gives the contacts at an event parts that they can carry, if they have others, where the event is the end of a stick that
-/// they share: together they are loaded with just what friction can hold, or by rounding of the time with a little more, and
-/// the contact problem finds the slip that begins. Its forces are in the reservoirs and balance as well as the time is known,
-/// unless slip begins with another force: then the parts are those of `before`, if there are any and they could be carried; otherwise they stay as they are. Modes and accelerations stay the same, and nothing is evaluated.
+/// Gives the contacts at an event, the end of a stick that they share, parts that they can carry. There the load is just the
+/// one that friction can hold, and the contact problem finds the slip that begins. Its forces are in the reservoirs and
+/// balance, unless slip begins with another force: then the parts are those of `before`, if there are any and they could be
+/// carried; otherwise they stay as they are. Modes and accelerations stay the same, and nothing is evaluated.
 pub(crate) fn share_at_event(
     dynamics: &mut Dynamics<'_>,
     state: &State,
@@ -82,8 +80,7 @@ fn is_overloaded(dynamics: &Dynamics<'_>, limit: f64) -> bool {
     (0..dynamics.contacts.len()).any(overloaded)
 }
 
-/// Asks the contact problem whether all sticking contacts can stick on and all slipping ones stay closed, and takes
-/// its forces if they can; whether they can.
+/// Whether all contacts can go on sticking and slipping; then takes the forces of the contact problem.
 fn redistribute(
     dynamics: &mut Dynamics<'_>,
     state: &State,

@@ -19,8 +19,7 @@ use crate::integrator::event::state::State;
 use crate::system::mass::MassFactors;
 use crate::system::{Configuration, MotionBounds, Rotation, System, SystemError, full_rows};
 
-/// Angle in rad from which on the chart moves to the present attitude, and how far a step may turn it: θ stays far from
-/// a full turn, and most steps follow each other in one chart.
+/// Angle in rad beyond which the chart is recentred, and the largest turn in a step: θ stays far from a full turn.
 const RECENTRED: f64 = 0.5;
 const FURTHEST: f64 = 2.0;
 /// Terms of the series of `D`: the next one is below rounding up to a full turn.
@@ -177,8 +176,7 @@ impl<'a> Chart<'a> {
         self.system.gap_acceleration(&self.configuration(t), contact, bounds)
     }
 
-    /// Rows of a contact for the velocities of the system, the normal one first if it is unilateral, and their χ; its
-    /// gap.
+    /// Rows of a contact for the velocities of the system, the normal one first if it is unilateral, and their χ; its gap.
     pub(crate) fn rows(
         &self,
         t: f64,
@@ -272,8 +270,8 @@ impl<'a> Chart<'a> {
         (q.into(), u.into())
     }
 
-    /// Moves the centre to the attitudes of a state where these have turned too far from it; whether it has. State and
-    /// accelerations become those of the new chart.
+    /// Moves the centre to the attitudes of a state, which becomes one of the new chart, as its accelerations do, where they
+    /// have turned too far from it; whether it has.
     pub(crate) fn recentre(&mut self, state: &mut State, acceleration: &mut [f64]) -> bool {
         if !self.rotations.iter().any(|turn| turn.part(&state.q).norm() > RECENTRED) {
             return false;

@@ -13,20 +13,16 @@ pub(crate) const ROWS: usize = 4;
 pub(crate) struct ContactVariables {
     /// What the contact does; nothing but [`Phase::Open`], [`Phase::Stick`] and [`Phase::Slip`].
     pub(crate) mode: Phase,
-    /// Whether the contact is closed without slip and a contact problem is about to decide what it does. Until then
-    /// its mode is open.
+    /// Whether the contact is closed without slip and awaits the decision on its mode, which is open until then.
     pub(crate) undecided: bool,
-    /// Whether the contact is open only in that it carries nothing: it is closed, and stays so while the contacts that
-    /// carry load do, as its normal row depends on theirs.
+    /// Whether the contact is closed but carries nothing: its mode is open, and its normal row depends on those of contacts
+    /// that carry load.
     pub(crate) unloaded: bool,
-    /// Normal force that an unloaded contact would carry by its share, less what rounding may make of none; `None` where
-    /// the contacts that carry load do not keep it closed.
+    /// Normal force of an unloaded contact by its share, less rounding; `None` where loaded contacts do not close it.
     pub(crate) share: Option<f64>,
-    /// Whether its force was found by the contact problem of all closed contacts, which share their forces in many
-    /// ways.
+    /// Whether its force was found by the contact problem of all closed contacts, which share their forces in many ways.
     pub(crate) redistributed: bool,
-    /// Excess of the friction force over the boundary of the reservoir, as a normal force, that has turned out to
-    /// be rounding: the contact rests at the limit of its force.
+    /// Excess of the friction force over the boundary of the reservoir, as a normal force, that proved to be rounding.
     pub(crate) tolerated_excess: f64,
     /// Dimension of the law.
     pub(crate) p: usize,
@@ -47,8 +43,7 @@ pub(crate) struct ContactVariables {
     /// A velocity of which the share [`ZERO_VELOCITY`](crate::integrator::event::state::ZERO_VELOCITY) is what
     /// rounding may have made of forces and percussions that balance, since the contact has stuck last.
     pub(crate) creep: f64,
-    /// The larger of `|w_N|ᵀ|q|` and `|g_N − w_Nᵀq|`, the largest along the motion. Gaps are compared with it,
-    /// whatever the size of the other coordinates is.
+    /// The larger of `|w_N|ᵀ|q|` and `|g_N − w_Nᵀq|`, the largest along the motion: the scale of gaps.
     pub(crate) reach: f64,
 }
 

@@ -8,15 +8,13 @@ use crate::integrator::event::dynamics::contact_variables::{ContactVariables, RO
 use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
 use crate::vectors::dot;
 
-/// Width of the stencil over the time scale of the rows. Truncation of fourth order and rounding are of one size
-/// there.
+/// Width of the stencil over the time scale of the rows, at which truncation of fourth order and rounding are alike.
 const CHANGE: f64 = 1e-3;
 /// Number of widths that are tried at the beginning, from a billionth of the whole time on.
 const TRIALS: usize = 30;
 /// Narrowest stencil over the time of its middle at the beginning: times are rounded by a millionth of its width.
 const UNROUNDED: f64 = 1e-10;
-/// The states of a stencil in its widths from the present one, and the weights of the present velocities and of those
-/// there in their rate.
+/// The states of a stencil in its widths from the present one, and the weights of the velocities there in their rate.
 struct Differences {
     places: [f64; 4],
     here: f64,
@@ -77,8 +75,7 @@ impl Dynamics<'_> {
         Ok(())
     }
 
-    /// The differences at a time, and whether they go forwards or backwards: functions of time are not asked outside of
-    /// their piece, where those of the user are not known.
+    /// The differences at a time and their sign: functions of the user may be unknown outside of their piece.
     fn differences_at(&self, t: f64) -> (&'static Differences, f64) {
         let (reach, Range { start, end }) = (2.0 * self.stencil.width, &self.piece);
         match (t - reach < *start, t + reach > *end) {

@@ -36,15 +36,13 @@ pub(crate) struct Dynamics<'a> {
     pub(crate) piece: Range<f64>,
     /// How far rounding may move a contact in the present step while the forces there balance.
     pub(crate) creep: f64,
-    /// The last time at which the system is asked. Its forces may jump at the end of the motion, to which only
-    /// their limit from the left belongs.
+    /// The last time of evaluation: forces may jump at the end of the motion, to which their limit from the left belongs.
     pub(crate) latest: f64,
     /// Contacts whose force is given by a point of *D* instead of the sliding direction, and these points.
     pub(crate) direction_points: Vec<(usize, [f64; 3])>,
     /// `W_Nᵀ` and `Wᵀ`, [`ROWS`] per contact.
     pub(crate) rows: Vec<f64>,
-    /// The velocities among which those lie that the rows of a contact move, and their responses: of the first to the last
-    /// block that it touches.
+    /// The velocities from the first to the last block that a contact touches, among which its rows and responses lie.
     pub(crate) spans: Vec<Range<usize>>,
     /// χ, as many entries as there are rows.
     pub(crate) chi: Vec<f64>,
@@ -168,8 +166,7 @@ impl<'a> Dynamics<'a> {
         self.along(row, acceleration) + self.drift[row]
     }
 
-    /// The least slip over the entries of the rows that make it: of the slipping contacts where the dynamics have been
-    /// evaluated, but for those that have just begun to slip.
+    /// The least slip over the entries of its rows, of the slipping contacts at the evaluated state that have some slip.
     pub(crate) fn slowest_slip(&self) -> f64 {
         let size = |i: usize| {
             let rows = ROWS * i + 1..=ROWS * i + self.contacts[i].p;
@@ -259,8 +256,7 @@ impl<'a> Dynamics<'a> {
         Ok(())
     }
 
-    /// The accelerations that the system would have without contacts, into `out`, at the coordinates whose kinematics
-    /// have been evaluated.
+    /// The accelerations of the system without contacts, into `out`, at the coordinates whose kinematics have been evaluated.
     pub(crate) fn free_acceleration(
         &mut self,
         t: f64,

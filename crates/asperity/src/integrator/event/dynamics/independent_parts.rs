@@ -18,8 +18,7 @@ impl Dynamics<'_> {
         (0..self.contacts.len()).map(part).collect()
     }
 
-    /// The parts of a system of several blocks that do not act on each other in the present modes, as the Jacobian shows
-    /// that has just been computed.
+    /// The parts of a system that do not act on each other in the present modes, by the Jacobian that has just been computed.
     pub(crate) fn independent_parts(&self) -> IndependentParts {
         let (n, blocks) = (self.n, self.system.blocks());
         let mut block_of = vec![0; n];

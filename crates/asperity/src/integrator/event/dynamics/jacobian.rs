@@ -8,8 +8,7 @@ use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
 use crate::law::Components;
 use crate::vectors::add;
 
-/// What rounding may add to the product of a Jacobian and the length of a step. Newton's method hardly notices it,
-/// while smaller values make differences wider than systems are smooth.
+/// Rounding of a Jacobian times the length of a step: larger values slow Newton's method, smaller ones widen differences.
 const NOISE: f64 = 1e-3;
 
 impl Dynamics<'_> {

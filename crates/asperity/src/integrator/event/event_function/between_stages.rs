@@ -6,8 +6,7 @@ use crate::integrator::event::collocation::{STAGES, Tableau, lagrange_at};
 pub(crate) const NODES: usize = STAGES + 1;
 /// Points of an interval at which the polynomial is evaluated: polynomials of degree five have at most four extrema.
 const POINTS: usize = 8;
-/// How far polynomials may leave the range of their values at the nodes, in such ranges: a bound on the Lebesgue constant
-/// of the nodes.
+/// How far polynomials may leave the range of their values at the nodes, in such ranges: a bound on their Lebesgue constant.
 const LEBESGUE: f64 = 2.0;
 /// Height over the largest value of an event function that may be the error of the polynomial.
 const MARGIN: f64 = 1e-10;
@@ -24,8 +23,8 @@ pub(crate) fn interpolated(values: &[f64], x: f64) -> f64 {
     (0..values.len()).map(|j| values[j] * lagrange_at(nodes, j, x)).sum()
 }
 
-/// Where an event function that is not positive at the nodes may be so between them, relative to the step. `values` are
-/// those of the start and of the first stages.
+/// The place of a positive maximum between the nodes of an event function that is not positive at them, relative to the step.
+/// `values` are those of the start and of the first stages.
 pub(crate) fn hidden_maximum(values: &[f64]) -> Option<f64> {
     if values.len() < 3 {
         return None;

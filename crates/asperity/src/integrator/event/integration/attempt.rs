@@ -22,8 +22,7 @@ impl From<EvaluationError> for StateError {
 }
 
 impl Integration<'_> {
-    /// Newton's method from the continued accelerations of the step before, else from constant ones; whether it has
-    /// converged.
+    /// Newton's method from the continued accelerations of the step before, or else from constant ones; whether it converged.
     pub(crate) fn attempt_step(&mut self, h: f64) -> Result<bool, EvaluationError> {
         let goal = self.newton_goal(h, self.largest_acceleration(h));
         if self.smooth && h <= 2.0 * self.last.h {
@@ -59,8 +58,7 @@ impl Integration<'_> {
         evaluated
     }
 
-    /// The step from the present state to another time of the present attempt, with the full order. It is left in
-    /// `probe`, and the dynamics are evaluated at its end.
+    /// Makes the step to another time of the attempt, into `probe`, with the full order; evaluates the dynamics at its end.
     pub(crate) fn solve_to(&mut self, h: f64) -> Result<(), StateError> {
         let goal = self.newton_goal(self.step.h, largest(&self.step.a));
         self.probe.guess_from(h, &self.step, 0.0);

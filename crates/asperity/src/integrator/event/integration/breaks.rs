@@ -12,8 +12,7 @@ use crate::system::{Break, Smoothness};
 const ONE_BREAK: f64 = 2e-14;
 
 impl Integration<'_> {
-    /// Enters the smooth piece of all functions of time that begins at the present time; the least smooth of breaks
-    /// that are passed with it.
+    /// Enters the smooth piece of all functions of time that begins now; the least smooth of the breaks passed with it.
     pub(crate) fn enter_piece(&mut self) -> Option<Smoothness> {
         let system = self.dynamics.system;
         let (mut start, mut passed) = (self.state.t, None);
@@ -37,8 +36,7 @@ impl Integration<'_> {
         self.next_break.map(|end| end.time).filter(|time| *time < latest).unwrap_or(t_end)
     }
 
-    /// Goes on behind the break at the present time. Where surfaces jump to other velocities, contacts collide with them,
-    /// slip or open.
+    /// Goes on behind the break at the present time. Contacts with surfaces whose velocities jump collide, slip or open.
     pub(crate) fn pass_break(&mut self) -> Ending {
         let own = self.next_break.map(|end| end.smoothness);
         let least = [own, self.enter_piece()].into_iter().flatten().min();

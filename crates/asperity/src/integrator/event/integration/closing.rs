@@ -75,8 +75,7 @@ impl Integration<'_> {
         Ok(Some(found))
     }
 
-    /// Bounds on velocities and accelerations in the attempt: the largest ones at its start and stages, with the range of
-    /// these for what lies between.
+    /// Bounds on velocities and accelerations in the attempt: the largest ones at its start and stages, and their range.
     fn bound_motion(&mut self) {
         let (n, step) = (self.dynamics.n, &self.step);
         let MotionBounds { duration, velocities, accelerations } = &mut self.bounds;
@@ -110,8 +109,7 @@ impl Integration<'_> {
         found
     }
 
-    /// The same, where a bound on the second derivative alone does not say it: `known` are the values at all nodes, `end` is the
-    /// last place of interest.
+    /// The same where the bound on the second derivative does not suffice; `known` are the values at all nodes.
     fn search(
         &mut self,
         contact: usize,

@@ -26,8 +26,7 @@ impl Integration<'_> {
         }
     }
 
-    /// Decides on contacts without slip, while all others go on. `before` are the modes that changes are told from;
-    /// no event is told of contacts without one.
+    /// Decides on contacts without slip, while all others go on. Changes from the modes `before`, if any, are events.
     pub(crate) fn decide_modes(&mut self, before: &[Option<Phase>]) -> Ending {
         self.dynamics.project(&mut self.state)?;
         for contact in &mut self.dynamics.contacts {

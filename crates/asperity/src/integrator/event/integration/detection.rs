@@ -83,8 +83,7 @@ impl Integration<'_> {
         Triggered { number, low: Value { at: self.time_of_node(node), value }, high }
     }
 
-    /// Whether something happens between two values of an event function, the later one at `t`. A section is crossed
-    /// upwards; what lies above it from the start does not count.
+    /// Whether there is an event between two values of an event function, the later one at `t`; a section is crossed upwards.
     fn is_event(&self, &Triggered { number, low, high }: &Triggered, t: f64) -> bool {
         if number < self.memory.len() {
             return high > 0.0;

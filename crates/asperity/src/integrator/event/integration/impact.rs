@@ -9,8 +9,7 @@ use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, State, shortest_step};
 
-/// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts, whose rest
-/// takes the time of about two such bounces.
+/// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts.
 const LOWEST: f64 = 1e-13;
 /// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
 const NO_RESISTANCE: f64 = 1e-12;

@@ -10,11 +10,9 @@ use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::Integration;
 use crate::integrator::event::state::{CLOSED_GAP, EvaluationError};
 
-/// Share of the first step in which events are not located: to rounding of its length is not to rounding of their
-/// time. Later steps are not so much longer than those before.
+/// Share of the first step in which events are not located: rounding of its length would be large beside their time.
 const EARLY_EVENT: f64 = 1e-2;
-/// Part of the time to an event by which forces from before it are older: far more than the time is known to, and little of the
-/// change of forces in a step.
+/// Relative distance of forces before an event: far above rounding of its time, and small beside changes in a step.
 const SHORTLY: f64 = 1e-6;
 /// Most times that the first step is shortened for such an event. One whose time falls with the step happens at once.
 const MOST_SHORTENED: u8 = 5;
@@ -79,8 +77,7 @@ impl Integration<'_> {
         let mut before = Vec::new();
         if recorded && self.dynamics.is_indeterminate() {
             let shortly_before = self.solve_to(h * (1.0 - SHORTLY));
-            // A body may be jammed or slide, both being solutions: then one evaluation finds that it sticks, and the next one
-            // that it does not.
+            // A body may be jammed or slide, both being solutions: evaluations may find either.
             if shortly_before.is_ok() && redundancy::can_carry(&self.dynamics) {
                 before.clone_from(&self.dynamics.contacts);
             } else if !carried.is_empty() {
@@ -107,8 +104,7 @@ impl Integration<'_> {
         Ok(Location::Found(number))
     }
 
-    /// Keeps the state at the event, with forces that the contacts can carry; `before` are the last ones of before, none where
-    /// forces are determined.
+    /// Keeps the state at the event, with forces that the contacts can carry; `before` are the last ones, if any.
     fn record_event_state(&mut self, before: &[ContactVariables]) -> Result<(), EvaluationError> {
         let contacts = self.dynamics.contacts.clone();
         let solving = Solving { memory: &self.memory, observer: &self.observer, t: self.state.t };

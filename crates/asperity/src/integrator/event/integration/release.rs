@@ -9,12 +9,10 @@ use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{add, largest, norm};
 
-/// Jump of the accelerations, over those that the force of the contact gives, below which stick goes over to slip
-/// without a jump.
+/// Jump of the accelerations, over those that the force of the contact gives, below which slip begins without a jump.
 const CONTINUOUS: f64 = 1e-3;
-/// How long after the end of stick the load is taken, over the length of the step, at first and at most. At the first
-/// time the load is outside of the reservoir by more than rounding if it grows at an ordinary rate; at the last one
-/// it is still that of this step.
+/// First and last time after the end of stick at which the load is taken, over the length of the step: at the first the load
+/// is outside of the reservoir by more than rounding, if it grows as usual, at the last it is still that of this step.
 const FIRST_TRIAL: f64 = 1e-7;
 const LAST_TRIAL: f64 = 0.1;
 /// Jump of the accelerations over the load above which the end of a stick that contacts share is slip: below it, it may be
@@ -22,8 +20,7 @@ const LAST_TRIAL: f64 = 0.1;
 const RESOLVED: f64 = 1e-6;
 
 impl Integration<'_> {
-    /// A sticking contact cannot go on sticking. What it does is decided a little later, with a load that it cannot
-    /// carry.
+    /// Ends the stick of a contact. Its next mode is decided a little later, with a load that it cannot carry.
     pub(crate) fn release(&mut self, i: usize) -> Ending {
         let before = self.modes();
         let contact = self.dynamics.contacts[i];
@@ -62,8 +59,7 @@ impl Integration<'_> {
             if last {
                 // The contact can go on sticking: its force has been outside of the reservoir by rounding only.
                 (self.a0, self.memory) = (stuck, kept);
-                // With what was tolerated before: it adds up until the contact problem tells the load from one that is
-                // carried.
+                // With the excess tolerated before: it adds up until the contact problem finds that the load is not carried.
                 self.dynamics.contacts.clone_from(&contacts);
                 let contact = &mut self.dynamics.contacts[i];
                 let shorter = if excess <= rounding { self.step.h } else { 0.25 * self.step.h };
@@ -105,10 +101,9 @@ impl Integration<'_> {
         Ok(None)
     }
 
-    /// What the end of a stick that several contacts share has changed in the accelerations at once: extrapolated from what
-    /// it changes a little later, and at `ahead` twice as late, if the contacts do the same there. The time of this end is
-    /// known to about 1e-8 of itself only, and accelerations that differ from those of the stages would make the first step
-    /// fail.
+    /// The jump of the accelerations at the end of a shared stick, whose time is known to about 1e-8: extrapolated from
+    /// their changes a little later and, at `ahead`, twice as late, if the contacts do the same there. Accelerations that
+    /// differ from those of the stages would make the first step fail.
     fn change_at_onset(
         &mut self,
         ahead: &State,

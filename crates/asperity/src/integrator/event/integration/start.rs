@@ -50,8 +50,7 @@ impl Integration<'_> {
         self.collide(contact)
     }
 
-    /// Closes the contacts that touch and do not part, where the kinematics have been evaluated; one that collides, if any
-    /// does.
+    /// Closes the contacts that touch and do not part, at evaluated kinematics; returns one that collides.
     fn touch(&mut self) -> Option<usize> {
         let mut hit = None;
         let still = self.zero_velocity().max(self.negligible.velocity);
@@ -79,8 +78,8 @@ impl Integration<'_> {
         hit
     }
 
-    /// Where a kink of functions of time at the beginning is what lets surfaces strike contacts that rest on them before,
-    /// the motion begins before that kink, which is then passed as any later one; whether it is.
+    /// Begins the motion before a kink of functions of time at its start, if only the kink lets surfaces strike contacts that
+    /// rest; whether it does.
     fn step_back(&mut self) -> Result<bool, EvaluationError> {
         let before = self.state.t.next_down();
         let next = self.dynamics.system.next_break(before);

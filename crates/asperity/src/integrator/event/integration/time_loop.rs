@@ -141,8 +141,7 @@ impl Integration<'_> {
             Detection::None => {
                 self.accept_step(if h == left { end } else { self.state.t + h })?;
                 if h < wanted {
-                    // It was not the error that has made this step short, but the end of a piece, of a flight or of a
-                    // slip, which may be that of one body among many.
+                    // Not the error has made this step short, but the end of a piece, of a flight or of a slip of one body.
                     self.step_size.h = self.step_size.h.max(wanted);
                 }
                 self.end_slips()
@@ -169,8 +168,7 @@ impl Integration<'_> {
         self.step_size.h.min(left).min(limit).min(longest)
     }
 
-    /// Whether the error of the attempt is small, and deviations do not grow more than the method follows. Sets the
-    /// length of the next attempt.
+    /// Whether the error of the attempt and the growth of deviations are small. Sets the length of the next attempt.
     fn is_accurate(&mut self, h: f64) -> bool {
         let acceleration = self.largest_acceleration(h).max(largest(&self.step.a));
         let accuracy = self.accuracy(self.step_size.estimate);

@@ -13,8 +13,7 @@ use crate::vectors::{largest, norm};
 const NEARLY_ZERO: f64 = 1e-9;
 /// Height of a bounce over the overlap with which it begins up to which the contact closes where steps cannot be shorter.
 const FAR_HIGHER: f64 = 100.0;
-/// Part of the velocities that changes in a time in which accelerations do not: of these it changes as much, and of what is
-/// extrapolated with constant ones its square, which is rounding.
+/// Relative change of the velocities in a time in which accelerations do not change, but by rounding.
 const UNCHANGING: f64 = 1e-8;
 /// Part of the friction force that rounding of the slip may change while the slip still tells the force.
 const TURNED: f64 = 0.03;
@@ -46,8 +45,7 @@ impl Integration<'_> {
                 self.record_event(None, EventKind::Section, false);
             }
             if counts && self.options.goes_on {
-                // As kinks, crossings tell of nothing that could go wrong. A crossing that was located a little too early
-                // must not be found once more.
+                // Crossings are no difficulties of the motion. One located a little too early must not be found again.
                 self.uncounted += 1;
                 self.event_values[number] = self.event_values[number].max(0.0);
                 return Ok(None);

@@ -127,8 +127,7 @@ impl<'a> Integration<'a> {
         None
     }
 
-    /// The largest acceleration that is known to come in a time. At the beginning of a slip from rest there is none
-    /// yet.
+    /// The largest known acceleration until the time `h`; at the beginning of a slip from rest it is zero.
     pub(crate) fn largest_acceleration(&self, h: f64) -> f64 {
         largest(&self.a0) + h * self.slope.as_deref().map_or(0.0, largest)
     }
@@ -186,8 +185,7 @@ impl<'a> Integration<'a> {
         self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
     }
 
-    /// An event function where the dynamics have been evaluated: of a contact, or of the section, whose number is
-    /// that of the contacts.
+    /// An event function at the evaluated state: of a contact, or of the section, whose number is that of the contacts.
     pub(crate) fn event_function(&self, number: usize, q: &[f64], u: &[f64]) -> f64 {
         match &self.options.section {
             Some(section) if number == self.memory.len() => {
@@ -199,8 +197,8 @@ impl<'a> Integration<'a> {
         }
     }
 
-    /// The event functions at the present state, at which the dynamics have been evaluated: what has just been decided
-    /// on is not positive. `jumped` says whether velocities may have jumped, over the section too.
+    /// Sets the event functions to those at the evaluated state: no contact that has just been decided on has a positive one.
+    /// `jumped` says whether velocities may have jumped, over the section too.
     pub(crate) fn reset_event_functions(&mut self, jumped: bool) {
         for contact in 0..self.memory.len() {
             self.event_values[contact] = contact_event_function(&self.dynamics, contact).min(0.0);

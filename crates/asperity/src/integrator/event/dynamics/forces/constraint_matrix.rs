@@ -4,8 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::linear::{BlockLu, LeastNorm};
 
-/// Pivot over the largest entry that counts as zero. Differences along the motion and the masses' range leave about
-/// as much of redundant rows.
+/// Pivot over the largest entry that counts as zero: about the rounding of redundant rows.
 pub(crate) const SINGULAR: f64 = 1e-11;
 /// Share of the largest part of a singular matrix below which its parts count as zero.
 pub(crate) const RANK: f64 = 1e-10;
@@ -27,8 +26,7 @@ struct SingularPart {
 }
 
 impl ConstraintMatrix {
-    /// Factors the matrix with these entries. Where it is singular, statically indeterminate contacts share the forces
-    /// so that the sum of squares is smallest.
+    /// Factors the matrix with these entries. Where it is singular, contacts share the forces with the least sum of squares.
     pub(crate) fn factor(&mut self, size: usize, entry: impl Fn(usize, usize) -> f64) {
         for (k, value) in self.lu.begin(size).iter_mut().enumerate() {
             *value = entry(k / size, k % size);

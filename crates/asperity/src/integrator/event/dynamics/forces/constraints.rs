@@ -95,9 +95,8 @@ impl Dynamics<'_> {
         let count = rows.len();
         forces.clear();
         forces.resize(count, 0.0);
-        // A solution leaves residuals that grow with the condition of the matrix, such as where light and heavy
-        // degrees of freedom meet. Where forces balance, these residuals would act as accelerations: solving once
-        // more for what is left reduces them to rounding.
+        // Residuals grow with the condition of the matrix, and would act as accelerations where forces balance: one more
+        // solution reduces them to rounding.
         for _ in 0..2 {
             defects.clear();
             let defect = |&row: &usize| {

@@ -44,8 +44,7 @@ pub(crate) struct Sharing {
     pub(crate) dependent: bool,
 }
 
-/// `ρP` of normal rows with the mobility `N = W_NᵀM⁻¹W_N`, which is factored, and ρ the mean of its diagonal; nothing where
-/// they do not depend on each other.
+/// `ρP` of normal rows with the factored mobility `N = W_NᵀM⁻¹W_N`, ρ the mean of its diagonal; `None` of independent rows.
 pub(crate) fn null_projection(
     mobility: &DMatrix<f64>,
     factors: &LeastNorm,
