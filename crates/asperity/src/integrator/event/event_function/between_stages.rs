@@ -11,6 +11,7 @@ const LEBESGUE: f64 = 2.0;
 /// Height over the largest value of an event function that may be the error of the polynomial.
 const MARGIN: f64 = 1e-10;
 
+/// The start of a step and its stages, relative to the step.
 fn nodes() -> [f64; NODES] {
     let mut nodes = [0.0; NODES];
     nodes[1..].copy_from_slice(&Tableau::radau().c);
@@ -19,7 +20,11 @@ fn nodes() -> [f64; NODES] {
 
 /// The polynomial through values at the first nodes, at a place relative to the step.
 pub(crate) fn interpolated(values: &[f64], x: f64) -> f64 {
-    let nodes = &nodes()[..values.len()];
+    through(&nodes()[..values.len()], values, x)
+}
+
+/// The polynomial through values at nodes, at a place relative to the step.
+fn through(nodes: &[f64], values: &[f64], x: f64) -> f64 {
     (0..values.len()).map(|j| values[j] * lagrange_at(nodes, j, x)).sum()
 }
 
@@ -35,7 +40,9 @@ pub(crate) fn hidden_maximum(values: &[f64]) -> Option<f64> {
         return None;
     }
     let largest = most.abs().max(least.abs());
-    for (i, ends) in nodes()[..values.len()].windows(2).enumerate() {
+    let nodes = nodes();
+    let nodes = &nodes[..values.len()];
+    for (i, ends) in nodes.windows(2).enumerate() {
         if values[i].max(values[i + 1]) > 0.0 {
             continue;
         }
@@ -43,7 +50,7 @@ pub(crate) fn hidden_maximum(values: &[f64]) -> Option<f64> {
         let heights: [f64; POINTS + 1] = std::array::from_fn(|k| match k {
             0 => values[i],
             POINTS => values[i + 1],
-            _ => interpolated(values, ends[0] + k as f64 * width),
+            _ => through(nodes, values, ends[0] + k as f64 * width),
         });
         for k in 1..POINTS {
             let [left, here, right] = [heights[k - 1], heights[k], heights[k + 1]];
