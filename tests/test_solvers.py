@@ -22,7 +22,7 @@ SOLVERS = [
     ProxGaussSeidel(),
     ProxJacobi(),
     Auto(),
-    Auto(interior_point=False),
+    Auto(without=("admm", "interior_point")),
     ProximalPoint(),
     SemismoothNewton(),
 ]

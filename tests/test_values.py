@@ -103,7 +103,7 @@ VALUES = [
     asp.ProxJacobi(r=0.1),
     asp.ProxGaussSeidel(),
     asp.Auto(),
-    asp.Auto(interior_point=False, threads=2),
+    asp.Auto(without="admm", threads=2),
     asp.SemismoothNewton(),
     asp.ProximalPoint(max_iterations=3),
     asp.InteriorPoint(),

@@ -101,7 +101,7 @@ fn solvers(source: &mut Source<'_>) -> [Solver; 2] {
         6 => Solver::Admm { max_iterations: 500 },
         _ => Solver::Auto { interior_point: false, threads: 1 },
     };
-    [Solver::Auto { interior_point: true, threads: 1 }, other]
+    [Solver::AUTO, other]
 }
 
 fn limit(solver: &Solver) -> Option<usize> {

@@ -137,7 +137,9 @@ def flow_law(
 
 @final
 class Solver:
-    def __new__(cls, name: str, **options: float | None) -> Solver: ...
+    def __new__(cls, name: str, **options: float | Sequence[str] | None) -> Solver: ...
+    @staticmethod
+    def steps() -> list[str]: ...
 
 @final
 class Outcome:

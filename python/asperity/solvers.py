@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal, TypeAlias
@@ -36,30 +37,41 @@ class Solver(Record):
         return _core.Solver(self._method, **options)
 
 
+def _without(value: str | Iterable[str], argument: str) -> tuple[str, ...]:
+    names = [value] if isinstance(value, str) else value
+    return tuple(arrays.choice(name, argument, _core.Solver.steps()) for name in names)
+
+
+Without: TypeAlias = Annotated[str | Iterable[str], _without]
+
+
 class Auto(Solver):
     """The default: one method after the other, each where it is the fastest that is known to work.
 
     Contacts that do not influence each other get one sweep of `Exact`. Others are swept while that
     promises an end sooner than a few factorisations, each contact taking the first solution that
-    continues its state. What is left goes to `SemismoothNewton`, then to `InteriorPoint` where it
-    takes the laws, then to `ProximalPoint`, which takes all laws and singular Delassus operators;
-    where factorisations are dear, accelerated sweeps, `ADMM` and over-relaxed sweeps have their
-    turn in between. ``ContactSolution.stages`` tells what was done.
+    continues its state. Steps follow from the best percussions so far, until one ends the work:
+    ``"rest"`` (one factorisation for bodies that rest on each other, and `InteriorPoint` from
+    there), ``"acceleration"`` (sweeps with Anderson's acceleration, where factorisations are
+    expensive), ``"newton"`` (`SemismoothNewton`), ``"admm"`` (where factorisations are expensive)
+    and ``"interior_point"`` for laws that they take, and ``"proximal_point"``, which takes all laws
+    and singular Delassus operators. ``ContactSolution.stages`` names what was done.
 
     Args:
-        interior_point: whether `InteriorPoint` and `ADMM` may be used.
+        without: names of steps to leave out.
         threads: for work that is done contact by contact, from 513 contacts on, for islands side
             by side and for factorisations with large fronts; the result does not depend on it.
 
     >>> from asperity import Auto
-    >>> Auto(threads=2)
-    Auto(threads=2)
+    >>> Auto(without=["admm", "interior_point"])
+    Auto(without=('admm', 'interior_point'))
     """
 
     _method = "auto"
+    STEPS: ClassVar[tuple[str, ...]] = tuple(_core.Solver.steps())
 
     _: KW_ONLY
-    interior_point: bool = True
+    without: Without = ()
     threads: Count = 1
 
 

@@ -31,11 +31,6 @@ impl Threads {
         Self(pool::of_this_process(count.min(available.max(4))))
     }
 
-    /// Whether there is a pool.
-    pub(crate) fn is_there(&self) -> bool {
-        self.0.is_some()
-    }
-
     /// Number of threads that work at the same time.
     pub(crate) fn count(&self) -> usize {
         self.0.as_ref().map_or(1, pool::count)

@@ -196,7 +196,7 @@ fn steps_do_not_allocate_while_contacts_stay() {
     let laws: [&dyn Fn() -> FrictionLaw<2>; 2] = [&ellipse, &rated];
     let solvers = [
         Solver::Exact { max_sweeps: 500 },
-        Solver::Auto { interior_point: true, threads: 1 },
+        Solver::AUTO,
         Solver::ProximalPoint { max_iterations: 1000 },
     ];
     for (law, solver) in laws.iter().flat_map(|law| solvers.map(|solver| (law, solver))) {

@@ -295,7 +295,7 @@ where
         let contacts = (0..3).map(|_| (shared.clone(), NormalForce::Unilateral));
         let problem = ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
         let mut workspace = Workspace::default();
-        let auto = Solver::Auto { interior_point: true, threads: 1 };
+        let auto = Solver::AUTO;
         asked.store(0, Ordering::Relaxed);
         let report = auto.solve(&problem, Stop::at(1e-10), &mut memory, &mut workspace);
         assert_eq!(report.status, Status::Converged, "{name} {k}: {report:?}");

@@ -215,7 +215,7 @@ fn stick_is_off_by_its_velocity() {
 fn solvers_leave_no_percussion_beyond_its_reservoir() {
     let solvers = [
         Solver::Exact { max_sweeps: 1 },
-        Solver::Auto { interior_point: true, threads: 1 },
+        Solver::AUTO,
         Solver::ProximalPoint { max_iterations: 200 },
         Solver::InteriorPoint { max_iterations: 100 },
     ];
@@ -496,7 +496,7 @@ fn squeezed(mass: f64, walls: [f64; 2]) -> ContactProblem {
 #[test]
 fn walls_that_close_on_a_body_are_proven_to_have_no_solution() {
     let solvers =
-        [Solver::Exact { max_sweeps: 2000 }, Solver::Auto { interior_point: true, threads: 1 }];
+        [Solver::Exact { max_sweeps: 2000 }, Solver::AUTO];
     for solver in solvers {
         for mass in [1e-6, 1.0, 1e6] {
             for (first, second) in [(-1.0, -0.5), (-1.0, 0.5), (0.25, -2.0)] {
@@ -693,7 +693,7 @@ fn proofs_have_the_weights_of_the_balance_of_forces() {
             for ((name, problem), (_, open)) in problems.iter().zip(&open) {
                 for solver in [
                     Solver::Exact { max_sweeps: 500 },
-                    Solver::Auto { interior_point: true, threads: 1 },
+                    Solver::AUTO,
                 ] {
                     let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
                     let report = solver.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
@@ -749,7 +749,7 @@ fn proofs_among_many_walls_can_be_checked() {
             let contacts = (0..count).map(|_| (law(), NormalForce::Unilateral));
             let problem = ContactProblem::new(delassus.clone(), free.clone(), contacts).unwrap();
             let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
-            let solver = Solver::Auto { interior_point: true, threads: 1 };
+            let solver = Solver::AUTO;
             let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
             assert_eq!(report.status.name(), "no_solution", "{count}");
             let proof = workspace.infeasibility().unwrap();
@@ -781,7 +781,7 @@ fn large_percussions_of_stacks_are_solutions() {
         let problem = ContactProblem::new(delassus, free, contacts).unwrap();
         for solver in [
             Solver::Exact { max_sweeps: 100_000_000 },
-            Solver::Auto { interior_point: true, threads: 1 },
+            Solver::AUTO,
         ] {
             if ratio > 1e3 && matches!(solver, Solver::Exact { .. }) {
                 continue;
@@ -816,7 +816,7 @@ fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() 
         let problem = ContactProblem::new(Delassus::from(factored), free, contacts).unwrap();
         for solver in [
             Solver::Exact { max_sweeps: 200 },
-            Solver::Auto { interior_point: true, threads: 1 },
+            Solver::AUTO,
             Solver::InteriorPoint { max_iterations: 200 },
         ] {
             let (mut memory, mut workspace) = (Memory::new(4, 2), Workspace::default());
@@ -868,7 +868,7 @@ fn reported_residuals_are_those_of_the_percussions() {
         let problem = ContactProblem::new(delassus, free.clone(), contacts).unwrap();
         let problem = problem.with_restitution(&bounce, &bounce, &free).unwrap();
         for solver in
-            [Solver::Exact { max_sweeps: 2 }, Solver::Auto { interior_point: true, threads: 1 }]
+            [Solver::Exact { max_sweeps: 2 }, Solver::AUTO]
         {
             let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-5), &mut memory, &mut workspace);
@@ -937,7 +937,7 @@ fn proofs_do_not_need_percussions_that_run_away_exactly() {
             let problem = ContactProblem::new(delassus.clone(), free.clone(), contacts).unwrap();
             for solver in [
                 Solver::Exact { max_sweeps: 400 },
-                Solver::Auto { interior_point: true, threads: 1 },
+                Solver::AUTO,
             ] {
                 let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
                 let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);

@@ -153,7 +153,7 @@ fn methods(situation: Situation) -> Vec<(Solver, bool)> {
     let of_one_weight = matches!(situation, Situation::Regular | Situation::Grazing);
     let (step, max_iterations) = (ProxStep::Adaptive, 200_000);
     vec![
-        (Solver::Auto { interior_point: true, threads: 1 }, true),
+        (Solver::AUTO, true),
         (Solver::Auto { interior_point: false, threads: 1 }, true),
         (Solver::Exact { max_sweeps: 100_000 }, of_one_weight),
         (Solver::Newton { max_iterations: 300 }, false),
@@ -335,7 +335,7 @@ fn islands_do_not_depend_on_each_other() {
     let side_by_side: Vec<_> = (0..6).flat_map(|island| [(island, 0), (island, 1)]).collect();
     let interleaved: Vec<_> =
         [0, 1].into_iter().flat_map(|place| (0..6).rev().map(move |k| (k, place))).collect();
-    let auto = Solver::Auto { interior_point: true, threads: 1 };
+    let auto = Solver::AUTO;
     for solver in [Solver::Exact { max_sweeps: 10_000 }, auto] {
         let (one, other) = (solve(solver, &side_by_side), solve(solver, &interleaved));
         for (i, contact) in side_by_side.iter().enumerate() {
@@ -371,7 +371,7 @@ fn check_giving_up(count: usize) {
     for (threads, measure) in
         [(1, Measure::Contact), (2, Measure::Contact), (1, Measure::Global), (2, Measure::Global)]
     {
-        let solver = Solver::Auto { interior_point: true, threads };
+        let solver = Solver::Auto { steps: Steps::ALL, threads };
         for at in [1, 2, 3, 5, 8, 13, 21, 34] {
             let asked = Cell::new(0);
             let once = || {

@@ -644,7 +644,7 @@ fn solve_deficient(count: usize) -> [usize; 4] {
         Law::from(FrictionLaw::associated(Convex::from(contensou))),
     ];
     let solvers =
-        [Solver::Exact { max_sweeps: 1 }, Solver::Auto { interior_point: true, threads: 1 }];
+        [Solver::Exact { max_sweeps: 1 }, Solver::AUTO];
     let mut counts = [0; 4];
     let mut random = Random::new(31);
     for k in 0..count {
@@ -1182,7 +1182,7 @@ fn contacts_side_by_side_do_what_they_do_alone() {
     let problem = ContactProblem::new(blocks, free.clone(), contacts).unwrap();
     let solve = |threads: usize| {
         let (mut memory, mut workspace) = (Memory::new(2 * count, count), Workspace::default());
-        let auto = Solver::Auto { interior_point: true, threads };
+        let auto = Solver::Auto { steps: Steps::ALL, threads };
         let report = auto.solve(&problem, Stop::at(TOLERANCE), &mut memory, &mut workspace);
         assert_eq!((report.status, report.iterations), (Status::Converged, 1));
         (memory, workspace.ambiguous().to_vec())
@@ -1243,7 +1243,7 @@ fn contacts_that_meet_are_marked_one_by_one() {
     let problem = in_units_of(1.0);
     let solve = |problem: &ContactProblem, threads: usize| {
         let (mut memory, mut workspace) = (Memory::new(2 * count, count), Workspace::default());
-        let auto = Solver::Auto { interior_point: true, threads };
+        let auto = Solver::Auto { steps: Steps::ALL, threads };
         let report = auto.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
         assert_eq!(report.status, Status::Converged, "{report:?}");
         (memory, workspace.ambiguous().to_vec())
@@ -1380,7 +1380,7 @@ fn contacts_that_hardly_meet_are_solved_by_a_few_sweeps() {
         let contacts = laws.map(|law| (law.clone(), NormalForce::Unilateral));
         let problem = ContactProblem::new(delassus, free, contacts).unwrap();
         for solver in
-            [Solver::Auto { interior_point: true, threads: 1 }, Solver::Exact { max_sweeps: 10 }]
+            [Solver::AUTO, Solver::Exact { max_sweeps: 10 }]
         {
             let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);

@@ -94,7 +94,7 @@ fn solve(solver: Solver, problem: &ContactProblem) -> (SolveReport, Vec<f64>) {
 
 #[test]
 fn forms_of_one_operator_agree() {
-    let auto = Solver::Auto { interior_point: true, threads: 1 };
+    let auto = Solver::AUTO;
     let (_, reference) = solve(Solver::Exact { max_sweeps: 10_000 }, &problem(forms().remove(0).1));
     let dense = forms()[0].1.to_dense();
     let extremes = dense.clone().symmetric_eigenvalues();
@@ -168,7 +168,7 @@ fn bad_operators_are_named() {
 }
 
 const SOLVERS: [Solver; 8] = [
-    Solver::Auto { interior_point: true, threads: 1 },
+    Solver::AUTO,
     Solver::Exact { max_sweeps: 1000 },
     Solver::Newton { max_iterations: 100 },
     Solver::ProximalPoint { max_iterations: 100 },

@@ -35,7 +35,7 @@ const NAN: f64 = f64::NAN;
 /// Numbers that are none, or none that physics knows.
 const WRONG: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300];
 const SOLVERS: [Solver; 8] = [
-    Solver::Auto { interior_point: true, threads: 1 },
+    Solver::AUTO,
     Solver::Exact { max_sweeps: 20 },
     Solver::Newton { max_iterations: 20 },
     Solver::ProximalPoint { max_iterations: 20 },

@@ -1,6 +1,6 @@
 //! Solvers.
 
-use asperity::solver::{self, ProxStep};
+use asperity::solver::{self, ProxStep, Steps};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -18,8 +18,26 @@ fn step(r: Option<f64>) -> Result<ProxStep, Failure> {
     }
 }
 
+/// The steps of [`solver::Solver::Auto`] without those of these names.
+fn steps(without: Vec<String>) -> Result<Steps, Failure> {
+    let mut steps = Steps::ALL;
+    for name in without {
+        let others = steps.without(&name);
+        steps = others.ok_or_else(|| {
+            parameter("without", &format!("must name steps of {:?}, got {name:?}", Steps::NAMES))
+        })?;
+    }
+    Ok(steps)
+}
+
 #[pymethods]
 impl Solver {
+    /// Names of the steps of the default solver.
+    #[staticmethod]
+    fn steps() -> [&'static str; Steps::NAMES.len()] {
+        Steps::NAMES
+    }
+
     /// The solver of a name, with all the options that it has.
     #[new]
     #[pyo3(signature = (name, **options))]
@@ -35,7 +53,7 @@ impl Solver {
         let r = || step(option("r")?.extract()?);
         Ok(Self(match name {
             "auto" => Auto {
-                interior_point: option("interior_point")?.extract()?,
+                steps: steps(option("without")?.extract()?)?,
                 threads: count("threads")?,
             },
             "exact" => Exact { max_sweeps: count("max_sweeps")? },

@@ -63,18 +63,6 @@ impl Members {
     /// Takes the members of other components, in the buffers that are there.
     pub(crate) fn update(&mut self, components: &mut Components) {
         let count = components.number(&mut self.numbers);
-        self.sort(count);
-    }
-
-    /// Takes the members of `count` groups, of which every member names its own.
-    pub(crate) fn group(&mut self, count: usize, numbers: impl Iterator<Item = usize>) {
-        self.numbers.clear();
-        self.numbers.extend(numbers);
-        self.sort(count);
-    }
-
-    /// Sorts members by their components.
-    fn sort(&mut self, count: usize) {
         let Self { starts, members, numbers } = self;
         starts.clear();
         starts.resize(count + 1, 0);

@@ -1,4 +1,4 @@
-//! Some contacts as a problem of their own: an island, which influences no others, or contacts beside others that are held.
+//! An island, contacts that influence no others, as a problem of its own.
 
 use super::ContactProblem;
 use super::delassus::Selection;
@@ -33,25 +33,6 @@ impl Part {
         take(&self.members.rows, whole.restitution(), restitution);
         for (own, &i) in self.problem.contacts_mut().iter_mut().zip(&self.members.contacts) {
             own.normal = whole.contacts()[i].normal;
-        }
-    }
-
-    /// The same where the other contacts keep their percussions: the free velocities are those without the percussions of the
-    /// part. `velocity` is `G P + b` of all percussions.
-    pub(crate) fn copy_velocities_beside(
-        &mut self,
-        whole: &ContactProblem,
-        percussion: &[f64],
-        velocity: &[f64],
-    ) {
-        self.copy_velocities(whole);
-        let mut own = vec![0.0; self.rows().len()];
-        take(self.rows(), percussion, &mut own);
-        let mut brought = vec![0.0; own.len()];
-        self.problem.delassus().apply(&own, &mut brought);
-        let (free, _) = self.problem.velocities_mut();
-        for ((free, brought), &row) in free.iter_mut().zip(&brought).zip(&self.members.rows) {
-            *free = velocity[row] - brought;
         }
     }
 

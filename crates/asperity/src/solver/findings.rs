@@ -3,7 +3,7 @@
 use super::infeasibility::{ByCases, prove_closing, prove_one_contact, search_cases};
 use super::measure::growth::GrowthKind;
 use super::measure::natural_residual::ROUNDED;
-use super::method::{Iterate, Reached, Task};
+use super::gauss_seidel::{Iterate, Reached, Task};
 use super::report::{Ended, Findings};
 use crate::contact::{ContactProblem, NormalForce};
 

@@ -1,10 +1,11 @@
 //! What a solve returns where nothing is carried over to the next one.
 
 use super::infeasibility::Infeasibility;
-use super::islands::Islands;
+use super::island::Islands;
 use super::measure::stop::Stop;
 use super::report::{SolveReport, Stage};
-use super::{Solver, Workspace};
+use super::settings::Solver;
+use super::solve::Workspace;
 use crate::contact::{ContactProblem, ContactState, Memory};
 
 /// Percussions of a contact problem, with all that is known of them. The status in the report says whether they solve
@@ -29,13 +30,6 @@ pub struct Solution {
     pub islands: Islands,
     /// The proof, where there is no solution.
     pub infeasibility: Option<Infeasibility>,
-}
-
-impl Default for Solver {
-    /// The solver for everything, on one thread.
-    fn default() -> Self {
-        Self::Auto { interior_point: true, threads: 1 }
-    }
 }
 
 impl Default for Stop<'_> {

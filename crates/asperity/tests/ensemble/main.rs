@@ -232,7 +232,7 @@ fn options_that_mean_nothing_are_refused() {
 fn threads_of_the_solver_and_of_the_ensemble_do_not_multiply_nor_change_results() {
     let belts = Belts::new(&[0.7], 8);
     let many = |threads| {
-        let solver = Solver::Auto { interior_point: true, threads };
+        let solver = Solver::Auto { steps: Steps::ALL, threads };
         simulate_many(&belts, &options().with_solver(solver), &Keep::default(), Some(2), &mut on)
     };
     assert_eq!(many(1).unwrap().ends, many(4).unwrap().ends);

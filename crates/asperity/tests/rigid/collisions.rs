@@ -93,7 +93,7 @@ fn room(half: [f64; 3], e_n: f64, e_t: f64, seed: u64) -> RigidBodies {
 
 /// The largest relative growth of the energy in a step with contacts, and the number of such steps.
 fn growth(system: &RigidBodies, dt: f64) -> (f64, usize) {
-    let solver = Solver::Auto { interior_point: true, threads: 1 };
+    let solver = Solver::AUTO;
     let mut stepper =
         Stepper::new(system, solver, 1e-12, dt, &State::new(0.0, system.q0(), system.u0()))
             .unwrap();

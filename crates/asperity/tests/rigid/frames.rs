@@ -162,7 +162,7 @@ fn a_turned_world_moves_alike() {
     let (one, two) = (scene(&UnitQuaternion::identity()), scene(&turn));
     let mut impacts = 0;
     // The box comes to rest on four corners, for which sweeps alone take too many.
-    let auto = Solver::Auto { interior_point: true, threads: 1 };
+    let auto = Solver::AUTO;
     let end = |system: &RigidBodies, see: &mut dyn FnMut(&Stepper<'_>)| {
         let (q0, u0) = (system.q0(), system.u0());
         let mut stepper =

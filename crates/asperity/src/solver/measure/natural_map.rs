@@ -101,17 +101,6 @@ impl Squares {
         sums
     }
 
-    /// The same with the larger one of two defects, of the same percussions.
-    pub(crate) fn or_worse(self, other: Self) -> Self {
-        Self { defect: self.defect.max(other.defect), ..self }
-    }
-
-    /// With those of other contacts.
-    pub(crate) fn and(self, other: Self) -> Self {
-        let Self { defect, percussion } = other;
-        Self { defect: self.defect + defect, percussion: self.percussion + percussion }
-    }
-
     /// Square of the natural map of all contacts, whose loads have this square, times that of `ρ`.
     pub(crate) fn relative(&self, loads: f64) -> f64 {
         relative(self.defect, || f64::max(self.percussion, loads))

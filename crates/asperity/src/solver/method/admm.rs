@@ -12,7 +12,7 @@
 
 use super::cones::{Cones, own_rows};
 use super::progress::Progress;
-use super::task::Task;
+use crate::solver::gauss_seidel::Task;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::linear::Execution;

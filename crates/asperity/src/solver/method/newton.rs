@@ -4,7 +4,7 @@
 //! (\[AlartCurnier1991\]), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
 //! well posed even where `G` has no full rank.
 
-use super::task::Task;
+use crate::solver::gauss_seidel::Task;
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Derivatives, Rho};
 use crate::linear::Execution;
@@ -13,15 +13,11 @@ use crate::threads::{LEAF, join};
 use crate::vectors::norm;
 
 /// Halvings of a step, and values of `‖F‖` among which the largest must be undercut: more let steps pass that lead
-/// past a kink, and others that lead astray. With 2 and 10 values `Auto` takes 68 and 2 factorisations more on the
-/// stored problems of `auto.rs`; of these and the rock pile and the rock wall `SemismoothNewton` alone solves 21 with 5
-/// values, 22 with 2, 25 with one, 19 with 10; with 6 halvings 23, with 24 of them 20.
+/// past a kink, and others that lead astray.
 const HALVINGS: usize = 12;
 const MEMORY: usize = 5;
-/// Iterations within which `‖F‖` must halve: trades what would have come to an end against iterations in vain. `Auto`
-/// hardly depends on it, with six factorisations more at half; `SemismoothNewton` alone solves 19 of the same 33 problems
-/// with 302 factorisations at half, 21 with 507, 24 with 820 at double.
-pub(super) const PATIENCE: usize = 25;
+/// Iterations within which `‖F‖` must halve.
+const PATIENCE: usize = 25;
 
 /// What to solve.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +31,6 @@ pub(crate) struct Goal {
     /// `‖F‖` from which on percussions may pass the measure of the stop, which then ends the work.
     pub(crate) promising: f64,
     pub(crate) max_iterations: usize,
-    /// Iterations within which `‖F‖` must halve.
-    pub(crate) patience: usize,
 }
 
 /// Buffers.
@@ -179,7 +173,7 @@ impl Newton {
                 }
             }
             let len = self.norms.len();
-            if len > goal.patience && norm > 0.5 * self.norms[len - goal.patience] {
+            if len > PATIENCE && norm > 0.5 * self.norms[len - PATIENCE] {
                 break;
             }
         }

@@ -3,10 +3,9 @@
 //! Every method hands the percussions that it finds to [`Progress::grade`], which keeps the best ones by the natural map
 //! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
 
-use super::sweeps::Sweeper;
-use super::task::{Iterate, Past, Reached, Task};
 use crate::contact::{ContactRows, NormalForce};
-use crate::solver::infeasibility::{ByCases, prove_closing, search_cases};
+use crate::solver::gauss_seidel::{Iterate, Past, Reached, Sweeper, Task};
+use crate::solver::infeasibility::prove_closing;
 use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
 use crate::solver::measure::natural_map::{self, Scale};
 use crate::solver::measure::natural_residual::{self, Measured, Residual};
@@ -33,8 +32,6 @@ pub(crate) struct Buffers {
     best: Vec<f64>,
     /// The best percussions while others that continue the states of contacts are looked for.
     other: Vec<f64>,
-    /// Best percussions since an iteration began anew.
-    latest: Vec<f64>,
     velocity: Vec<f64>,
     /// The last percussions that ran away.
     astray: Vec<f64>,
@@ -59,8 +56,6 @@ pub(crate) struct Progress<'a> {
     first_grade: f64,
     /// Natural map of the best percussions.
     grade: f64,
-    /// That of the best ones since an iteration began anew, if one has.
-    latest_grade: Option<f64>,
     /// Whether the velocities in the buffers are those of the best percussions.
     known: bool,
     /// The residual by the measure of contacts of the best percussions, where the stop asks for it and it was looked at.
@@ -105,7 +100,6 @@ impl<'a> Progress<'a> {
             scale: Scale::of(task.problem),
             first_grade: grade,
             grade,
-            latest_grade: None,
             known: false,
             residual: None,
             best_growth: None,
@@ -226,37 +220,11 @@ impl<'a> Progress<'a> {
         proof.is_some()
     }
 
-    /// Searches a proof by cases that there is no solution, and keeps it; else percussions near which one may be.
-    pub(crate) fn search_cases(&mut self) -> Option<Vec<f64>> {
-        let Task { problem, stop, .. } = self.task;
-        let percussion = &self.buffers.best;
-        self.known = self.grade.is_finite();
-        problem.velocity(percussion, &mut self.buffers.velocity);
-        let velocity = &self.buffers.velocity;
-        let worst = natural_residual::residual(&Measured { problem, percussion, velocity });
-        let contact = self.stuck.unwrap_or(worst.worst_contact);
-        match search_cases(problem, stop, contact) {
-            ByCases::NoSolution(proof) => {
-                *self.iterate.infeasibility = Some(proof);
-                None
-            }
-            ByCases::Candidate(percussion) => Some(percussion),
-            ByCases::Undecided => None,
-        }
-    }
-
     /// One sweep over the percussions of the iterate.
     pub(crate) fn sweep(&mut self) {
         let first = self.sweeps == 0;
         let policy = Policy::FirstFound;
         self.stuck = self.sweeper.sweep(&self.task, &mut self.iterate, policy, first);
-        self.sweeps += 1;
-    }
-
-    /// The same in the order of colours, in several threads if they are `free`.
-    pub(crate) fn sweep_by_colours(&mut self, free: bool) {
-        let first = self.sweeps == 0;
-        self.stuck = self.sweeper.sweep_by_colours(&self.task, &mut self.iterate, first, free);
         self.sweeps += 1;
     }
 
@@ -329,9 +297,6 @@ impl<'a> Progress<'a> {
             Measure::Global => grade <= goal,
             Measure::Contact => residual.is_some_and(|residual| residual.value <= goal),
         };
-        if self.latest_grade.is_some_and(|latest| grade < latest) {
-            self.keep_latest(percussion, grade);
-        }
         let better = small && !self.solved || grade < self.grade && small >= self.solved;
         if better {
             self.keep(percussion, (grade, residual), small);
@@ -367,32 +332,6 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Keeps percussions that are better than others since an iteration began anew, unless they run away.
-    #[cold]
-    fn keep_latest(&mut self, percussion: &[f64], grade: f64) {
-        let Buffers { latest, velocity, groups, .. } = &mut *self.buffers;
-        let growth = growth::of(self.task.problem, percussion, velocity, groups);
-        if self.solvable || growth.is_none_or(|growth| growth.kind < GrowthKind::Boundless) {
-            self.latest_grade = Some(grade);
-            latest.clear();
-            latest.extend_from_slice(percussion);
-        }
-    }
-
-    /// Whether better percussions were not kept because they seemed to run away, and it was not asked yet whether a solution
-    /// exists.
-    pub(crate) fn is_doubtful(&self) -> bool {
-        self.refused && !self.asked
-    }
-
-    /// Takes in whether a solution is proven to exist: if so, better percussions are kept though they have grown.
-    pub(crate) fn answer(&mut self, exists: bool) {
-        (self.asked, self.solvable) = (true, exists);
-        if exists {
-            self.growth = None;
-        }
-    }
-
     /// Natural map of the percussions that the solve began with.
     pub(crate) fn first_grade(&self) -> f64 {
         self.first_grade
@@ -407,23 +346,6 @@ impl<'a> Progress<'a> {
     pub(crate) fn start_from_best(&self, percussion: &mut Vec<f64>) -> f64 {
         percussion.clone_from(&self.buffers.best);
         self.grade
-    }
-
-    /// An iteration begins anew, from percussions that need not be better than those that were found before.
-    pub(crate) fn begin_anew(&mut self) {
-        self.latest_grade = Some(f64::INFINITY);
-    }
-
-    /// Copies the best percussions since an iteration began anew, or of all where none has or all have run away since, and returns
-    /// their grade.
-    pub(crate) fn start_from_latest(&self, percussion: &mut Vec<f64>) -> f64 {
-        match self.latest_grade {
-            Some(grade) if grade.is_finite() => {
-                percussion.clone_from(&self.buffers.latest);
-                grade
-            }
-            _ => self.start_from_best(percussion),
-        }
     }
 
     /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.

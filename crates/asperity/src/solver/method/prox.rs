@@ -7,7 +7,7 @@
 //!
 //! `r` is one number per contact: one per component would change the law.
 
-use super::task::{Iterate, Task};
+use crate::solver::gauss_seidel::{Iterate, Task};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{Friction, ProxParameter};
 use crate::solver::report::Ended;

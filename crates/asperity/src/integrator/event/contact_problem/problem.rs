@@ -13,7 +13,7 @@ use crate::vectors::{dot, largest, norm};
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over. Where
 /// normal forces are shared, sweeps mostly stagnate and come last.
 const SOLVER: Solver = Solver::Exact { max_sweeps: 500 };
-const FALLBACK: Solver = Solver::Auto { interior_point: true, threads: 1 };
+const FALLBACK: Solver = Solver::AUTO;
 const TOLERANCE: f64 = 1e-12;
 /// The tolerance does not decide between stick and slip of contacts that share nearly the largest load that friction can
 /// hold: where the share δ of the load is left, forces on the boundaries of the reservoirs may point √δ away from the

@@ -1,18 +1,13 @@
 //! How long sweeps are worth going on with, and when their defect is measured, which takes half as long as a sweep and more:
-//! from time to time, when the rate is judged, and where the rate says that the end is. Without the latter the stored
-//! problems of `auto.rs` take 41 iterations more.
+//! from time to time, when the rate is judged, and where the rate says that the end is.
 
-/// Sweeps before the first judgement of their rate, and most sweeps at all: more of them may end what needs
-/// factorisations else, or be in vain. Of the first, half and double change the stored problems of `auto.rs` by two
-/// factorisations and a tenth of the iterations, of the second by one factorisation and none.
+/// Sweeps before the first judgement of their rate, and most sweeps at all.
 pub(crate) const TRIAL_SWEEPS: usize = 20;
 pub(super) const MOST_SWEEPS: usize = 400;
 /// Part of the sweeps that are worth waiting for after which their rate is judged for the first time, and the least number
-/// of sweeps by then: where they cost little beside what would follow, a judgement may wait until it is a safe one. Half of
-/// the part changes the time of the 240 problems that `cost.rs` names by 1 %; with 2 and 5 sweeps it is 2 % shorter and 7 %
-/// longer.
+/// of sweeps by then: where they cost little beside what would follow, a judgement may wait until it is a safe one.
 const TRIAL_PART: f64 = 0.1;
-const LEAST_SWEEPS: usize = 3;
+pub(super) const LEAST_SWEEPS: usize = 3;
 
 /// The rate at which sweeps converge, judged from time to time.
 #[derive(Debug)]
@@ -34,9 +29,7 @@ impl Default for Rate {
 }
 
 impl Rate {
-    /// Further sweeps that are worth waiting for at most. On the stored problems half as many save 630 iterations and a
-    /// hundred factorisations, twice as many cost 1130 iterations and save six; on the scenes of
-    /// `benches/many_contacts.py` up to 1000 contacts they cost 27 of 206 factorisations, or save 34.
+    /// Further sweeps that are worth waiting for at most.
     pub(crate) const WORTHWHILE: f64 = 250.0;
 
     /// Of sweeps in place of something that takes as long as so many sweeps.

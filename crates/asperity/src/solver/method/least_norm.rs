@@ -1,4 +1,4 @@
-//! What stands: all contacts closed, none slipping.
+//! Bodies at rest: all contacts closed, none slipping.
 //!
 //! Bodies that rest on each other have percussions that grow with what they carry, and sweeps bring them from one body to
 //! the next: as many are needed as a stack is high, squared. Where all contacts stick the problem is linear,
@@ -7,36 +7,33 @@
 //! some of them are not.
 
 use super::progress::Progress;
-use super::task::Task;
 use crate::law::ContactMatrix;
 use crate::linear::Execution;
+use crate::solver::gauss_seidel::Task;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 use crate::vectors::norm;
 
-/// `ε` relative to the mean of the diagonal of `G`. The softest motion of a stack of 25 000 boxes has 4e-9 of it, and is
-/// found to rounding in five steps; half of the digits of a step are left then.
+/// `ε` relative to the mean of the diagonal of `G`: the softest motion of a stack of 25 000 boxes has 4e-9 of it.
 const REGULARIZED: f64 = 1e-11;
 /// Velocities relative to the loads, in tolerances, from which on percussions are measured although further steps would bring
-/// them nearer. With a tolerance of 1e-8 stacks and walls of `benches/many_contacts.py` are solved after three steps, where
-/// rounding ends them after four or five; only the stack of 10⁵ contacts is not. A tenth of it takes walls of 10⁴ contacts and
-/// more a fourth step, ten times as much spares the stacks of 10² and of 10⁵ contacts one.
+/// them nearer: it saves large stacks and walls one step of four.
 const CLOSE: f64 = 1e-2;
-/// Most steps with one factorisation: no scene of that bench takes more than five.
+/// Most steps with one factorisation: large stacks take five.
 const STEPS: usize = 12;
 /// Velocities relative to the loads that are none: what is left where no percussions bring bodies to rest is larger.
 const AT_REST: f64 = 1e-6;
 
 /// Buffers.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Standing {
+pub(crate) struct LeastNorm {
     a: Vec<ContactMatrix>,
     b: Vec<ContactMatrix>,
     percussion: Vec<f64>,
     step: Vec<f64>,
 }
 
-impl Standing {
+impl LeastNorm {
     /// Looks for the percussions with which nothing moves, by proximal steps `(G + εI) d = −(G P + b + e γ_B)` from none,
     /// and returns the mean size of those of a contact, if they exist.
     pub(crate) fn attempt(

@@ -3,12 +3,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::island_sweeps::Plan;
+use super::islands::Plan;
 use super::swept::Swept;
+use super::task::{Iterate, Task};
 use super::visitor::Visitor;
 use crate::contact::{ContactProblem, ContactState, Members};
 use crate::solver::measure::stop::Stop;
-use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::Candidates;
@@ -40,7 +40,7 @@ pub(super) fn solve_side_by_side(
     swept: &mut Vec<Swept>,
 ) {
     let Visitor { blocks, efforts, .. } = visitor;
-    let Task { problem, stop, history, threads, past, within_another } = *task;
+    let Task { problem, stop, history, threads, past } = *task;
     let Stop { tolerance, measure, deadline, .. } = stop;
     workers.resize_with(threads.count(), Worker::default);
     workers.iter_mut().for_each(|worker| worker.begin(iterate, efforts));
@@ -49,7 +49,7 @@ pub(super) fn solve_side_by_side(
         let cancelled = || given_up.load(Ordering::Relaxed);
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
         let threads = Threads::NONE;
-        let own = Task { problem, stop, history, threads, past, within_another };
+        let own = Task { problem, stop, history, threads, past };
         worker.sweep(&own, plan, blocks, (islands, &next));
     };
     threads.share(workers, work, || {

@@ -30,8 +30,6 @@ pub(crate) struct Task<'a> {
     pub(crate) history: &'a [ContactState],
     pub(crate) threads: &'a Threads,
     pub(crate) past: Past,
-    /// Whether the problem is a part of another one, whose other contacts are held.
-    pub(crate) within_another: bool,
 }
 
 /// What a method has come to with the percussions of the iterate.

@@ -7,14 +7,13 @@
 
 use std::ops::Range;
 
-use super::colours::{Before, Changed, Colours};
-use super::island_sweeps::Plan;
+use super::islands::Plan;
+use super::side_by_side::{Worker, solve_side_by_side};
 use super::swept::Swept;
+use super::task::{Iterate, Task};
 use super::visitor::{BATCH, Visitor, record};
-use super::worker::{Worker, solve_side_by_side};
 use crate::contact::{Components, ContactProblem, ContactState, Members};
 use crate::solver::measure::own::{OwnMeasure, measure_alone};
-use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, OneContact, Policy, Start};
@@ -34,8 +33,6 @@ pub(crate) struct Sweeper {
     /// What others bring to contacts of an island, see [`Visitor`].
     brought: Vec<f64>,
     workers: Vec<Worker>,
-    /// Contacts by their colours, where sweeps went in that order.
-    colours: Option<Colours>,
 }
 
 impl Sweeper {
@@ -53,7 +50,6 @@ impl Sweeper {
             (0..contacts).for_each(|i| connected.join(0, i));
         }
         self.islands.update(&mut connected);
-        self.colours = None;
         self.refresh(problem);
     }
 
@@ -91,29 +87,6 @@ impl Sweeper {
         visitor.visit_all(task, iterate, policy, first, 0..task.problem.contacts().len())
     }
 
-    /// The same in the order of colours, in several threads if they are `free`.
-    pub(crate) fn sweep_by_colours(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        first: bool,
-        free: bool,
-    ) -> Option<usize> {
-        let Task { problem, history, threads, .. } = *task;
-        let Self { blocks, efforts, candidates, brought, colours, .. } = self;
-        let colours = colours.get_or_insert_with(|| Colours::of(problem));
-        if free && threads.serve(problem.contacts().len()) {
-            let Iterate { percussion, states, .. } = iterate;
-            let before = Before { problem, history, blocks, first };
-            let changed = Changed { percussion, states, efforts };
-            return threads.run(|| colours.sweep_side_by_side(before, changed));
-        }
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
-        let in_turn =
-            (0..colours.count()).flat_map(|colour| colours.contacts(colour).iter().copied());
-        visitor.visit_all(task, iterate, Policy::FirstFound, first, in_turn)
-    }
-
     /// The islands of the problem.
     #[inline]
     pub(crate) fn islands(&self) -> &Members {
@@ -141,30 +114,6 @@ impl Sweeper {
         } else {
             let all = (&*islands, 0..islands.count());
             visitor.solve_in_turn(task, iterate, plan, all, |own| swept.push(own));
-        }
-    }
-
-    /// Sweeps over all contacts until the measure of the stop is small, which may be one of all of them together.
-    pub(crate) fn solve_together(
-        &mut self,
-        task: &Task<'_>,
-        iterate: &mut Iterate<'_>,
-        plan: Plan,
-    ) -> (usize, Ended) {
-        let mut sweeps = 0;
-        loop {
-            // Contacts without a solution may find one when the others have moved.
-            self.sweep(task, iterate, plan.policy, sweeps == 0);
-            sweeps += 1;
-            if iterate.measure(task).value <= plan.goal {
-                return (sweeps, Ended::Done);
-            }
-            if task.stop.early() {
-                return (sweeps, Ended::TimeLimit);
-            }
-            if sweeps >= plan.max_sweeps {
-                return (sweeps, Ended::MaxIterations);
-            }
         }
     }
 
@@ -231,7 +180,7 @@ fn solve_alone(
     let may_grow = size.may_have_grown();
     let stuck = found.is_none();
     let (worst_contact, ambiguous) = (number, *ambiguous);
-    Swept { sweeps: 1, ended, defect, worst_contact, stuck, may_grow, ambiguous }
+    Swept { sweeps: 1, ended, defect, worst_contact, stuck, may_grow, ambiguous, alone: true }
 }
 
 /// Contacts that do not influence each other, in a row, with what belongs to them.

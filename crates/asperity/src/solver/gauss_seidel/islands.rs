@@ -5,8 +5,9 @@
 //! contacts together would be fetched from memory in every sweep, until the slowest island has converged.
 
 use super::cost::Cost;
-use super::rate::{MOST_SWEEPS, Rate};
+use super::rate::{LEAST_SWEEPS, MOST_SWEEPS, Rate};
 use super::swept::Swept;
+use super::task::{Iterate, Task};
 use super::visitor::{UNTIMED, Visitor, untimed_visits};
 use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::growth::{self, Size};
@@ -15,7 +16,6 @@ use crate::solver::measure::natural_residual::{Measured, residual_of};
 use crate::solver::measure::own::{Percussions, measure_coupled, size_coupled};
 use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::{Measure, Stop};
-use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::Ended;
 
@@ -106,19 +106,23 @@ impl Visitor<'_> {
         // What the rate is judged by: one measure from beginning to end.
         let mut grade = f64::INFINITY;
         let (mut sweeps, mut stuck, mut visits) = (0, None, None);
-        // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
-        let instead = || Cost::of(task.problem, members.iter().copied()).first_estimate();
-        let mut rate = match policy {
-            Policy::FirstFound if !(swept.defect <= goal) => Rate::new(instead()),
-            _ => Rate::default(),
-        };
+        let (mut rate, mut max_sweeps) = (Rate::default(), plan.max_sweeps);
+        if policy == Policy::FirstFound && !(swept.defect <= goal) {
+            // Methods that follow sweeps begin with an attempt by Newton's method where that is worth it, too.
+            let cost = Cost::of(task.problem, members.iter().copied());
+            rate = Rate::new(cost.first_estimate());
+            if cost.is_large() {
+                max_sweeps = LEAST_SWEEPS;
+                rate.wait(LEAST_SWEEPS);
+            }
+        }
         // The comparison also finds what is not a number.
         while !(swept.defect <= goal) {
             let in_vain = policy == Policy::FirstFound
                 && sweeps > 0
                 && rate.is_due(sweeps)
                 && !rate.promises(sweeps, grade, task.stop.tolerance);
-            if sweeps == plan.max_sweeps || alone && sweeps == 1 || in_vain {
+            if sweeps == max_sweeps || alone && sweeps == 1 || in_vain {
                 let ended = if alone && sweeps == 1 { Ended::Done } else { Ended::MaxIterations };
                 swept.ended = if swept.ended == Ended::Done { ended } else { swept.ended };
                 break;
@@ -127,7 +131,7 @@ impl Visitor<'_> {
             sweeps += 1;
             // To measure takes half as long as to sweep.
             let is_due = policy == Policy::Prove || rate.is_due(sweeps);
-            let is_measured = is_due || sweeps == plan.max_sweeps;
+            let is_measured = is_due || sweeps == max_sweeps;
             if is_measured {
                 (swept, grade) = match policy {
                     Policy::Prove => {
@@ -148,7 +152,7 @@ impl Visitor<'_> {
                     if !is_measured {
                         swept = self.measure(task, iterate, members, task.stop.measure);
                     }
-                    return Swept { sweeps, ended: Ended::TimeLimit, ..swept };
+                    return Swept { sweeps, ended: Ended::TimeLimit, alone, ..swept };
                 }
             }
         }
@@ -163,7 +167,7 @@ impl Visitor<'_> {
                 states[i] = task.history[i].after(phase, slip);
             }
         }
-        Swept { sweeps, stuck: stuck.is_some(), ..swept }
+        Swept { sweeps, stuck: stuck.is_some(), alone, ..swept }
     }
 
     /// Velocities, residual by a measure and size of the percussions of an island; the worst contact only where contacts are

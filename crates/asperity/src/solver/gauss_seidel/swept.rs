@@ -2,7 +2,7 @@
 
 use crate::solver::measure::natural_residual::{Residual, is_worse};
 use crate::solver::measure::stop::Measure;
-use crate::solver::method::task::{Iterate, Task};
+use super::task::{Iterate, Past, Task};
 use crate::solver::report::Ended;
 
 /// Of some contacts, until they are put together with others.
@@ -23,6 +23,8 @@ pub(crate) struct Swept {
     pub(super) may_grow: bool,
     /// Whether a contact has several solutions.
     pub(crate) ambiguous: bool,
+    /// Whether there is only one contact, of which the one that continues its state was selected.
+    pub(super) alone: bool,
 }
 
 impl Swept {
@@ -35,6 +37,7 @@ impl Swept {
         stuck: false,
         may_grow: false,
         ambiguous: false,
+        alone: false,
     };
 
     /// With further contacts.
@@ -62,6 +65,7 @@ impl Swept {
             stuck: self.stuck || other.stuck,
             may_grow: self.may_grow || other.may_grow,
             ambiguous: self.ambiguous || other.ambiguous,
+            alone: false,
         }
     }
 
@@ -69,6 +73,16 @@ impl Swept {
     #[inline(always)]
     pub(crate) fn is_clear(&self) -> bool {
         self.ended == Ended::Done && !self.may_grow
+    }
+
+    /// Whether it is known which of several solutions continues the states of contacts, if there are several.
+    pub(crate) fn is_decided(&self) -> bool {
+        !self.ambiguous || self.alone
+    }
+
+    /// What methods that follow know of these sweeps.
+    pub(crate) fn past(&self) -> Past {
+        if self.stuck { Past::Stuck } else { Past::Swept }
     }
 
     /// The measure of the stop, found on the way or, where not all contacts were visited or another one is asked for, anew.

@@ -10,18 +10,17 @@ const JET: f64 = 800.0;
 /// The same per entry of `G`, of which a step takes several products.
 const PRODUCT: f64 = 2.0;
 const STEP: f64 = 8.0;
-/// Sweeps in the time in which a pattern is analysed: between 10 and 40 on the stored problems of `auto.rs`.
-const ANALYSIS: f64 = 20.0;
-/// Most entries of a row of `G` that is sparse: thirty other contacts; bricks and spheres have ten.
+/// Contacts from which on an island is large, since its data do not stay in the cache of the processor, and most entries of a
+/// row of `G` there: thirty other contacts; bricks and spheres have ten.
+const LARGE: f64 = 1000.0;
 const SPARSE: f64 = 100.0;
-/// Steps that an attempt by Newton's method is expected to take. `Auto` takes 0.70, 0.71 and 0.77 times as long with 5, 6 and
-/// 8 as without attempts on the stored problems of up to 400 contacts, and 0.66 and 0.68 times with 5 and 8 on 240 problems
-/// of 4 to 100 contacts (scenes and random ones, laws of all dimensions), as geometric means.
+/// Steps that an attempt by Newton's method is expected to take.
 const STEPS: f64 = 6.0;
 
 /// Costs of a problem, or of one of its islands, in operations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cost {
+    contacts: f64,
     rows: usize,
     entries: f64,
     sweep: f64,
@@ -41,12 +40,15 @@ impl Cost {
         }
         let entries = entries as f64;
         let (sweep, step) = (PRODUCT * entries + VISIT * count, STEP * entries + JET * count);
-        Self { rows, entries, sweep, step }
+        Self { contacts: count, rows, entries, sweep, step }
     }
 
-    /// Whether contacts influence few others, so that the pattern is soon analysed.
-    pub(crate) fn is_sparse(&self) -> bool {
-        self.entries <= SPARSE * self.rows as f64
+    /// Sweeps in the time in which a pattern is analysed: between 10 and 40.
+    pub(crate) const ANALYSIS: f64 = 20.0;
+
+    /// Whether many contacts influence few others each, so that the pattern is soon analysed.
+    pub(crate) fn is_large(&self) -> bool {
+        self.contacts >= LARGE && self.entries <= SPARSE * self.rows as f64
     }
 
     /// Sweeps in the time of an attempt, as far as that is known before the pattern is analysed; its analysis counts, whether
@@ -54,7 +56,7 @@ impl Cost {
     pub(crate) fn first_estimate(&self) -> f64 {
         match NewtonMatrix::known_operations(self.rows) {
             Some(operations) => self.attempt(operations),
-            None => self.attempt(0.0) + ANALYSIS,
+            None => self.attempt(0.0) + Self::ANALYSIS,
         }
     }
 

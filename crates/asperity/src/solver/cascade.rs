@@ -1,0 +1,376 @@
+//! The steps that [`Solver::Auto`](super::Solver::Auto) takes on an island that the first sweeps have not solved, as data; and
+//! each method alone.
+//!
+//! Sweeps go on while their rate promises an end sooner than a few factorisations. Every step of [`CASCADE`] starts from the
+//! best percussions of those before it and ends as soon as the island is solved or has a proof that it cannot be. Where a
+//! factorisation costs as much as many sweeps, accelerated sweeps come first and ADMM, which needs few factorisations; elsewhere
+//! an attempt by Newton's method costs less than to go on sweeping.
+
+use std::time::Instant;
+
+use super::gauss_seidel::{
+    Cost, Iterate, Past, Rate, Reached, Sweeper, TRIAL_SWEEPS, Task, UNTIMED, untimed_visits,
+};
+use super::infeasibility::prove_one_contact;
+use super::method::{
+    ALONE, Admm, Anderson, BESIDE, Buffers, Cones, Course, Interior, LeastNorm, Progress,
+    ProximalPoint,
+};
+use super::newton_matrix::NewtonMatrix;
+use super::report::{Ended, Method};
+use super::settings::{Step, Steps};
+use crate::contact::{ContactProblem, ContactState, Phase};
+
+/// Sweeps that a factorisation takes as long as from which on it is expensive: piles and columns take twice as long where
+/// accelerated sweeps come after factorisations from 32 on, and stored problems where they come first at 2.
+const EXPENSIVE: f64 = 8.0;
+/// Factorisations whose operations accelerated sweeps may take in all, and until they have halved the natural map.
+const WORTH: f64 = 60.0;
+const HALVING: f64 = 20.0;
+/// Natural map from which on Newton's method ends what accelerated sweeps have begun.
+const NEAR: f64 = 1e-4;
+/// Newton iterations there, and of a first attempt after plain sweeps.
+const NEWTON: usize = 20;
+/// Iterations of the interior point method, twice as many as most problems need.
+const INTERIOR: usize = 40;
+/// Natural map at which the digits of the interior point method end.
+const INTERIOR_GOAL: f64 = 1e-7;
+/// Outer steps of the proximal point iteration, which a limit of time ends before where there is one.
+const OUTER: usize = 5000;
+/// Fewest contacts of bodies at rest that are worth a factorisation of their own: Newton's method solves fewer as soon.
+const MANY: usize = 64;
+/// Sweeps that a factorisation takes as long as at most where it is asked after few sweeps whether large islands are at rest.
+const EARLY: f64 = 100.0;
+
+/// One step of the cascade.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// Percussions of least norm with which no body moves, and the interior point method from their size.
+    Rest,
+    /// Sweeps with Anderson's acceleration.
+    Acceleration,
+    /// Newton's method from what sweeps have led to.
+    Newton,
+    /// Plain sweeps after a first attempt in vain.
+    Sweeps,
+    /// The alternating direction method of multipliers.
+    Admm,
+    /// Newton's method with prox parameters that suit contacts which creep.
+    MatchedNewton,
+    /// The interior point method.
+    InteriorPoint,
+    /// The proximal point iteration, to the end.
+    ProximalPoint,
+}
+
+/// The steps in their order, with the option that leaves them out.
+const CASCADE: [(Stage, Step); 8] = [
+    (Stage::Rest, Step::Rest),
+    (Stage::Acceleration, Step::Acceleration),
+    (Stage::Newton, Step::Newton),
+    (Stage::Sweeps, Step::Newton),
+    (Stage::Admm, Step::Admm),
+    (Stage::MatchedNewton, Step::Newton),
+    (Stage::InteriorPoint, Step::InteriorPoint),
+    (Stage::ProximalPoint, Step::ProximalPoint),
+];
+
+/// The methods with their buffers, and the matrix that they share.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Methods {
+    buffers: Buffers,
+    matrix: NewtonMatrix,
+    proximal: ProximalPoint,
+    cones: Cones,
+    interior: Interior,
+    admm: Admm,
+    least_norm: LeastNorm,
+    anderson: Anderson,
+}
+
+impl Methods {
+    /// Forgets what depends on `G`.
+    pub(super) fn reset(&mut self) {
+        self.buffers.forget_operator();
+        self.matrix.reset();
+    }
+
+    /// The steps of the cascade that a user has not left out.
+    pub(super) fn automatic(
+        &mut self,
+        task: Task<'_>,
+        iterate: Iterate<'_>,
+        sweeper: &mut Sweeper,
+        steps: Steps,
+    ) -> Reached {
+        let mut buffers = std::mem::take(&mut self.buffers);
+        let mut progress = Progress::new(task, iterate, sweeper, &mut buffers);
+        self.solve(&mut progress, steps);
+        let known = |state: &ContactState| state.phase != Phase::Unknown;
+        if progress.is_solved() && task.history.iter().any(known) {
+            progress.continue_states(TRIAL_SWEEPS);
+        }
+        let reached = progress.finish(false);
+        self.buffers = buffers;
+        reached
+    }
+
+    fn solve(&mut self, progress: &mut Progress<'_>, steps: Steps) {
+        let problem = progress.task.problem;
+        let mut island = Island::of(progress, steps);
+        let mut sweeps = Sweeps::new(problem, island.cost.first_estimate());
+        // One sweep more says which contact has no solution.
+        sweeps.run(progress, if progress.task.past == Past::Stuck { 1 } else { 0 });
+        if !progress.is_over() && island.is_large && progress.may_stand() {
+            // Data of large islands do not stay in the cache, which sweeps wait for and factorisations do not.
+            self.matrix.prepare(problem);
+            if island.cost.sweeps(self.matrix.operations(problem)) <= EARLY {
+                self.rest(progress, &mut island);
+            }
+        }
+        if island.is_large {
+            sweeps.run(progress, usize::MAX);
+        }
+        if progress.is_over() {
+            return sweeps.record(progress);
+        }
+        if sweeps.leave_time_for(progress, Cost::ANALYSIS) {
+            self.matrix.prepare(problem);
+            self.proximal.prepare(problem);
+            island.read(self.matrix.operations(problem));
+            sweeps.rate.instead_of(island.attempt);
+            if island.attempt > island.cost.first_estimate() {
+                sweeps.run(progress, usize::MAX);
+            }
+        }
+        sweeps.record(progress);
+        if !progress.is_over() && !sweeps.leave_time_for(progress, 2.0 * island.factorization) {
+            return self.anderson.iterate(progress, usize::MAX, usize::MAX);
+        }
+        if !progress.is_over()
+            && let Some(contact) = progress.stuck()
+        {
+            // A contact that sweeps could not solve may have no solution whatever the others do.
+            let percussion = &*progress.iterate.percussion;
+            let proof = prove_one_contact(problem, contact, percussion);
+            *progress.iterate.infeasibility = proof;
+        }
+        for (stage, step) in CASCADE {
+            if progress.is_over() {
+                return;
+            }
+            if steps.include(step) {
+                self.step(stage, progress, &mut island);
+            }
+        }
+    }
+
+    /// Takes one step, where it serves the island.
+    fn step(&mut self, stage: Stage, progress: &mut Progress<'_>, island: &mut Island) {
+        let Self { matrix, proximal, cones, interior, admm, anderson, .. } = self;
+        match stage {
+            Stage::Rest => {
+                if island.contacts >= MANY && !island.asked_for_rest && progress.may_stand() {
+                    self.rest(progress, island);
+                }
+            }
+            Stage::Acceleration => {
+                if island.is_expensive() {
+                    let sweeps = |factorizations: f64| (factorizations * island.factorization) as usize;
+                    anderson.iterate(progress, sweeps(WORTH), sweeps(HALVING));
+                }
+            }
+            Stage::Newton => {
+                let worthwhile = match island.is_expensive() {
+                    true => progress.best_grade() < NEAR,
+                    false => island.attempt <= Rate::WORTHWHILE,
+                };
+                if worthwhile {
+                    proximal.newton(progress, matrix, NEWTON);
+                    island.tried = true;
+                }
+            }
+            Stage::Sweeps => {
+                if island.tried && !island.is_expensive() {
+                    let mut sweeps = Sweeps::new(progress.task.problem, Rate::WORTHWHILE);
+                    sweeps.run(progress, usize::MAX);
+                    sweeps.record(progress);
+                }
+            }
+            Stage::Admm => {
+                if island.is_expensive() && cones.read(progress.task.problem) {
+                    admm.iterate(progress, cones, matrix, usize::MAX, (BESIDE, false));
+                }
+            }
+            Stage::MatchedNewton => proximal.attempt_matched(progress, matrix),
+            Stage::InteriorPoint => {
+                if island.resting.is_none() && cones.read(progress.task.problem) {
+                    let course =
+                        Course { max_iterations: INTERIOR, goal: INTERIOR_GOAL, expected: 0.0 };
+                    interior.iterate(progress, cones, matrix, course);
+                }
+            }
+            Stage::ProximalPoint => {
+                proximal.iterate(progress, matrix, OUTER);
+            }
+        }
+    }
+
+    /// Percussions of least norm, and the interior point method from their size.
+    fn rest(&mut self, progress: &mut Progress<'_>, island: &mut Island) {
+        let Self { matrix, cones, interior, least_norm, .. } = self;
+        island.asked_for_rest = true;
+        if !island.steps.include(Step::Rest) {
+            return;
+        }
+        island.resting = least_norm.attempt(progress, matrix);
+        let conic = island.steps.include(Step::InteriorPoint);
+        if let Some(expected) = island.resting
+            && conic
+            && !progress.is_over()
+            && cones.read(progress.task.problem)
+        {
+            let course = Course { max_iterations: INTERIOR, goal: 0.0, expected };
+            interior.iterate(progress, cones, matrix, course);
+        }
+    }
+
+    /// One method alone.
+    pub(super) fn single(
+        &mut self,
+        task: Task<'_>,
+        iterate: Iterate<'_>,
+        sweeper: &mut Sweeper,
+        method: Method,
+        max_iterations: usize,
+    ) -> Reached {
+        let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
+        let mut progress = Progress::new(task, iterate, sweeper, buffers);
+        let conic = matches!(method, Method::InteriorPoint | Method::Admm);
+        if conic && !cones.read(task.problem) {
+            let ended = Ended::NotApplicable;
+            return Reached { iterations: 0, ended, ..progress.finish(false) };
+        }
+        proximal.prepare(task.problem);
+        matrix.prepare(task.problem);
+        let limited = match method {
+            Method::InteriorPoint => {
+                let course = Course { max_iterations, goal: 0.0, expected: 0.0 };
+                let limited = interior.iterate(&mut progress, cones, matrix, course);
+                // Newton's method finds the digits that rounding keeps from the interior point method.
+                if !limited && !progress.is_over() && progress.best_grade() < NEAR {
+                    proximal.newton(&mut progress, matrix, NEWTON);
+                }
+                limited
+            }
+            Method::Admm => {
+                admm.iterate(&mut progress, cones, matrix, max_iterations, (ALONE, true))
+            }
+            Method::Newton => proximal.newton(&mut progress, matrix, max_iterations),
+            _ => proximal.iterate(&mut progress, matrix, max_iterations),
+        };
+        progress.finish(limited)
+    }
+}
+
+/// What decides which steps serve an island.
+struct Island {
+    steps: Steps,
+    contacts: usize,
+    cost: Cost,
+    /// Whether sweeps were ended early since its data do not stay in the cache of the processor.
+    is_large: bool,
+    /// Sweeps in the time of a factorisation, and of an attempt by Newton's method.
+    factorization: f64,
+    attempt: f64,
+    /// Size of the percussions of bodies that rest upon each other, where they do, and whether that was asked.
+    resting: Option<f64>,
+    asked_for_rest: bool,
+    /// Whether Newton's method was tried.
+    tried: bool,
+}
+
+impl Island {
+    fn of(progress: &Progress<'_>, steps: Steps) -> Self {
+        let problem = progress.task.problem;
+        let contacts = problem.contacts().len();
+        let cost = Cost::of(problem, 0..contacts);
+        let is_large = cost.is_large();
+        let (resting, asked_for_rest, tried) = (None, false, false);
+        let (factorization, attempt) = (f64::INFINITY, f64::INFINITY);
+        Self { steps, contacts, cost, is_large, factorization, attempt, resting, asked_for_rest, tried }
+    }
+
+    /// Takes in the operations of a factorisation.
+    fn read(&mut self, operations: f64) {
+        self.factorization = self.cost.sweeps(operations);
+        self.attempt = self.cost.attempt(operations);
+    }
+
+    fn is_expensive(&self) -> bool {
+        self.factorization > EXPENSIVE
+    }
+}
+
+/// Plain sweeps that go on.
+struct Sweeps {
+    rate: Rate,
+    count: usize,
+    /// What a sweep counts for between two looks at the clock, and what has been counted since the last one: at first as much as
+    /// asks for one.
+    visits: usize,
+    untimed: usize,
+    began: Instant,
+}
+
+impl Sweeps {
+    /// In place of something that takes as long as so many sweeps.
+    fn new(problem: &ContactProblem, instead: f64) -> Self {
+        let visits = untimed_visits(problem, 0..problem.contacts().len());
+        Self { rate: Rate::new(instead), count: 0, visits, untimed: UNTIMED, began: Instant::now() }
+    }
+
+    /// Records what was done, if it was anything.
+    fn record(&self, progress: &mut Progress<'_>) {
+        if self.count > 0 {
+            progress.record(Method::GaussSeidel, self.count, 0);
+        }
+    }
+
+    /// Sweeps while their rate promises an end, at most so many in all.
+    fn run(&mut self, progress: &mut Progress<'_>, most: usize) {
+        while !progress.is_solved() && self.count < most {
+            progress.sweep();
+            self.count += 1;
+            let ends = self.count == most || self.is_late(progress.task);
+            if !ends && !self.rate.is_due(self.count) {
+                continue;
+            }
+            let grade = progress.grade_sweeps();
+            if ends || !self.rate.promises(self.count, grade, progress.task.stop.tolerance) {
+                break;
+            }
+        }
+    }
+
+    /// Whether the stop says, when it is asked, that nobody waits any longer.
+    fn is_late(&mut self, task: Task<'_>) -> bool {
+        self.untimed += self.visits;
+        if self.untimed < UNTIMED {
+            return false;
+        }
+        self.untimed = 0;
+        task.stop.early()
+    }
+
+    /// Whether a limit of time leaves as long as so many sweeps take; one is made where it is not known how long that is.
+    fn leave_time_for(&mut self, progress: &mut Progress<'_>, sweeps: f64) -> bool {
+        let Some(deadline) = progress.task.stop.deadline else { return true };
+        if self.count == 0 {
+            self.began = Instant::now();
+            self.run(progress, 1);
+        }
+        let one = self.began.elapsed().as_secs_f64() / self.count.max(1) as f64;
+        one * sweeps <= deadline.saturating_duration_since(Instant::now()).as_secs_f64()
+    }
+}

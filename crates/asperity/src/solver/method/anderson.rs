@@ -1,0 +1,188 @@
+//! Sweeps with Anderson's acceleration.
+//!
+//! A sweep is a map `x ↦ g(x)` of percussions with the solution as its fixed point. The next one starts from the
+//! combination `Σ θ_j g(x_j)`, `Σ θ_j = 1`, of the last images whose defects `f_j = g(x_j) − x_j`, combined in the same
+//! way, are the smallest (\[WalkerNi2011\]): where contacts keep their states the map is linear, and this is a Krylov
+//! method that needs the root of the number of sweeps. Where a state changes it may lead astray: as soon as a defect is
+//! larger than the one before, the differences are forgotten, and a plain sweep follows from the last image.
+//!
+//! Defects say little of the natural map. Where it has come to twice its lowest value, or has not fallen below that within
+//! a block of sweeps, the best percussions are taken back and a block of plain sweeps follows, longer each time: as many
+//! sweeps without acceleration would not have led much further.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::solver::gauss_seidel::TRIAL_SWEEPS;
+use crate::solver::report::Method;
+
+use super::progress::Progress;
+
+/// Differences that are remembered.
+const DEPTH: usize = 5;
+/// Part of the trace by which the normal equations are regularised, far above their rounding.
+const REGULARIZED: f64 = 1e-10;
+/// How many times the lowest natural map is taken back.
+const ASTRAY: f64 = 2.0;
+
+/// Buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Anderson {
+    /// Where the sweep began.
+    from: Vec<f64>,
+    image: Vec<f64>,
+    defect: Vec<f64>,
+    /// `‖f‖` of the last sweep.
+    last: f64,
+    /// Differences of images and of defects that follow each other, in a ring.
+    images: [Vec<f64>; DEPTH],
+    defects: [Vec<f64>; DEPTH],
+    /// Products of these differences of defects with each other.
+    products: SMatrix<f64, DEPTH, DEPTH>,
+    remembered: usize,
+    next: usize,
+}
+
+impl Anderson {
+    /// From the best percussions, at most so many sweeps, and so many since the natural map was halved.
+    pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, most: usize, patience: usize) {
+        let mut lowest = self.start(progress);
+        let (mut halved, mut halved_at) = (lowest, 0);
+        // Plain sweeps that are left, and those that follow the next time.
+        let (mut plain, mut next_plain) = (0_usize, TRIAL_SWEEPS);
+        let mut sweeps = 0;
+        while sweeps < most && !progress.task.stop.early() {
+            progress.sweep();
+            sweeps += 1;
+            let accelerates = plain == 0;
+            plain = plain.saturating_sub(1);
+            let advanced = self.take_in(progress.iterate.percussion);
+            if sweeps % TRIAL_SWEEPS == 0 {
+                let grade = progress.grade(&self.image);
+                if progress.best_grade() < 0.5 * halved {
+                    (halved, halved_at) = (progress.best_grade(), sweeps);
+                }
+                if progress.is_over() || progress.is_hopeless() || sweeps - halved_at > patience {
+                    break;
+                }
+                if accelerates && !(grade <= ASTRAY * lowest) {
+                    self.start(progress);
+                    (plain, next_plain) = (next_plain, 2 * next_plain);
+                    continue;
+                }
+                lowest = lowest.min(grade);
+            }
+            if advanced && accelerates {
+                self.extrapolate();
+            } else {
+                self.from.copy_from_slice(&self.image);
+            }
+            progress.iterate.percussion.copy_from_slice(&self.from);
+        }
+        progress.grade(&self.image);
+        progress.record(Method::GaussSeidel, sweeps, 0);
+    }
+
+    /// Starts from the best percussions; their natural map.
+    fn start(&mut self, progress: &mut Progress<'_>) -> f64 {
+        let grade = progress.start_from_best(&mut self.from);
+        progress.iterate.percussion.copy_from_slice(&self.from);
+        self.image.clone_from(&self.from);
+        let rows = self.from.len();
+        for list in self.images.iter_mut().chain(&mut self.defects).chain([&mut self.defect]) {
+            list.clear();
+            list.resize(rows, 0.0);
+        }
+        self.forget();
+        grade
+    }
+
+    /// Forgets the differences.
+    fn forget(&mut self) {
+        (self.remembered, self.next, self.last) = (0, 0, f64::INFINITY);
+    }
+
+    /// Takes in the image of the last sweep; whether its defect is smaller than that of the one before, else the last image stays
+    /// and the differences are forgotten.
+    fn take_in(&mut self, swept: &[f64]) -> bool {
+        let size = distance(swept, &self.from);
+        // The comparison also turns away what is not a number.
+        if !(size <= self.last) {
+            self.forget();
+            return false;
+        }
+        let Self { from, image, defect, images, defects, products, next, .. } = self;
+        let (change, turn) = (&mut images[*next], &mut defects[*next]);
+        for row in 0..swept.len() {
+            let now = swept[row] - from[row];
+            change[row] = swept[row] - image[row];
+            turn[row] = now - defect[row];
+            (image[row], defect[row]) = (swept[row], now);
+        }
+        if self.last.is_finite() {
+            let turn = &defects[*next];
+            for (other, own) in defects.iter().enumerate().take(DEPTH.min(self.remembered + 1)) {
+                let product = dot(turn, own);
+                (products[(*next, other)], products[(other, *next)]) = (product, product);
+            }
+            *next = (*next + 1) % DEPTH;
+            self.remembered = (self.remembered + 1).min(DEPTH);
+        }
+        self.last = size;
+        true
+    }
+
+    /// Combines the last images; the next sweep starts from there.
+    fn extrapolate(&mut self) {
+        let share = weights(&self.defects[..self.remembered], &self.products, &self.defect);
+        self.from.copy_from_slice(&self.image);
+        for (images, share) in self.images.iter().take(self.remembered).zip(share.iter()) {
+            for (from, image) in self.from.iter_mut().zip(images) {
+                *from -= share * image;
+            }
+        }
+    }
+}
+
+/// Shares of the differences with which the defect is the smallest.
+fn weights(
+    defects: &[Vec<f64>],
+    products: &SMatrix<f64, DEPTH, DEPTH>,
+    defect: &[f64],
+) -> SVector<f64, DEPTH> {
+    let mut normal = SMatrix::<f64, DEPTH, DEPTH>::identity();
+    let mut right = SVector::<f64, DEPTH>::zeros();
+    let known = defects.len();
+    normal.view_mut((0, 0), (known, known)).copy_from(&products.view((0, 0), (known, known)));
+    let trace: f64 = (0..known).map(|i| normal[(i, i)]).sum();
+    for (i, own) in defects.iter().enumerate() {
+        right[i] = dot(own, defect);
+        normal[(i, i)] += REGULARIZED * trace;
+    }
+    // Without an answer the plain image is the next start.
+    normal.cholesky().map(|factored| factored.solve(&right)).unwrap_or_default()
+}
+
+/// `aᵀb`.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    in_lanes(a, b, |x, y| x * y)
+}
+
+/// `‖a − b‖`.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    in_lanes(a, b, |x, y| (x - y) * (x - y)).sqrt()
+}
+
+/// Sum of terms in several partial sums, which processors add side by side.
+fn in_lanes(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
+    const LANES: usize = 8;
+    let mut sums = [0.0; LANES];
+    let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest = left.remainder().iter().zip(right.remainder());
+    let rest: f64 = rest.map(|(x, y)| term(*x, *y)).sum();
+    for (x, y) in left.zip(right) {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            *sum += term(x[lane], y[lane]);
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
