@@ -189,10 +189,10 @@ fn problems_come_back_to_the_bit() {
     let text = check(&problem);
     // Contacts that share a law share it in the data.
     assert_eq!(text.matches("\"reservoir\"").count(), 2, "{text}");
-    let mass = Csr::new("mass", 2, 2, vec![0, 1, 2], vec![0, 1], vec![2.0, 0.5]).unwrap();
+    let mass = Csr::new(2, 2, vec![0, 1, 2], vec![0, 1], vec![2.0, 0.5]).unwrap();
     let starts: Vec<usize> = (0..8).map(|i| 2 * i).collect();
     let values: Vec<f64> = (0..14).map(|_| random.normal()).collect();
-    let directions = Csr::new("directions", 7, 2, starts, [0, 1].repeat(7), values).unwrap();
+    let directions = Csr::new(7, 2, starts, [0, 1].repeat(7), values).unwrap();
     let factored = Factored::new(mass, directions, &sizes).unwrap();
     check(&ContactProblem::new(factored, free, contacts.clone()).unwrap());
     let free = MatrixFree::new(Arc::new(Products), &[3]).unwrap();

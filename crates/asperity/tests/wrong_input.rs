@@ -18,8 +18,8 @@ use asperity::set::{
 };
 use asperity::simulate::{self, simulate};
 use asperity::solver::{
-    Certificate, Measure, ProxStep, Solver, Stop, Workspace, natural_map, natural_residual,
-    solutions,
+    Certificate, Measure, ProxStep, Solution, Solver, Stop, Workspace, natural_map,
+    natural_residual, solutions,
 };
 use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{
@@ -37,7 +37,7 @@ const WRONG: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e3
 const SOLVERS: [Solver; 8] = [
     Solver::Auto { interior_point: true, threads: 1 },
     Solver::Exact { max_sweeps: 20 },
-    Solver::Newton { max_iterations: 20 },
+    Solver::SemismoothNewton { max_iterations: 20 },
     Solver::ProximalPoint { max_iterations: 20 },
     Solver::InteriorPoint { max_iterations: 20 },
     Solver::Admm { max_iterations: 20 },
@@ -150,17 +150,17 @@ impl DelassusOperator for Products {
 #[test]
 fn operators_are_checked_where_they_are_made() {
     let csr = |size, starts: &[usize], indices: &[usize], values: &[f64]| {
-        Csr::new("mass", size, size, starts.to_vec(), indices.to_vec(), values.to_vec())
+        Csr::new(size, size, starts.to_vec(), indices.to_vec(), values.to_vec())
     };
-    refused("mass", || csr(2, &[], &[], &[]));
-    refused("mass", || csr(usize::MAX, &[], &[], &[]));
-    refused("mass", || csr(2, &[0, 1, 3], &[0, 1], &[1.0, 1.0]));
-    refused("mass", || csr(2, &[1, 1, 2], &[0, 1], &[1.0, 1.0]));
-    refused("mass", || csr(2, &[0, 2, 1], &[0, 1], &[1.0, 1.0]));
-    refused("mass", || csr(2, &[0, 1, 2], &[0, 2], &[1.0, 1.0]));
-    refused("mass", || csr(2, &[0, 2, 2], &[1, 0], &[1.0, 1.0]));
-    refused("mass", || csr(2, &[0, 1, 2], &[0, 1], &[1.0]));
-    refused("mass", || csr(2, &[0, 1, 2], &[0, 1], &[1.0, NAN]));
+    refused("matrix", || csr(2, &[], &[], &[]));
+    refused("matrix", || csr(usize::MAX, &[], &[], &[]));
+    refused("matrix", || csr(2, &[0, 1, 3], &[0, 1], &[1.0, 1.0]));
+    refused("matrix", || csr(2, &[1, 1, 2], &[0, 1], &[1.0, 1.0]));
+    refused("matrix", || csr(2, &[0, 2, 1], &[0, 1], &[1.0, 1.0]));
+    refused("matrix", || csr(2, &[0, 1, 2], &[0, 2], &[1.0, 1.0]));
+    refused("matrix", || csr(2, &[0, 2, 2], &[1, 0], &[1.0, 1.0]));
+    refused("matrix", || csr(2, &[0, 1, 2], &[0, 1], &[1.0]));
+    refused("matrix", || csr(2, &[0, 1, 2], &[0, 1], &[1.0, NAN]));
     let identity = |n: usize| {
         let all: Vec<usize> = (0..=n).collect();
         csr(n, &all, &all[..n], &vec![1.0; n]).unwrap()
@@ -263,10 +263,19 @@ fn solvers_take_what_belongs_to_other_problems() {
         // The memory of every other problem, and ones that no solve has left behind.
         for (whole, expected) in problems.iter().zip(&expected) {
             for other in &problems {
-                let memory = Memory::new(other.rows(), other.contacts().len());
-                let found =
-                    calm("a foreign memory", || whole.solve_from(solver, Stop::default(), memory));
-                assert_eq!(found.percussion, expected.percussion);
+                let mut memory = Memory::new(other.rows(), other.contacts().len());
+                let mut workspace = Workspace::default();
+                calm("a foreign memory", || {
+                    let _ = solver.solve(whole, Stop::default(), &mut memory, &mut workspace);
+                });
+                assert_eq!(memory.percussion, expected.percussion);
+                // Only what belongs to a problem is a solution of it.
+                let found = |memory| {
+                    let (stop, report) = (Stop::default(), expected.report);
+                    Solution::new(whole, stop, memory, report, &workspace)
+                };
+                assert_eq!(found(memory).unwrap().percussion, expected.percussion);
+                assert_eq!(found(Memory::new(1, 0)).unwrap_err().argument, "memory");
             }
             for wrong in WRONG {
                 let mut memory = Memory::new(whole.rows(), whole.contacts().len());
@@ -274,7 +283,8 @@ fn solvers_take_what_belongs_to_other_problems() {
                 memory.states.iter_mut().for_each(|state| state.slip = [wrong; 3]);
                 memory.states.iter_mut().for_each(|state| state.phase = Phase::Slip);
                 calm(format!("{solver:?} from {wrong}"), || {
-                    let _ = whole.solve_from(solver, Stop::default(), memory);
+                    let mut workspace = Workspace::default();
+                    let _ = solver.solve(whole, Stop::default(), &mut memory, &mut workspace);
                 });
             }
         }
@@ -289,7 +299,7 @@ fn solvers_take_any_options() {
         Solver::Auto { interior_point: true, threads: 0 },
         Solver::Auto { interior_point: false, threads: usize::MAX },
         Solver::Exact { max_sweeps: 0 },
-        Solver::Newton { max_iterations: 0 },
+        Solver::SemismoothNewton { max_iterations: 0 },
         Solver::ProximalPoint { max_iterations: 0 },
         Solver::InteriorPoint { max_iterations: 0 },
         Solver::Admm { max_iterations: 0 },

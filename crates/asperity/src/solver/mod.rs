@@ -6,7 +6,7 @@
 //! | [`Solver::Exact`] | `method/sweeps/sweep.rs` | block Gauss–Seidel, every contact solved exactly (`one_contact/`) |
 //! | [`Solver::ProxJacobi`] | `method/prox.rs` | the iteration of \[WL19\] (20)–(22), (69), (70) |
 //! | [`Solver::ProxGaussSeidel`] | `method/prox.rs` | the same, contact after contact |
-//! | [`Solver::Newton`] | `method/newton.rs` | semismooth Newton on the natural map |
+//! | [`Solver::SemismoothNewton`] | `method/newton.rs` | semismooth Newton on the natural map |
 //! | [`Solver::ProximalPoint`] | `method/proximal.rs` | Newton within a proximal point iteration |
 //! | [`Solver::InteriorPoint`] | `method/interior.rs` | primal-dual, elliptic laws |
 //! | [`Solver::Admm`] | `method/admm.rs` | few factorisations, elliptic laws |
@@ -39,7 +39,7 @@ pub use method::ProxStep;
 pub use one_contact::solutions::{ContactSolution, solutions};
 pub(crate) use one_contact::{Rising, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
-pub use solution::Solution;
+pub use solution::{Solution, SolvedContact};
 
 use std::cell::Cell;
 use std::num::NonZeroU64;
@@ -94,7 +94,7 @@ pub enum Solver {
         threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.
-    Newton {
+    SemismoothNewton {
         /// Iterations after which the solver gives up.
         max_iterations: usize,
     },
@@ -574,7 +574,9 @@ impl Solver {
                 let iterate = iterate.reborrow();
                 return methods.automatic(*task, iterate, sweeper, interior_point, solve);
             }
-            Self::Newton { max_iterations } => return single(Method::Newton, max_iterations),
+            Self::SemismoothNewton { max_iterations } => {
+                return single(Method::Newton, max_iterations);
+            }
             Self::ProximalPoint { max_iterations } => {
                 return single(Method::ProximalPoint, max_iterations);
             }

@@ -49,8 +49,7 @@ fn of_bodies(
     law: &Law,
 ) -> ContactProblem {
     let contacts = free.len() / (1 + law.dimension());
-    let [mass, directions] = [("mass", mass), ("directions", directions)]
-        .map(|(name, m)| Csr::from_dense(name, m).unwrap());
+    let [mass, directions] = [mass, directions].map(|m| Csr::from_dense(m).unwrap());
     let sizes = vec![1 + law.dimension(); contacts];
     let factored = Factored::new(mass, directions, &sizes).unwrap();
     let all = vec![(law.clone(), NormalForce::Unilateral); contacts];

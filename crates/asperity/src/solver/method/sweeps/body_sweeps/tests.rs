@@ -206,10 +206,7 @@ fn loaded(
     let given = |normal: &NormalForce| normal.prescribed().is_some();
     let size = |(law, normal): &(Law, NormalForce)| law.dimension() + usize::from(!given(normal));
     let sizes: Vec<usize> = contacts.iter().map(size).collect();
-    let factored = Factored::new(
-        Csr::from_dense("mass", mass).unwrap(),
-        Csr::from_dense("directions", directions).unwrap(),
-        &sizes,
-    );
+    let factored =
+        Factored::new(Csr::from_dense(mass).unwrap(), Csr::from_dense(directions).unwrap(), &sizes);
     ContactProblem::new(factored.unwrap(), loads, contacts).unwrap()
 }
