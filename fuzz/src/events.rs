@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Options, Outcome, integrate};
+use asperity::event::{Options, Outcome, integrate_with};
 use asperity::system::Normal;
 
 use crate::decode::{Range, Source};
@@ -21,7 +21,7 @@ pub fn check(data: &[u8]) {
     let options = options.with_start(&scene.q0, &scene.u0).with_max_events(200);
     let options = options.with_tolerance([1e-6, 1e-9][source.below(2)]);
     let mut calls = 0;
-    let result = integrate(&scene.system, &options, &mut |_| {
+    let result = integrate_with(&scene.system, &options, &mut |_| {
         calls += 1;
         if calls > PATIENCE { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });

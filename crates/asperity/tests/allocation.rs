@@ -1,9 +1,6 @@
 //! Steps do not allocate while the same contacts are closed; in a binary of its own, for the count is of
 //! the whole process.
 
-use std::alloc::System as Allocator;
-use std::ops::ControlFlow;
-
 use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
@@ -16,6 +13,7 @@ use asperity::system::{
 };
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System as Allocator;
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
@@ -124,7 +122,7 @@ fn allocations_of_integration(system: &dyn System, max_step: f64) -> (usize, usi
     let options = event::Options::new(10.0).unwrap().with_tolerance(1e-9).with_sample(20.0);
     let options = options.with_max_step(max_step).with_max_events(10);
     let region = Region::new(ALLOCATOR);
-    let run = event::integrate(system, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = event::integrate(system, &options).unwrap();
     let allocations = region.change().allocations;
     assert!(run.motion.events.is_empty(), "{:?}", run.motion.events);
     (allocations, run.motion.steps)

@@ -1,7 +1,5 @@
 //! What integrators ask of systems of users: what they check, and what is refused by name.
 
-use std::ops::ControlFlow;
-
 use asperity::contact::Phase;
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Stribeck};
@@ -162,7 +160,7 @@ fn stepper<'a>(system: &'a dyn System, q: &[f64]) -> Result<Stepper<'a>, StepErr
 
 fn integrate(system: &dyn System, q: &[f64]) -> Result<event::Run, asperity::ArgumentError> {
     let options = event::Options::new(1.0).unwrap().with_start(q, &vec![0.0; system.dof()]);
-    event::integrate(system, &options, &mut |_| ControlFlow::Continue(()))
+    event::integrate(system, &options)
 }
 
 /// The argument that an error of either integrator names.

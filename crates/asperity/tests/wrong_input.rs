@@ -2,7 +2,6 @@
 //! gives an error that names the argument, or an answer.
 
 use std::fmt::Display;
-use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -495,12 +494,9 @@ impl System for Own {
 /// Both integrators on a system: whether each has refused it or said that the motion does not get on.
 fn both(system: &dyn System) -> [bool; 2] {
     let options = simulate::Options::new(1e-2, 0.1).unwrap();
-    let stepped =
-        calm("simulate", || simulate(system, &options, &mut |_, _| ControlFlow::Continue(())));
+    let stepped = calm("simulate", || simulate(system, &options));
     let options = event::Options::new(0.1).unwrap();
-    let integrated = calm("integrate", || {
-        event::integrate(system, &options, &mut |_| ControlFlow::Continue(()))
-    });
+    let integrated = calm("integrate", || event::integrate(system, &options));
     [
         !stepped.is_ok_and(|run| matches!(run.outcome, simulate::Outcome::Finished)),
         !integrated.is_ok_and(|run| matches!(run.outcome, event::Outcome::Finished)),
@@ -546,9 +542,7 @@ fn integrators_refuse_wrong_options_and_states() {
     }
     refused("dt", || simulate::Options::new(1e-300, 1e300));
     let good = || simulate::Options::new(1e-3, 1e-2).unwrap();
-    let run = |options: simulate::Options| {
-        simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))
-    };
+    let run = |options: simulate::Options| simulate(&point, &options);
     let other = |change: fn(&mut simulate::Options)| {
         let mut options = good();
         change(&mut options);
@@ -589,9 +583,7 @@ fn integrators_refuse_wrong_options_and_states() {
         Stepper::new(&point, solver, 1e-9, 1e-3, &State::new(0.0, &[0.0; 2], &[1.0; 2])).unwrap();
     refused("contact", || stepper.output(1));
     assert_eq!(calm("phase", || stepper.phase(7)), Phase::Unknown);
-    let integrate = |options: event::Options| {
-        event::integrate(&point, &options, &mut |_| ControlFlow::Continue(()))
-    };
+    let integrate = |options: event::Options| event::integrate(&point, &options);
     let good = || event::Options::new(0.1).unwrap();
     let section = |normal: Vec<f64>| event::Section { normal, level: 0.0, after: 0.0 };
     refused("q0", || integrate(good().with_start(&[], &[])));

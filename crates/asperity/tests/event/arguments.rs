@@ -1,7 +1,5 @@
 //! Bad input is named.
 
-use std::ops::ControlFlow;
-
 use asperity::event::{Options, Outcome, Section, integrate};
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Cuboid, Vector};
@@ -11,7 +9,7 @@ use nalgebra::DMatrix;
 use crate::support::*;
 
 fn refused(system: &dyn System, options: &Options) -> String {
-    integrate(system, options, &mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+    integrate(system, options).unwrap_err().to_string()
 }
 
 #[test]
@@ -65,7 +63,7 @@ fn runs_stop_when_they_are_told_to() {
     let system = sliding_point(1.0, FrictionLaw::isotropic(0.5).unwrap(), 10.0).unwrap();
     let good = options(&[0.0; 2], &[1.0, 0.0], 1.0);
     let few = good.with_max_events(1);
-    let run = integrate(&system, &few, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = integrate(&system, &few).unwrap();
     assert!(matches!(run.outcome, Outcome::TooManyEvents));
     assert_eq!(run.motion.events.len(), 1);
 }

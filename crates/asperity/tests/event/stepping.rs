@@ -1,7 +1,5 @@
 //! Time stepping converges to the event-driven motion.
 
-use std::ops::ControlFlow;
-
 use asperity::event::Options;
 use asperity::law::Law;
 use asperity::set::{Star, strict_convexity};
@@ -56,7 +54,7 @@ fn stepped(system: &LinearSystem, start: &Options, dt: f64) -> (Vec<f64>, usize)
     options.start = start.start.as_ref().map(|state| State::new(0.0, &state.q, &state.u));
     let options = options.with_steps(steps).with_tolerance(1e-11).with_save_every(steps);
     let options = options.counting_failures();
-    let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate::simulate(system, &options).unwrap();
     let n = run.trajectory.samples.coordinates;
     (run.trajectory.samples.q[n..].to_vec(), run.trajectory.ambiguous_steps)
 }
