@@ -5,6 +5,7 @@
 
 use std::error::Error;
 
+use asperity::contact::NormalForce;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
@@ -54,7 +55,7 @@ impl System for Puck {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.4, 0.3))?.into();
-    let contact = ContactLaw::new(FrictionLaw::associated(ellipse), Some(9.81))?;
+    let contact = ContactLaw::new(FrictionLaw::associated(ellipse), NormalForce::Prescribed(9.81))?;
     let options = Options::new(1e-4, 0.3)?.with_start(&[1.0, 0.0], &[1.0, 1.0]);
     let last_only = options.steps;
     let options = options.with_save_every(last_only);

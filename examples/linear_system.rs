@@ -7,7 +7,7 @@ use asperity::contact::Phase;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::system::{Contact, LinearSystem, Normal};
+use asperity::system::{Contact, LinearSystem};
 use nalgebra::DMatrix;
 use std::error::Error;
 
@@ -23,13 +23,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         5.0,
     );
     let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.5, 0.3))?.into();
-    let floor = Contact {
-        law: FrictionLaw::associated(ellipse).into(),
-        direction: DMatrix::identity(3, 2),
-        velocity: vec![0.0; 2],
-        normal: Normal::Gap { direction: vec![0.0, 0.0, 1.0], gap: 0.0 },
-        restitution: (0.0, 0.0),
-    };
+    let floor = Contact::unilateral(
+        FrictionLaw::associated(ellipse),
+        DMatrix::identity(3, 2),
+        vec![0.0, 0.0, 1.0],
+        0.0,
+    );
     let zero = DMatrix::zeros(3, 3);
     let block = LinearSystem::new(
         DMatrix::identity(3, 3) * MASS,

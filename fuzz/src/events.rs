@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use asperity::event::{Options, Outcome, integrate_with};
-use asperity::system::Normal;
 
 use crate::decode::{Range, Source};
 use crate::systems::{self, Forces};
@@ -57,9 +56,11 @@ pub fn check(data: &[u8]) {
     });
     let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
     for contact in &scene.contacts {
-        let Normal::Gap { direction, gap } = &contact.normal else { continue };
+        if !contact.normal_force.is_unilateral() {
+            continue;
+        }
         for q in motion.samples.q.chunks_exact(motion.samples.dof) {
-            let now = gap + q.iter().zip(direction).map(|(q, w)| q * w).sum::<f64>();
+            let now = contact.gap + q.iter().zip(&contact.normal).map(|(q, w)| q * w).sum::<f64>();
             assert!(now > -1e-5 * size, "overlap {now:e}: {options:?} {scene:?}");
         }
     }

@@ -9,7 +9,7 @@ use asperity::solver::{Measure, Solver, Status, Stop, Workspace};
 use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{Body, Pair, Plane, PlaneMotion, RigidBodies, Shape};
 use asperity::system::{
-    Contact, Interpolation, LinearSystem, Normal, Signal, System, TimeFunction, mass_on_belt,
+    Contact, Interpolation, LinearSystem, Signal, System, TimeFunction, mass_on_belt,
 };
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -91,13 +91,9 @@ fn allocations(solver: Solver, system: &dyn System, q: &[f64], u: &[f64]) -> usi
 /// A mass pressed on a line by its weight, which a spring pulls along.
 fn on_a_line() -> LinearSystem {
     let column = |x: f64, z: f64| DMatrix::from_column_slice(2, 1, &[x, z]);
-    let contact = Contact {
-        law: Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap()),
-        direction: column(1.0, 0.2),
-        velocity: vec![-0.1],
-        normal: Normal::Gap { direction: vec![0.0, 1.0], gap: 0.0 },
-        restitution: (0.0, 0.0),
-    };
+    let law = FrictionLaw::<1>::isotropic(0.3).unwrap();
+    let at_rest = Contact::unilateral(law, column(1.0, 0.2), vec![0.0, 1.0], 0.0);
+    let contact = Contact { velocity: vec![-0.1], ..at_rest };
     let stiffness = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![50.0, 0.0]));
     let (mass, damping) = (DMatrix::identity(2, 2), DMatrix::zeros(2, 2));
     LinearSystem::new(mass, stiffness, damping, vec![0.0, -9.81], vec![contact]).unwrap()

@@ -1,14 +1,14 @@
 //! What integrators ask of systems of users: what they check, and what is refused by name.
 
-use asperity::contact::Phase;
+use asperity::contact::{NormalForce, Phase};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Cuboid, Ellipse, Star, Superellipsoid, Vector};
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
-    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, Normal, System,
-    SystemError, TimeDependence,
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, System, SystemError,
+    TimeDependence,
 };
 use nalgebra::DMatrix;
 
@@ -29,7 +29,7 @@ struct Falling {
 impl Falling {
     fn new(blocks: Blocks) -> Self {
         let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
-        let contacts = vec![ContactLaw::new(law, None).unwrap()];
+        let contacts = vec![ContactLaw::new(law, NormalForce::Unilateral).unwrap()];
         let touched = (0..blocks.count()).collect();
         let (lift, rate, carries_momenta, dependence) = (0.0, 1.0, false, None);
         Self { blocks, contacts, touched, lift, rate, carries_momenta, dependence }
@@ -207,7 +207,7 @@ fn blocks_that_contacts_touch_are_checked_where_a_run_is_made() {
 fn contacts_are_checked_where_they_are_made() {
     let law = || FrictionLaw::<1>::isotropic(0.5).unwrap();
     for force in [-1.0, f64::NAN, f64::INFINITY] {
-        let error = ContactLaw::new(law(), Some(force)).unwrap_err();
+        let error = ContactLaw::new(law(), NormalForce::Prescribed(force)).unwrap_err();
         assert!(error.to_string().starts_with("normal_force: "), "{error}");
     }
     for (normal, tangential, argument) in [
@@ -217,11 +217,16 @@ fn contacts_are_checked_where_they_are_made() {
         (0.0, -1.0, "tangential_restitution"),
         (1.0, 1.5, "tangential_restitution"),
     ] {
-        let made = ContactLaw::new(law(), None).unwrap().with_restitution(normal, tangential);
+        let made = ContactLaw::new(law(), NormalForce::Unilateral)
+            .unwrap()
+            .with_restitution(normal, tangential);
         assert!(made.unwrap_err().to_string().starts_with(argument));
     }
-    let made = ContactLaw::new(law(), Some(3.0)).unwrap().with_restitution(0.0, 1.0).unwrap();
-    assert_eq!(made.normal_force(), Some(3.0));
+    let made = ContactLaw::new(law(), NormalForce::Prescribed(3.0))
+        .unwrap()
+        .with_restitution(0.0, 1.0)
+        .unwrap();
+    assert_eq!(made.normal_force(), NormalForce::Prescribed(3.0));
     assert_eq!((made.normal_restitution(), made.tangential_restitution()), (0.0, 1.0));
 }
 
@@ -364,14 +369,13 @@ fn steppers_begin_again_as_new_ones() {
         let touching = (0..contacts).map(|contact| {
             let direction = DMatrix::from_fn(n, 2, |i, j| row(contact, j)[i]);
             let velocity = vec![-0.6, -0.0];
-            if gap {
-                let normal =
-                    Normal::Gap { direction: row(contact, 2).as_slice().to_vec(), gap: 0.0 };
-                let (law, restitution) = (law().into(), (0.0, 0.0));
-                Contact { law, direction, velocity, normal, restitution }
+            let at_rest = if gap {
+                let normal = row(contact, 2).as_slice().to_vec();
+                Contact::unilateral(law(), direction, normal, 0.0)
             } else {
-                Contact { velocity, ..Contact::with_force(law(), direction, 1.0) }
-            }
+                Contact::with_force(law(), direction, 1.0)
+            };
+            Contact { velocity, ..at_rest }
         });
         let (mass, stiffness) = (DMatrix::identity(n, n), DMatrix::identity(n, n) * 100.0);
         let force = (0..n).map(|i| if i % 3 == 2 { -3.0 } else { 0.0 }).collect();

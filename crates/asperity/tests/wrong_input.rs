@@ -25,8 +25,8 @@ use asperity::system::rigid::{
     Body, ContactLabel, Pair, Partners, PlanarBody, Plane, RigidBodies, Shape, Spring,
 };
 use asperity::system::{
-    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Normal, Rotation, System,
-    SystemError, mass_on_belt, sliding_point,
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Rotation, System, SystemError,
+    mass_on_belt, sliding_point,
 };
 use nalgebra::{DMatrix, Matrix2, Vector2, Vector3};
 
@@ -428,7 +428,7 @@ struct Own {
 impl Own {
     fn new() -> Self {
         let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
-        let contact = ContactLaw::new(law, Some(1.0)).unwrap();
+        let contact = ContactLaw::new(law, NormalForce::Prescribed(1.0)).unwrap();
         Self {
             blocks: Blocks::one(1),
             contacts: vec![contact],
@@ -627,10 +627,15 @@ fn linear_systems_are_checked_where_they_are_made() {
     refused("direction", with(|c| c.direction = DMatrix::zeros(1, 2)));
     refused("direction", with(|c| c.direction.fill(NAN)));
     refused("velocity", with(|c| c.velocity.clear()));
-    refused("normal_force", with(|c| c.normal = Normal::Force(-1.0)));
+    refused("normal_force", with(|c| c.normal_force = NormalForce::Prescribed(-1.0)));
     refused("normal_restitution", with(|c| c.restitution.0 = NAN));
-    refused("normal", with(|c| c.normal = Normal::Gap { direction: vec![], gap: 0.0 }));
-    refused("gap", with(|c| c.normal = Normal::Gap { direction: vec![1.0, 0.0], gap: NAN }));
+    refused("normal", with(|c| c.normal_force = NormalForce::Unilateral));
+    let unilateral = |normal, gap| {
+        let contact = Contact::unilateral(law(), DMatrix::identity(2, 2), normal, gap);
+        move || system([2, 2, 2, 2], vec![contact])
+    };
+    refused("normal", unilateral(vec![1.0], 0.0));
+    refused("gap", unilateral(vec![1.0, 0.0], NAN));
     let law = || FrictionLaw::associated(ellipse());
     let belt = |stiffness, force, velocity| mass_on_belt(1.0, stiffness, law(), force, velocity);
     let (one, still) = (Matrix2::identity(), Vector2::zeros());

@@ -103,11 +103,10 @@ impl Solution {
     /// If there is no such contact.
     pub fn contact(&self, i: usize) -> SolvedContact<'_> {
         let contact = &self.contacts[i];
-        let unilateral = contact.normal.prescribed().is_none();
         SolvedContact {
             normal_percussion: contact.normal_percussion(&self.percussion),
             percussion: &self.percussion[contact.tangential_rows()],
-            normal_velocity: unilateral.then(|| self.velocity[contact.offset]),
+            normal_velocity: contact.normal.is_unilateral().then(|| self.velocity[contact.offset]),
             velocity: &self.velocity[contact.tangential_rows()],
             state: self.states[i],
             ambiguous: self.ambiguous[i],

@@ -3,7 +3,7 @@
 use asperity::event::{Options, Outcome, Section, integrate};
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Cuboid, Vector};
-use asperity::system::{Contact, LinearSystem, Normal, System, sliding_point};
+use asperity::system::{Contact, LinearSystem, System, sliding_point};
 use nalgebra::DMatrix;
 
 use crate::support::*;
@@ -45,13 +45,8 @@ fn systems_that_cannot_be_integrated_are_refused() {
     assert!(message.contains("direction set of contact 0"), "{message}");
 
     let one = DMatrix::identity(1, 1);
-    let contact = Contact {
-        law: FrictionLaw::<1>::isotropic(0.5).unwrap().into(),
-        direction: one.clone(),
-        velocity: vec![0.0],
-        normal: Normal::Gap { direction: vec![1.0], gap: -0.1 },
-        restitution: (0.0, 0.0),
-    };
+    let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
+    let contact = Contact::unilateral(law, one.clone(), vec![1.0], -0.1);
     let zero = DMatrix::zeros(1, 1);
     let deep = LinearSystem::new(one, zero.clone(), zero, vec![0.0], vec![contact]).unwrap();
     let message = refused(&deep, &options(&[0.0], &[0.0], 1.0));

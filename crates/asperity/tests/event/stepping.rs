@@ -5,7 +5,7 @@ use asperity::law::Law;
 use asperity::set::{Star, strict_convexity};
 use asperity::simulate;
 use asperity::stepper::State;
-use asperity::system::{Contact, LinearSystem, Normal};
+use asperity::system::{Contact, LinearSystem};
 use nalgebra::DMatrix;
 
 use crate::common::{Random, gram, laws};
@@ -31,17 +31,17 @@ fn random_system(
     let n = 2 * contacts + 1;
     let solid = |random: &mut Random| gram(n, n + 3, random) + DMatrix::identity(n, n) * 0.5;
     let (mass, stiffness) = (solid(random), solid(random));
-    let contacts = (0..contacts).map(|_| Contact {
-        law: law.clone(),
-        direction: DMatrix::from_fn(n, 2, |_, _| random.normal()),
-        velocity: vec![random.normal(), random.normal()],
-        normal: if unilateral {
-            let direction = (0..n).map(|_| random.normal()).collect();
-            Normal::Gap { direction, gap: random.within(0.0, 0.5) }
+    let contacts = (0..contacts).map(|_| {
+        let (law, direction) = (law.clone(), DMatrix::from_fn(n, 2, |_, _| random.normal()));
+        let velocity = vec![random.normal(), random.normal()];
+        if unilateral {
+            let normal = (0..n).map(|_| random.normal()).collect();
+            let contact = Contact::unilateral(law, direction, normal, random.within(0.0, 0.5));
+            Contact { velocity, restitution: (0.3, 0.0), ..contact }
         } else {
-            Normal::Force(random.within(0.5, 2.0))
-        },
-        restitution: (if unilateral { 0.3 } else { 0.0 }, 0.0),
+            let force = random.within(0.5, 2.0);
+            Contact { velocity, ..Contact::with_force(law, direction, force) }
+        }
     });
     let contacts = contacts.collect();
     let force = (0..n).map(|_| random.normal()).collect();

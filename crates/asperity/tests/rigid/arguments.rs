@@ -1,6 +1,7 @@
 //! Bad input is refused with the argument's name.
 
 use asperity::ArgumentError;
+use asperity::contact::NormalForce;
 use asperity::simulate::{Options, simulate};
 use asperity::stepper::{StepError, Stepper};
 use asperity::system::rigid::{Body, Frame, Pair, PlanarBody, Plane, RigidBodies, Shape, Spring};
@@ -69,7 +70,7 @@ fn pairs_are_checked() {
         (Pair::new(spheres, disk(0.3)), "body"),
         (Pair::new(sphere(0, -1.0, floor.clone()), disk(0.3)), "radius"),
         (Pair::new(on(floor), line(0.3)), "law"),
-        (Pair { normal_force: Some(-1.0), ..good.clone() }, "normal_force"),
+        (Pair { normal_force: NormalForce::Prescribed(-1.0), ..good.clone() }, "normal_force"),
         (Pair { normal_restitution: 1.5, ..good.clone() }, "normal_restitution"),
         (Pair { tangential_restitution: f64::NAN, ..good.clone() }, "tangential_restitution"),
         (Pair { patch_radius: Some(0.1), ..good.clone() }, "patch_radius"),
