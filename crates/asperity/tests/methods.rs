@@ -6,7 +6,7 @@ mod common;
 use std::cell::Cell;
 
 use asperity::contact::{
-    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
+    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce, Phase,
 };
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
@@ -272,6 +272,26 @@ fn newton_follows_a_few_sweeps_that_creep() {
         let again = Solver::default().solve(&problem, stop, &mut memory, &mut workspace);
         assert_eq!((again.iterations, &memory.percussion), (0, &percussion), "{height}");
     }
+}
+
+/// A solution answers by contact, whatever rows the contacts before have.
+#[test]
+fn a_solution_answers_by_contact() {
+    let line: Law = FrictionLaw::<1>::isotropic(0.5).unwrap().into();
+    let plane: Law = FrictionLaw::<2>::isotropic(0.5).unwrap().into();
+    let contacts = [(line, NormalForce::Prescribed(2.0)), (plane, NormalForce::Unilateral)];
+    let free = vec![3.0, -1.0, 0.3, 0.4];
+    let problem = ContactProblem::new(DMatrix::identity(4, 4), free, contacts).unwrap();
+    let solution = problem.solve(&Solver::default(), Stop::default());
+    assert_eq!(solution.report.status, Status::Converged);
+    let (slips, sticks) = (solution.contact(0), solution.contact(1));
+    assert_eq!((slips.state.phase, sticks.state.phase), (Phase::Slip, Phase::Stick));
+    assert_eq!((slips.normal_percussion, slips.normal_velocity), (2.0, None));
+    assert_eq!((slips.tangential_percussion, slips.tangential_velocity), (&[-1.0][..], &[2.0][..]));
+    assert_eq!(sticks.normal_percussion, solution.percussion[1]);
+    assert_eq!(sticks.normal_velocity, Some(solution.velocity[1]));
+    assert_eq!(sticks.tangential_percussion, &solution.percussion[2..]);
+    assert_eq!(sticks.tangential_velocity, &solution.velocity[2..]);
 }
 
 /// `G` and `b` of two contacts that influence each other and nothing else.

@@ -4,6 +4,7 @@ use asperity::contact::{NormalForce, Phase};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Cuboid, Ellipse, Star, Superellipsoid, Vector};
+use asperity::simulate;
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
@@ -509,4 +510,35 @@ fn what_rounding_leaves_over_is_not_searched_for_with_every_correction() {
     assert!(iterations[5] > 1000, "not the step that was meant: {iterations:?}");
     // There are 31 corrections that the solver works for; with all 120 of them it would be 300 000.
     assert!(iterations[5] < 100_000, "{iterations:?}");
+}
+
+/// A guide of one dimension and a floor of two: samples answer by contact, padded beyond the dimension of a law.
+#[test]
+fn samples_answer_by_sample_and_contact() {
+    let guide = Contact::with_force(
+        FrictionLaw::<1>::isotropic(0.1).unwrap(),
+        DMatrix::from_column_slice(3, 1, &[1.0, 0.0, 0.0]),
+        5.0,
+    );
+    let law = FrictionLaw::<2>::isotropic(0.3).unwrap();
+    let floor = Contact::unilateral(law, DMatrix::identity(3, 2), vec![0.0, 0.0, 1.0], 0.0);
+    let (mass, zero) = (DMatrix::identity(3, 3), DMatrix::zeros(3, 3));
+    let force = vec![0.0, 0.0, -10.0];
+    let block = LinearSystem::new(mass, zero.clone(), zero, force, vec![guide, floor]).unwrap();
+    let options = simulate::Options::new(1e-2, 0.1).unwrap();
+    let run = simulate::simulate(&block, &options.with_start(&[0.0; 3], &[1.0, 1.0, 0.0])).unwrap();
+    let samples = &run.trajectory.samples;
+    let last = samples.len() - 1;
+    let end = samples.state(last);
+    assert_eq!(
+        (end.t, end.q, end.u),
+        (samples.t[last], &samples.q[3 * last..], &samples.u[3 * last..])
+    );
+    let [guide, floor] = [0, 1].map(|i| samples.contact(last, i));
+    assert!((guide.normal_force - 5.0).abs() + (floor.normal_force - 10.0).abs() < 1e-9);
+    assert!((guide.force[0] + 0.5).abs() < 1e-9 && guide.force[1].is_nan());
+    assert!((floor.force[0].hypot(floor.force[1]) - 3.0).abs() < 1e-9);
+    assert_eq!(floor.slip, &end.u[..2]);
+    assert!(samples.phases(last).eq([guide.phase, floor.phase]));
+    assert_eq!([guide.phase, floor.phase], [Phase::Slip; 2]);
 }

@@ -41,11 +41,11 @@ pub struct SolvedContact<'a> {
     /// Normal percussion `P_N` in N s, not negative: found for a unilateral contact, otherwise the prescribed one.
     pub normal_percussion: f64,
     /// Friction percussion `P` in N s; `−P/P_N` lies in the force reservoir.
-    pub percussion: &'a [f64],
+    pub tangential_percussion: &'a [f64],
     /// Normal velocity in m/s, positive where the contact opens; `None` where the normal percussion is prescribed.
     pub normal_velocity: Option<f64>,
-    /// Slip velocity in m/s.
-    pub velocity: &'a [f64],
+    /// Slip velocity `γ` in m/s.
+    pub tangential_velocity: &'a [f64],
     /// Phase and slip velocity, as the next solve remembers them.
     pub state: ContactState,
     /// Whether the contact has more than one solution while the others are held.
@@ -105,9 +105,9 @@ impl Solution {
         let contact = &self.contacts[i];
         SolvedContact {
             normal_percussion: contact.normal_percussion(&self.percussion),
-            percussion: &self.percussion[contact.tangential_rows()],
+            tangential_percussion: &self.percussion[contact.tangential_rows()],
             normal_velocity: contact.normal.is_unilateral().then(|| self.velocity[contact.offset]),
-            velocity: &self.velocity[contact.tangential_rows()],
+            tangential_velocity: &self.velocity[contact.tangential_rows()],
             state: self.states[i],
             ambiguous: self.ambiguous[i],
         }
@@ -145,7 +145,7 @@ impl ContactProblem {
     /// assert_eq!(solution.report.status, Status::Converged);
     /// // The contact slips: friction of 0.5 N s against the direction (3, 4)/5.
     /// let contact = solution.contact(0);
-    /// let friction = contact.percussion;
+    /// let friction = contact.tangential_percussion;
     /// assert_eq!((contact.state.phase, contact.normal_percussion), (Phase::Slip, 1.0));
     /// assert!((friction[0] + 0.3).abs() < 1e-12 && (friction[1] + 0.4).abs() < 1e-12);
     /// // From the problem and the percussions alone:
