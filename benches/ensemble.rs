@@ -74,7 +74,7 @@ fn alone(belt: &Belt, steps: usize) -> f64 {
     for member in 0..belt.count {
         let options = options(steps).with_save_every(steps);
         let options = options.with_start(&[0.0; 2], &Belt::velocity(member));
-        let run = simulate(&belt.system, &options, &mut go_on).unwrap();
+        let run = simulate(&belt.system, &options).unwrap();
         black_box(run.trajectory.samples.q[2]);
     }
     start.elapsed().as_secs_f64()

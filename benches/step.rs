@@ -8,7 +8,6 @@
 mod report;
 
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use asperity::law::FrictionLaw;
@@ -44,7 +43,7 @@ fn disk() -> LinearSystem {
 fn run(system: &LinearSystem, u0: [f64; 2], steps: usize, save_every: usize) -> f64 {
     let options = Options::new(DT, DT).unwrap().with_steps(steps).with_save_every(save_every);
     let options = options.with_start(&[0.0; 2], &u0).with_solver(Solver::Exact { max_sweeps: 1 });
-    let run = simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate(system, &options).unwrap();
     assert!(matches!(run.outcome, Outcome::Finished));
     run.trajectory.samples.q[2]
 }

@@ -4,7 +4,6 @@
 //! Run: cargo run --release -p asperity --example custom_set
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use asperity::law::FrictionLaw;
@@ -33,9 +32,10 @@ fn distance(law: FrictionLaw<2>, direction: f64) -> Result<f64, Box<dyn Error>> 
     let point = sliding_point(1.0, law, GRAVITY)?;
     let options = Options::new(1e-4, 2.0)?.with_start(&[0.0; 2], &[direction, 0.0]);
     let options = options.with_save_every(20_000).until_rest();
-    let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
-    let q = &run.trajectory.samples.q;
-    Ok(q[q.len() - 2].hypot(q[q.len() - 1]))
+    let run = simulate(&point, &options)?;
+    let path = &run.trajectory.samples;
+    let end = path.state(path.len() - 1);
+    Ok(end.q[0].hypot(end.q[1]))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

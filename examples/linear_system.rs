@@ -3,15 +3,13 @@
 //!
 //! Run: cargo run --release -p asperity --example linear_system
 
-use std::error::Error;
-use std::ops::ControlFlow;
-
 use asperity::contact::Phase;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::system::{Contact, LinearSystem, Normal};
+use asperity::system::{Contact, LinearSystem};
 use nalgebra::DMatrix;
+use std::error::Error;
 
 const MASS: f64 = 2.0;
 const GRAVITY: f64 = 9.81;
@@ -25,13 +23,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         5.0,
     );
     let ellipse: Convex<2> = Ellipse::new(Vector::<2>::new(0.5, 0.3))?.into();
-    let floor = Contact {
-        law: FrictionLaw::associated(ellipse).into(),
-        direction: DMatrix::identity(3, 2),
-        velocity: vec![0.0; 2],
-        normal: Normal::Gap { direction: vec![0.0, 0.0, 1.0], gap: 0.0 },
-        restitution: (0.0, 0.0),
-    };
+    let floor = Contact::unilateral(
+        FrictionLaw::associated(ellipse),
+        DMatrix::identity(3, 2),
+        vec![0.0, 0.0, 1.0],
+        0.0,
+    );
     let zero = DMatrix::zeros(3, 3);
     let block = LinearSystem::new(
         DMatrix::identity(3, 3) * MASS,
@@ -41,17 +38,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         vec![guide, floor],
     )?;
     let options = Options::new(1e-4, 1.0)?.with_start(&[0.0, 0.0, HEIGHT], &[1.0, 0.5, 0.0]);
-    let run = simulate(&block, &options, &mut |_, _| ControlFlow::Continue(()))?;
+    let run = simulate(&block, &options)?;
     let path = &run.trajectory.samples;
     let last = path.len() - 1;
-    // Phases come as (sample, contact); contact 1 is the floor.
+    // Contact 1 is the floor.
     let first = |phase: Phase| {
-        (1..=last).find(|&k| path.phase[2 * k + 1] == phase as i8).ok_or("this phase never came")
+        (1..=last).find(|&k| path.contact(k, 1).phase == phase).ok_or("this phase never came")
     };
     let (landing, rest) = (path.t[first(Phase::Slip)?], path.t[first(Phase::Stick)?]);
-    let normal_force = path.normal_force[2 * last + 1];
+    let (normal_force, end) = (path.contact(last, 1).normal_force, path.state(last));
     println!("{:?}: lands at {landing:.4} s, rests at {rest:.4} s", run.outcome);
-    println!("at x = {:.5} m, y = {:.5} m", path.q[3 * last], path.q[3 * last + 1]);
+    println!("at x = {:.5} m, y = {:.5} m", end.q[0], end.q[1]);
     println!("the floor carries {normal_force:.6} N");
     assert!((landing - (2.0 * HEIGHT / GRAVITY).sqrt()).abs() < 3.0 * options.dt);
     assert!((normal_force - MASS * GRAVITY).abs() < 1e-9);

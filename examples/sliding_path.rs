@@ -2,13 +2,11 @@
 //!
 //! Run: cargo run --release -p asperity --example sliding_path
 
-use std::error::Error;
-use std::ops::ControlFlow;
-
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Superellipse, Vector};
 use asperity::simulate::{Options, simulate};
 use asperity::system::sliding_point;
+use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     // Table 1: forces at a normal load of 9.3 N, the first axis across the grooves.
@@ -19,10 +17,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (sine, cosine) = 32f64.to_radians().sin_cos();
     let options = Options::new(1e-4, 1.0)?.with_start(&[0.0; 2], &[1.52 * cosine, 1.52 * sine]);
     let options = options.with_save_every(10).until_rest();
-    let run = simulate(&disk, &options, &mut |_, _| ControlFlow::Continue(()))?;
+    let run = simulate(&disk, &options)?;
     let path = &run.trajectory.samples;
-    let (x, y) = (path.q[path.q.len() - 2], path.q[path.q.len() - 1]);
-    println!("{:?} after {:.4} s", run.outcome, path.t[path.len() - 1]);
+    let end = path.state(path.len() - 1);
+    let (x, y) = (end.q[0], end.q[1]);
+    println!("{:?} after {:.4} s", run.outcome, end.t);
     println!("end point {:.3} mm across, {:.3} mm along the grooves", 1e3 * x, 1e3 * y);
     println!("deflection {:.3} mm", 1e3 * (y * cosine - x * sine));
     println!("{} samples, {} ambiguous steps", path.len(), run.trajectory.ambiguous_steps);

@@ -86,9 +86,9 @@ pub fn wall(height: usize, width: usize) -> Problem {
         }
     }
     let (rows, dof) = (3 * contacts.len(), BODY * height * width);
-    let directions = Csr::new("directions", rows, dof, starts, indices, values).expect("a wall");
+    let directions = Csr::new(rows, dof, starts, indices, values).expect("a wall");
     let diagonal = (0..dof).collect();
-    let mass = Csr::new("mass", dof, dof, (0..=dof).collect(), diagonal, vec![1.0; dof]);
+    let mass = Csr::new(dof, dof, (0..=dof).collect(), diagonal, vec![1.0; dof]);
     let mut touching = vec![Vec::new(); dof];
     for row in 0..rows {
         let (columns, values) = directions.row(row);
@@ -116,7 +116,7 @@ pub fn wall(height: usize, width: usize) -> Problem {
         }
         starts.push(indices.len());
     }
-    let delassus = Csr::new("delassus", rows, rows, starts, indices, values).expect("a wall");
+    let delassus = Csr::new(rows, rows, starts, indices, values).expect("a wall");
     let phase = |i: usize| [(0.0, 1.0), (1.0, 0.0), (1.0, 0.5)][i % 3];
     Problem {
         name: format!("wall {height} x {width}"),
@@ -355,7 +355,7 @@ impl Archive {
             sorted_indices.extend(row.iter().map(|(column, _)| *column));
             sorted_values.extend(row.iter().map(|(_, value)| *value));
         }
-        let matrix = Csr::new("file", shape[0], shape[1], starts, sorted_indices, sorted_values);
+        let matrix = Csr::new(shape[0], shape[1], starts, sorted_indices, sorted_values);
         Ok(matrix?)
     }
 }

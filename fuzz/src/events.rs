@@ -2,8 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Options, Outcome, integrate};
-use asperity::system::Normal;
+use asperity::event::{Options, Outcome, integrate_with};
 
 use crate::decode::{Range, Source};
 use crate::systems::{self, Forces};
@@ -21,7 +20,7 @@ pub fn check(data: &[u8]) {
     let options = options.with_start(&scene.q0, &scene.u0).with_max_events(200);
     let options = options.with_tolerance([1e-6, 1e-9][source.below(2)]);
     let mut calls = 0;
-    let result = integrate(&scene.system, &options, &mut |_| {
+    let result = integrate_with(&scene.system, &options, &mut |_| {
         calls += 1;
         if calls > PATIENCE { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
@@ -57,9 +56,11 @@ pub fn check(data: &[u8]) {
     });
     let size = states.fold(1.0, |m: f64, v| m.max(v.abs()));
     for contact in &scene.contacts {
-        let Normal::Gap { direction, gap } = &contact.normal else { continue };
+        if !contact.normal_force.is_unilateral() {
+            continue;
+        }
         for q in motion.samples.q.chunks_exact(motion.samples.dof) {
-            let now = gap + q.iter().zip(direction).map(|(q, w)| q * w).sum::<f64>();
+            let now = contact.gap + q.iter().zip(&contact.normal).map(|(q, w)| q * w).sum::<f64>();
             assert!(now > -1e-5 * size, "overlap {now:e}: {options:?} {scene:?}");
         }
     }

@@ -95,7 +95,7 @@ fn solvers(source: &mut Source<'_>) -> [Solver; 2] {
         0 => Solver::Exact { max_sweeps: 200 },
         1 => Solver::ProxJacobi { step, max_iterations: 500 },
         2 => Solver::ProxGaussSeidel { step, max_iterations: 500 },
-        3 => Solver::Newton { max_iterations: 100 },
+        3 => Solver::SemismoothNewton { max_iterations: 100 },
         4 => Solver::ProximalPoint { max_iterations: 60 },
         5 => Solver::InteriorPoint { max_iterations: 100 },
         6 => Solver::Admm { max_iterations: 500 },
@@ -107,7 +107,7 @@ fn solvers(source: &mut Source<'_>) -> [Solver; 2] {
 fn limit(solver: &Solver) -> Option<usize> {
     match *solver {
         Solver::Exact { max_sweeps } => Some(max_sweeps),
-        Solver::Newton { max_iterations }
+        Solver::SemismoothNewton { max_iterations }
         | Solver::ProximalPoint { max_iterations }
         | Solver::InteriorPoint { max_iterations }
         | Solver::Admm { max_iterations }

@@ -1,7 +1,5 @@
 //! Random linear systems by Moreau's time stepping.
 
-use std::ops::ControlFlow;
-
 use asperity::simulate::{Options, Outcome, simulate};
 
 use crate::decode::{Range, Source};
@@ -14,7 +12,7 @@ pub fn check(data: &[u8]) {
     let dt = 0.01 * source.size(Range::Narrow);
     let Ok(options) = Options::new(dt, dt) else { return };
     let options = options.with_steps(30).with_start(&scene.q0, &scene.u0);
-    let result = simulate(&scene.system, &options, &mut |_, _| ControlFlow::Continue(()));
+    let result = simulate(&scene.system, &options);
     let Ok(run) = result else { return };
     let path = &run.trajectory.samples;
     if !scene.tame {

@@ -2,7 +2,7 @@
 
 use asperity::contact::Phase;
 use asperity::law::Law;
-use asperity::system::{Contact, LinearSystem, Normal};
+use asperity::system::{Contact, LinearSystem};
 use nalgebra::DMatrix;
 
 use crate::decode::{Range, Source};
@@ -28,7 +28,8 @@ impl std::fmt::Debug for Scene {
         for c in &self.contacts {
             let law = laws::describe(&c.law);
             write!(f, "\n  contact: {law}\n    W (by columns) {:?}", c.direction.as_slice())?;
-            write!(f, " χ {:?} {:?} e {:?}", c.velocity, c.normal, c.restitution)?;
+            write!(f, " χ {:?} {:?} e {:?}", c.velocity, c.normal_force, c.restitution)?;
+            write!(f, " normal {:?} gap {:?}", c.normal, c.gap)?;
         }
         write!(f, "\n  q0 {:?} u0 {:?}", self.q0, self.u0)
     }
@@ -88,16 +89,17 @@ fn contact(source: &mut Source<'_>, n: usize, rated: bool) -> Option<Contact> {
     };
     let belt = source.once_in(2);
     let velocity = (0..p).map(|_| if belt { source.number(Range::Narrow) } else { 0.0 }).collect();
-    let normal = if source.once_in(3) {
-        let direction =
+    let at_rest = if source.once_in(3) {
+        let normal =
             (0..n).map(|i| if axes && i + 1 == n { 1.0 } else { source.signed() }).collect();
         let touching = source.once_in(2);
-        Normal::Gap { direction, gap: if touching { 0.0 } else { source.size(Range::Narrow) } }
+        let gap = if touching { 0.0 } else { source.size(Range::Narrow) };
+        Contact::unilateral(law, direction, normal, gap)
     } else {
-        Normal::Force(source.size(Range::Narrow))
+        Contact::with_force(law, direction, source.size(Range::Narrow))
     };
     let restitution = if source.once_in(3) { (source.unit(), 0.0) } else { (0.0, 0.0) };
-    Some(Contact { law, direction, velocity, normal, restitution })
+    Some(Contact { velocity, restitution, ..at_rest })
 }
 
 impl Scene {

@@ -34,6 +34,12 @@ impl ArgumentError {
         Self::new(argument, format!("must be {allowed}, got {value:?}"))
     }
 
+    /// The same error of an argument that its caller calls otherwise.
+    #[must_use]
+    pub fn named(self, argument: &'static str) -> Self {
+        Self { argument, ..self }
+    }
+
     /// The same, which says of which of several it is.
     pub(crate) fn within(self, what: &str, index: usize) -> Self {
         Self { message: format!("of {what} {index} {}", self.message), ..self }

@@ -171,22 +171,18 @@ pub struct Run {
 
 /// Simulates `system` with Moreau's midpoint scheme.
 ///
-/// `observer(step, steps)` is called about every 50 ms, within long steps, too, and may stop the run.
-///
 /// ```
-/// use std::ops::ControlFlow;
-///
 /// use asperity::law::FrictionLaw;
 /// use asperity::simulate::{Options, Outcome, simulate};
 /// use asperity::system::sliding_point;
 ///
 /// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
 /// let options = Options::new(1e-3, 1.0)?.with_start(&[0.0, 0.0], &[1.0, 0.0]).until_rest();
-/// let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
+/// let run = simulate(&point, &options)?;
 /// assert!(matches!(run.outcome, Outcome::AtRest));
 /// // The path is v₀²/(2μg) = 0.1 m.
 /// let path = &run.trajectory.samples;
-/// assert!((path.q[path.q.len() - 2] - 0.1).abs() < 1e-3);
+/// assert!((path.state(path.len() - 1).q[0] - 0.1).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -194,7 +190,17 @@ pub struct Run {
 ///
 /// [`ArgumentError`] if an option or the state at the beginning is out of range. Whatever happens later is the
 /// [`Outcome`] of the run.
-pub fn simulate(
+pub fn simulate(system: &dyn System, options: &Options) -> Result<Run, ArgumentError> {
+    simulate_with(system, options, &mut |_, _| ControlFlow::Continue(()))
+}
+
+/// The same with an observer: `observer(step, steps)` is called about every 50 ms, within long steps, too, and may stop
+/// the run.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn simulate_with(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,

@@ -10,18 +10,16 @@ use crate::system::System;
 /// Samples of a run. Sample 0 is the initial state, which no step has led to: forces NaN, phases unknown.
 ///
 /// ```
-/// use std::ops::ControlFlow;
-///
 /// use asperity::law::FrictionLaw;
 /// use asperity::simulate::{Options, simulate};
 /// use asperity::system::sliding_point;
 ///
 /// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
 /// let options = Options::new(1e-2, 0.1)?.with_start(&[0.0, 0.0], &[1.0, 0.0]);
-/// let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(()))?;
+/// let run = simulate(&point, &options)?;
 /// let samples = &run.trajectory.samples;
 /// assert_eq!((samples.len(), samples.dof, run.trajectory.failed_steps), (11, 2, 0));
-/// assert!((samples.u[2 * 10] - 0.5).abs() < 1e-9);
+/// assert!((samples.state(10).u[0] - 0.5).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -81,11 +79,11 @@ impl Trajectory {
         residual: f64,
     ) -> Result<(), StepError> {
         for contact in 0..self.samples.contacts {
+            let dimension = stepper.dimension(contact);
             match stepper.output(contact) {
                 Ok(output) => self.samples.push_contact(&ContactSample {
-                    dimension: stepper.dimension(contact),
-                    slip: output.slip,
-                    force: output.force,
+                    slip: &output.slip[..dimension],
+                    force: &output.force[..dimension],
                     normal_force: output.normal_force,
                     phase: output.phase,
                 }),

@@ -1,9 +1,6 @@
 //! Steps do not allocate while the same contacts are closed; in a binary of its own, for the count is of
 //! the whole process.
 
-use std::alloc::System as Allocator;
-use std::ops::ControlFlow;
-
 use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
@@ -12,10 +9,11 @@ use asperity::solver::{Measure, Solver, Status, Stop, Workspace};
 use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{Body, Pair, Plane, PlaneMotion, RigidBodies, Shape};
 use asperity::system::{
-    Contact, Interpolation, LinearSystem, Normal, Signal, System, TimeFunction, mass_on_belt,
+    Contact, Interpolation, LinearSystem, Signal, System, TimeFunction, mass_on_belt,
 };
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System as Allocator;
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<Allocator> = &INSTRUMENTED_SYSTEM;
@@ -93,13 +91,9 @@ fn allocations(solver: Solver, system: &dyn System, q: &[f64], u: &[f64]) -> usi
 /// A mass pressed on a line by its weight, which a spring pulls along.
 fn on_a_line() -> LinearSystem {
     let column = |x: f64, z: f64| DMatrix::from_column_slice(2, 1, &[x, z]);
-    let contact = Contact {
-        law: Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap()),
-        direction: column(1.0, 0.2),
-        velocity: vec![-0.1],
-        normal: Normal::Gap { direction: vec![0.0, 1.0], gap: 0.0 },
-        restitution: (0.0, 0.0),
-    };
+    let law = FrictionLaw::<1>::isotropic(0.3).unwrap();
+    let at_rest = Contact::unilateral(law, column(1.0, 0.2), vec![0.0, 1.0], 0.0);
+    let contact = Contact { velocity: vec![-0.1], ..at_rest };
     let stiffness = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![50.0, 0.0]));
     let (mass, damping) = (DMatrix::identity(2, 2), DMatrix::zeros(2, 2));
     LinearSystem::new(mass, stiffness, damping, vec![0.0, -9.81], vec![contact]).unwrap()
@@ -124,7 +118,7 @@ fn allocations_of_integration(system: &dyn System, max_step: f64) -> (usize, usi
     let options = event::Options::new(10.0).unwrap().with_tolerance(1e-9).with_sample(20.0);
     let options = options.with_max_step(max_step).with_max_events(10);
     let region = Region::new(ALLOCATOR);
-    let run = event::integrate(system, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = event::integrate(system, &options).unwrap();
     let allocations = region.change().allocations;
     assert!(run.motion.events.is_empty(), "{:?}", run.motion.events);
     (allocations, run.motion.steps)

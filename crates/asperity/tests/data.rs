@@ -4,7 +4,6 @@ mod common;
 
 use std::collections::BTreeSet;
 use std::fmt::Debug;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use asperity::contact::{
@@ -189,10 +188,10 @@ fn problems_come_back_to_the_bit() {
     let text = check(&problem);
     // Contacts that share a law share it in the data.
     assert_eq!(text.matches("\"reservoir\"").count(), 2, "{text}");
-    let mass = Csr::new("mass", 2, 2, vec![0, 1, 2], vec![0, 1], vec![2.0, 0.5]).unwrap();
+    let mass = Csr::new(2, 2, vec![0, 1, 2], vec![0, 1], vec![2.0, 0.5]).unwrap();
     let starts: Vec<usize> = (0..8).map(|i| 2 * i).collect();
     let values: Vec<f64> = (0..14).map(|_| random.normal()).collect();
-    let directions = Csr::new("directions", 7, 2, starts, [0, 1].repeat(7), values).unwrap();
+    let directions = Csr::new(7, 2, starts, [0, 1].repeat(7), values).unwrap();
     let factored = Factored::new(mass, directions, &sizes).unwrap();
     check(&ContactProblem::new(factored, free, contacts.clone()).unwrap());
     let free = MatrixFree::new(Arc::new(Products), &[3]).unwrap();
@@ -232,11 +231,11 @@ fn what_is_no_problem_is_refused() {
 fn motions_come_back_to_the_bit() {
     let point = sliding_point(1.0, FrictionLaw::isotropic(0.3).unwrap(), 9.81).unwrap();
     let options = Options::new(1e-2, 0.5).unwrap().with_start(&[0.0; 2], &[1.0, 0.3]);
-    let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate(&point, &options).unwrap();
     let text = returns(&run.trajectory);
     assert!(text.contains("\"nan\""), "the first sample has no forces");
     let options = event::Options::new(0.5).unwrap().with_start(&[0.0; 2], &[1.0, 0.3]);
-    let run = event::integrate(&point, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = event::integrate(&point, &options).unwrap();
     assert!(!run.motion.events.is_empty());
     let motion = returns(&run.motion);
     let refused = |text: &str, from: &str, to: &str, complaint: &str| {

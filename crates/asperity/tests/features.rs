@@ -9,7 +9,6 @@ mod common;
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use asperity::contact::{BlockMatrix, ContactProblem, NormalForce};
@@ -95,13 +94,13 @@ fn bits() -> Vec<u64> {
     let ball =
         RigidBodies::new(vec![ball], &[Pair::new(shape, law)], vec![], [0.0, 0.0, -9.81]).unwrap();
     let mut options = Options::new(1e-3, 0.5).unwrap();
-    let run = simulate(&ball, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate(&ball, &options).unwrap();
     found.extend(run.trajectory.samples.q);
     options = options.with_start(&[0.0; 2], &[1.0, 0.5]);
-    let run = simulate(&point, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate(&point, &options).unwrap();
     found.extend(run.trajectory.samples.q);
     let options = event::Options::new(0.5).unwrap().with_start(&[0.0; 2], &[1.0, 0.5]);
-    let run = event::integrate(&point, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = event::integrate(&point, &options).unwrap();
     found.extend(run.motion.samples.q);
     found.into_iter().map(f64::to_bits).collect()
 }

@@ -636,7 +636,7 @@ fn between_walls(
     let mass = |i: usize| masses[i / 2];
     let inverse = DMatrix::from_fn(4, 4, |i, j| if i == j { 1.0 / mass(i) } else { 0.0 });
     let dense = &directions * inverse * directions.transpose();
-    let sparse = |argument, matrix: &DMatrix<f64>| {
+    let sparse = |matrix: &DMatrix<f64>| {
         let (mut starts, mut indices, mut values) = (vec![0], vec![], vec![]);
         for row in matrix.row_iter() {
             for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
@@ -645,12 +645,11 @@ fn between_walls(
             }
             starts.push(indices.len());
         }
-        Csr::new(argument, matrix.nrows(), matrix.ncols(), starts, indices, values).unwrap()
+        Csr::new(matrix.nrows(), matrix.ncols(), starts, indices, values).unwrap()
     };
     let masses = DMatrix::from_fn(4, 4, |i, j| if i == j { mass(i) } else { 0.0 });
-    let factored =
-        Factored::new(sparse("mass", &masses), sparse("directions", &directions), &[2; 4]).unwrap();
-    let blocks = BlockMatrix::from_csr(&sparse("delassus", &dense), &[2; 4]).unwrap();
+    let factored = Factored::new(sparse(&masses), sparse(&directions), &[2; 4]).unwrap();
+    let blocks = BlockMatrix::from_csr(&sparse(&dense), &[2; 4]).unwrap();
     let [a, b, c] = approach.map(|v| -v);
     let free = vec![a, 0.2, b, -0.1, c, 0.3, -1.0, 0.5];
     let full = BlockMatrix::from_dense(&dense, &[2; 4]).unwrap();
@@ -803,12 +802,11 @@ fn large_percussions_of_stacks_are_solutions() {
 fn heavy_bodies_that_the_operator_has_lost_are_never_said_to_have_no_solution() {
     for heavy in [1e15, 1e16, 1e17, 1e20, 1e25, 1e30] {
         let masses = [1.0, 1.0, heavy, heavy];
-        let mass =
-            Csr::new("mass", 4, 4, (0..=4).collect(), (0..4).collect(), masses.to_vec()).unwrap();
+        let mass = Csr::new(4, 4, (0..=4).collect(), (0..4).collect(), masses.to_vec()).unwrap();
         // Rows: light on ground, normal and along; heavy on light likewise. Velocities (x, y) of both bodies.
         let (starts, columns) = (vec![0, 1, 2, 4, 6], vec![1, 0, 1, 3, 0, 2]);
         let values = vec![1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
-        let directions = Csr::new("directions", 4, 4, starts, columns, values).unwrap();
+        let directions = Csr::new(4, 4, starts, columns, values).unwrap();
         let factored = Factored::new(mass, directions, &[2, 2]).unwrap();
         let law = || Law::from(FrictionLaw::<1>::isotropic(0.3).unwrap());
         let contacts = [0, 1].map(|_| (law(), NormalForce::Unilateral));

@@ -6,7 +6,7 @@ mod common;
 use std::cell::Cell;
 
 use asperity::contact::{
-    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce,
+    BlockMatrix, ContactProblem, Csr, Delassus, Factored, Memory, NormalForce, Phase,
 };
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
@@ -120,12 +120,12 @@ fn problems_of(
     let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
     let sizes = vec![size; contacts];
     let factored = Factored::new(
-        Csr::from_dense("mass", &mass).unwrap(),
-        Csr::from_dense("directions", &directions).unwrap(),
+        Csr::from_dense(&mass).unwrap(),
+        Csr::from_dense(&directions).unwrap(),
         &sizes,
     );
     let full = BlockMatrix::from_dense(&dense, &sizes).unwrap();
-    let blocks = BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes);
+    let blocks = BlockMatrix::from_csr(&Csr::from_dense(&dense).unwrap(), &sizes);
     let forms: [Delassus; 3] = [full.into(), blocks.unwrap().into(), factored.unwrap().into()];
     let problem = |delassus: Delassus| {
         let contacts =
@@ -156,7 +156,7 @@ fn methods(situation: Situation) -> Vec<(Solver, bool)> {
         (Solver::AUTO, true),
         (Solver::Auto { interior_point: false, threads: 1 }, true),
         (Solver::Exact { max_sweeps: 100_000 }, of_one_weight),
-        (Solver::Newton { max_iterations: 300 }, false),
+        (Solver::SemismoothNewton { max_iterations: 300 }, false),
         (Solver::ProximalPoint { max_iterations: 3000 }, true),
         (Solver::InteriorPoint { max_iterations: 200 }, of_one_weight),
         (Solver::Admm { max_iterations: 100_000 }, of_one_weight),
@@ -181,7 +181,7 @@ fn methods_agree_on_random_problems() {
                         let name = format!("p = {p}, {situation:?}, {form}, {solver:?}");
                         let converged = found.report.status == Status::Converged;
                         assert!(converged || !must, "{name}: {:?}", found.report);
-                        if let Solver::Newton { .. } = solver {
+                        if let Solver::SemismoothNewton { .. } = solver {
                             newton = (newton.0 + usize::from(converged), newton.1 + 1);
                         }
                         if !converged {
@@ -267,10 +267,31 @@ fn newton_follows_a_few_sweeps_that_creep() {
             assert!((a - b).abs() < 1e-6, "{height}: {a} {b}");
         }
         let percussion = solution.percussion.clone();
-        let memory = Memory { percussion: percussion.clone(), states: solution.states.clone() };
-        let again = problem.solve_from(&Solver::default(), stop, memory);
-        assert_eq!((again.report.iterations, &again.percussion), (0, &percussion), "{height}");
+        let mut memory = Memory { percussion: percussion.clone(), states: solution.states.clone() };
+        let mut workspace = Workspace::default();
+        let again = Solver::default().solve(&problem, stop, &mut memory, &mut workspace);
+        assert_eq!((again.iterations, &memory.percussion), (0, &percussion), "{height}");
     }
+}
+
+/// A solution answers by contact, whatever rows the contacts before have.
+#[test]
+fn a_solution_answers_by_contact() {
+    let line: Law = FrictionLaw::<1>::isotropic(0.5).unwrap().into();
+    let plane: Law = FrictionLaw::<2>::isotropic(0.5).unwrap().into();
+    let contacts = [(line, NormalForce::Prescribed(2.0)), (plane, NormalForce::Unilateral)];
+    let free = vec![3.0, -1.0, 0.3, 0.4];
+    let problem = ContactProblem::new(DMatrix::identity(4, 4), free, contacts).unwrap();
+    let solution = problem.solve(&Solver::default(), Stop::default());
+    assert_eq!(solution.report.status, Status::Converged);
+    let (slips, sticks) = (solution.contact(0), solution.contact(1));
+    assert_eq!((slips.state.phase, sticks.state.phase), (Phase::Slip, Phase::Stick));
+    assert_eq!((slips.normal_percussion, slips.normal_velocity), (2.0, None));
+    assert_eq!((slips.tangential_percussion, slips.tangential_velocity), (&[-1.0][..], &[2.0][..]));
+    assert_eq!(sticks.normal_percussion, solution.percussion[1]);
+    assert_eq!(sticks.normal_velocity, Some(solution.velocity[1]));
+    assert_eq!(sticks.tangential_percussion, &solution.percussion[2..]);
+    assert_eq!(sticks.tangential_velocity, &solution.velocity[2..]);
 }
 
 /// `G` and `b` of two contacts that influence each other and nothing else.
@@ -304,7 +325,7 @@ fn of_islands(islands: &[Island], contacts: &[(usize, usize)]) -> ContactProblem
         }
     }
     let rows = 3 * contacts.len();
-    let matrix = Csr::new("delassus", rows, rows, starts, indices, values).unwrap();
+    let matrix = Csr::new(rows, rows, starts, indices, values).unwrap();
     let blocks = BlockMatrix::from_csr(&matrix, &vec![3; contacts.len()]).unwrap();
     let free = contacts.iter().flat_map(|&(island, place)| {
         islands[island].free[3 * place..3 * place + 3].iter().copied()
@@ -408,7 +429,7 @@ fn who_gives_up_does_not_wait_for_a_factorisation() {
     let laws = vec![(laws(2)[0].clone(), NormalForce::Unilateral); contacts];
     let problem = ContactProblem::new(&directions * directions.transpose(), free, laws).unwrap();
     for solver in [
-        Solver::Newton { max_iterations: 1 },
+        Solver::SemismoothNewton { max_iterations: 1 },
         Solver::ProximalPoint { max_iterations: 1 },
         Solver::InteriorPoint { max_iterations: 1 },
         Solver::Admm { max_iterations: 1 },

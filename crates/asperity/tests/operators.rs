@@ -62,12 +62,11 @@ fn forms() -> Vec<(&'static str, Delassus)> {
     let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
     let sizes = [3; CONTACTS];
     let factored = Factored::new(
-        Csr::from_dense("mass", &mass).unwrap(),
-        Csr::from_dense("directions", &directions).unwrap(),
+        Csr::from_dense(&mass).unwrap(),
+        Csr::from_dense(&directions).unwrap(),
         &sizes,
     );
-    let blocks =
-        BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes).unwrap();
+    let blocks = BlockMatrix::from_csr(&Csr::from_dense(&dense).unwrap(), &sizes).unwrap();
     let free = MatrixFree::new(Arc::new(Products(dense.clone())), &sizes).unwrap();
     vec![
         ("dense", BlockMatrix::from_dense(&dense, &sizes).unwrap().into()),
@@ -119,7 +118,7 @@ fn operators_without_entries_are_for_the_papers_iteration() {
     assert_eq!(solve(jacobi, &problem).0.status, Status::Converged);
     let others = [
         Solver::Exact { max_sweeps: 10 },
-        Solver::Newton { max_iterations: 10 },
+        Solver::SemismoothNewton { max_iterations: 10 },
         Solver::ProximalPoint { max_iterations: 10 },
         Solver::InteriorPoint { max_iterations: 10 },
         Solver::Admm { max_iterations: 10 },
@@ -143,10 +142,8 @@ fn bad_operators_are_named() {
     named(pattern(&[5], &[vec![0]]), "delassus");
     let (mass, directions) = bodies();
     let factored = |mass: &DMatrix<f64>, directions: &DMatrix<f64>| {
-        let (mass, directions) = (
-            Csr::from_dense("mass", mass).unwrap(),
-            Csr::from_dense("directions", directions).unwrap(),
-        );
+        let (mass, directions) =
+            (Csr::from_dense(mass).unwrap(), Csr::from_dense(directions).unwrap());
         Factored::new(mass, directions, &[3; CONTACTS]).map(|_| ())
     };
     named(factored(&-&mass, &directions), "mass");
@@ -161,16 +158,20 @@ fn bad_operators_are_named() {
     named(factored(&chain, &along), "mass");
     let products = Arc::new(Products(DMatrix::identity(4, 4)));
     named(MatrixFree::new(products, &[3]).map(|_| ()), "delassus");
-    let unsorted = Csr::new("delassus", 1, 2, vec![0, 2], vec![1, 0], vec![1.0, 1.0]);
-    named(unsorted.map(|_| ()), "delassus");
-    let outside = Csr::new("delassus", 1, 2, vec![0, 1], vec![2], vec![1.0]);
-    named(outside.map(|_| ()), "delassus");
+    let unsorted = Csr::new(1, 2, vec![0, 2], vec![1, 0], vec![1.0, 1.0]);
+    named(unsorted.map(|_| ()), "matrix");
+    let outside = Csr::new(1, 2, vec![0, 1], vec![2], vec![1.0]);
+    // The caller has its own word for it, and what is wrong stays as it is said.
+    let [error, renamed] = [outside.clone(), outside.map_err(|error| error.named("mass"))]
+        .map(|outside| outside.unwrap_err());
+    assert_eq!((error.argument, renamed.argument), ("matrix", "mass"));
+    assert_eq!(error.message, renamed.message);
 }
 
 const SOLVERS: [Solver; 8] = [
     Solver::AUTO,
     Solver::Exact { max_sweeps: 1000 },
-    Solver::Newton { max_iterations: 100 },
+    Solver::SemismoothNewton { max_iterations: 100 },
     Solver::ProximalPoint { max_iterations: 100 },
     Solver::InteriorPoint { max_iterations: 100 },
     Solver::Admm { max_iterations: 2000 },

@@ -1,16 +1,15 @@
 //! What integrators ask of systems of users: what they check, and what is refused by name.
 
-use std::ops::ControlFlow;
-
-use asperity::contact::Phase;
+use asperity::contact::{NormalForce, Phase};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Cuboid, Ellipse, Star, Superellipsoid, Vector};
+use asperity::simulate;
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
-    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, Normal, System,
-    SystemError, TimeDependence,
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, System, SystemError,
+    TimeDependence,
 };
 use nalgebra::DMatrix;
 
@@ -31,7 +30,7 @@ struct Falling {
 impl Falling {
     fn new(blocks: Blocks) -> Self {
         let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
-        let contacts = vec![ContactLaw::new(law, None).unwrap()];
+        let contacts = vec![ContactLaw::new(law, NormalForce::Unilateral).unwrap()];
         let touched = (0..blocks.count()).collect();
         let (lift, rate, carries_momenta, dependence) = (0.0, 1.0, false, None);
         Self { blocks, contacts, touched, lift, rate, carries_momenta, dependence }
@@ -162,7 +161,7 @@ fn stepper<'a>(system: &'a dyn System, q: &[f64]) -> Result<Stepper<'a>, StepErr
 
 fn integrate(system: &dyn System, q: &[f64]) -> Result<event::Run, asperity::ArgumentError> {
     let options = event::Options::new(1.0).unwrap().with_start(q, &vec![0.0; system.dof()]);
-    event::integrate(system, &options, &mut |_| ControlFlow::Continue(()))
+    event::integrate(system, &options)
 }
 
 /// The argument that an error of either integrator names.
@@ -209,7 +208,7 @@ fn blocks_that_contacts_touch_are_checked_where_a_run_is_made() {
 fn contacts_are_checked_where_they_are_made() {
     let law = || FrictionLaw::<1>::isotropic(0.5).unwrap();
     for force in [-1.0, f64::NAN, f64::INFINITY] {
-        let error = ContactLaw::new(law(), Some(force)).unwrap_err();
+        let error = ContactLaw::new(law(), NormalForce::Prescribed(force)).unwrap_err();
         assert!(error.to_string().starts_with("normal_force: "), "{error}");
     }
     for (normal, tangential, argument) in [
@@ -219,11 +218,16 @@ fn contacts_are_checked_where_they_are_made() {
         (0.0, -1.0, "tangential_restitution"),
         (1.0, 1.5, "tangential_restitution"),
     ] {
-        let made = ContactLaw::new(law(), None).unwrap().with_restitution(normal, tangential);
+        let made = ContactLaw::new(law(), NormalForce::Unilateral)
+            .unwrap()
+            .with_restitution(normal, tangential);
         assert!(made.unwrap_err().to_string().starts_with(argument));
     }
-    let made = ContactLaw::new(law(), Some(3.0)).unwrap().with_restitution(0.0, 1.0).unwrap();
-    assert_eq!(made.normal_force(), Some(3.0));
+    let made = ContactLaw::new(law(), NormalForce::Prescribed(3.0))
+        .unwrap()
+        .with_restitution(0.0, 1.0)
+        .unwrap();
+    assert_eq!(made.normal_force(), NormalForce::Prescribed(3.0));
     assert_eq!((made.normal_restitution(), made.tangential_restitution()), (0.0, 1.0));
 }
 
@@ -366,14 +370,13 @@ fn steppers_begin_again_as_new_ones() {
         let touching = (0..contacts).map(|contact| {
             let direction = DMatrix::from_fn(n, 2, |i, j| row(contact, j)[i]);
             let velocity = vec![-0.6, -0.0];
-            if gap {
-                let normal =
-                    Normal::Gap { direction: row(contact, 2).as_slice().to_vec(), gap: 0.0 };
-                let (law, restitution) = (law().into(), (0.0, 0.0));
-                Contact { law, direction, velocity, normal, restitution }
+            let at_rest = if gap {
+                let normal = row(contact, 2).as_slice().to_vec();
+                Contact::unilateral(law(), direction, normal, 0.0)
             } else {
-                Contact { velocity, ..Contact::with_force(law(), direction, 1.0) }
-            }
+                Contact::with_force(law(), direction, 1.0)
+            };
+            Contact { velocity, ..at_rest }
         });
         let (mass, stiffness) = (DMatrix::identity(n, n), DMatrix::identity(n, n) * 100.0);
         let force = (0..n).map(|i| if i % 3 == 2 { -3.0 } else { 0.0 }).collect();
@@ -507,4 +510,35 @@ fn what_rounding_leaves_over_is_not_searched_for_with_every_correction() {
     assert!(iterations[5] > 1000, "not the step that was meant: {iterations:?}");
     // There are 31 corrections that the solver works for; with all 120 of them it would be 300 000.
     assert!(iterations[5] < 100_000, "{iterations:?}");
+}
+
+/// A guide of one dimension and a floor of two: samples answer by contact, padded beyond the dimension of a law.
+#[test]
+fn samples_answer_by_sample_and_contact() {
+    let guide = Contact::with_force(
+        FrictionLaw::<1>::isotropic(0.1).unwrap(),
+        DMatrix::from_column_slice(3, 1, &[1.0, 0.0, 0.0]),
+        5.0,
+    );
+    let law = FrictionLaw::<2>::isotropic(0.3).unwrap();
+    let floor = Contact::unilateral(law, DMatrix::identity(3, 2), vec![0.0, 0.0, 1.0], 0.0);
+    let (mass, zero) = (DMatrix::identity(3, 3), DMatrix::zeros(3, 3));
+    let force = vec![0.0, 0.0, -10.0];
+    let block = LinearSystem::new(mass, zero.clone(), zero, force, vec![guide, floor]).unwrap();
+    let options = simulate::Options::new(1e-2, 0.1).unwrap();
+    let run = simulate::simulate(&block, &options.with_start(&[0.0; 3], &[1.0, 1.0, 0.0])).unwrap();
+    let samples = &run.trajectory.samples;
+    let last = samples.len() - 1;
+    let end = samples.state(last);
+    assert_eq!(
+        (end.t, end.q, end.u),
+        (samples.t[last], &samples.q[3 * last..], &samples.u[3 * last..])
+    );
+    let [guide, floor] = [0, 1].map(|i| samples.contact(last, i));
+    assert!((guide.normal_force - 5.0).abs() + (floor.normal_force - 10.0).abs() < 1e-9);
+    assert!((guide.force[0] + 0.5).abs() < 1e-9 && guide.force[1].is_nan());
+    assert!((floor.force[0].hypot(floor.force[1]) - 3.0).abs() < 1e-9);
+    assert_eq!(floor.slip, &end.u[..2]);
+    assert!(samples.phases(last).eq([guide.phase, floor.phase]));
+    assert_eq!([guide.phase, floor.phase], [Phase::Slip; 2]);
 }

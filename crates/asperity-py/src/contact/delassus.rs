@@ -60,5 +60,6 @@ fn sparse(
         array.as_array().iter().map(|&k| k as usize).collect()
     };
     let values = numbers(values, argument)?.to_vec();
-    Ok(Csr::new(argument, rows, columns, index(starts), index(indices), values)?)
+    let matrix = Csr::new(rows, columns, index(starts), index(indices), values);
+    Ok(matrix.map_err(|error| error.named(argument))?)
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
-use asperity::solver::{self, Certificate, Measure, Stop, Workspace};
+use asperity::solver::{self, Certificate, Measure, Solution, Stop, Workspace};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -73,7 +73,7 @@ impl Problem {
             "global" => Measure::Global,
             _ => return Err(parameter("measure", "must be contact or global").into()),
         };
-        let memory = match start {
+        let mut memory = match start {
             None => Memory::new(problem.rows(), problem.contacts().len()),
             Some((percussion, phases, velocity)) => {
                 let phases = phases.into_iter().map(|k| Phase::from_number(k).unwrap_or_default());
@@ -87,12 +87,12 @@ impl Problem {
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
             let mut stop = Stop::at(tolerance).with_measure(measure).unless(cancelled);
             stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
-            match self.workspace.try_lock() {
-                Ok(mut workspace) => problem.solve_in(&solver.0, stop, memory, &mut workspace),
-                // Another thread solves the same problem.
-                Err(_) => problem.solve_from(&solver.0, stop, memory),
-            }
-        })?;
+            // Where the workspace is taken, another thread solves the same problem.
+            let (mut shared, mut own) = (self.workspace.try_lock(), Workspace::default());
+            let workspace = shared.as_deref_mut().unwrap_or(&mut own);
+            let report = solver.0.solve(problem, stop, &mut memory, workspace);
+            Solution::new(problem, stop, memory, report, workspace)
+        })??;
         Ok(Outcome { solution, problem: Arc::clone(problem) })
     }
 

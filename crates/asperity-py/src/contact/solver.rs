@@ -43,7 +43,8 @@ impl Solver {
     #[pyo3(signature = (name, **options))]
     fn new(name: &str, options: Option<&Bound<'_, PyDict>>) -> Result<Self, Failure> {
         use solver::Solver::{
-            Admm, Auto, Exact, InteriorPoint, Newton, ProxGaussSeidel, ProxJacobi, ProximalPoint,
+            Admm, Auto, Exact, InteriorPoint, ProxGaussSeidel, ProxJacobi, ProximalPoint,
+            SemismoothNewton,
         };
         let option = |name: &str| -> PyResult<Bound<'_, PyAny>> {
             let value = options.map(|options| options.get_item(name)).transpose()?.flatten();
@@ -57,7 +58,7 @@ impl Solver {
                 threads: count("threads")?,
             },
             "exact" => Exact { max_sweeps: count("max_sweeps")? },
-            "newton" => Newton { max_iterations: count("max_iterations")? },
+            "newton" => SemismoothNewton { max_iterations: count("max_iterations")? },
             "proximal_point" => ProximalPoint { max_iterations: count("max_iterations")? },
             "interior_point" => InteriorPoint { max_iterations: count("max_iterations")? },
             "admm" => Admm { max_iterations: count("max_iterations")? },

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use asperity::event::{Motion, Options, Outcome, Run, Section, integrate as run_core};
+use asperity::event::{Motion, Options, Outcome, Run, Section, integrate_with as run_core};
 use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

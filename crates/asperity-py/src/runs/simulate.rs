@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use asperity::contact::{ContactState, Phase};
-use asperity::simulate::{Failure as Unsolved, Options, Outcome, Run, simulate as run_core};
+use asperity::simulate::{Failure as Unsolved, Options, Outcome, Run, simulate_with as run_core};
 use asperity::stepper::{ContactMemory, State};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyBaseException;

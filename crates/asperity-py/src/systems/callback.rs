@@ -44,7 +44,8 @@ impl CallbackSystem {
     ) -> PyResult<Self> {
         let law_of = |contact: &Bound<'_, PyDict>| {
             let (normal, tangential) = restitution(contact)?;
-            let made = ContactLaw::new(law(contact)?, item(contact, "normal_force")?.extract()?);
+            let force = item(contact, "normal_force")?.extract::<Option<f64>>()?;
+            let made = ContactLaw::new(law(contact)?, force.into());
             let made = made.and_then(|made| made.with_restitution(normal, tangential));
             made.map_err(|error| Failure::from(error).0)
         };

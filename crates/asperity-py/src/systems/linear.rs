@@ -1,6 +1,6 @@
 //! Linear systems as data.
 
-use asperity::system::{self, Contact, Normal};
+use asperity::system::{self, Contact};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -16,18 +16,16 @@ pub fn linear_contact(contact: &Bound<'_, PyDict>) -> PyResult<Contact> {
     let array = |key: &str| -> PyResult<Vec<f64>> {
         Ok(numbers(&item(contact, key)?.extract::<Numbers<'_>>()?, key)?.to_vec())
     };
-    let normal = match item(contact, "normal_force")?.extract()? {
-        Some(force) => Normal::Force(force),
-        None => Normal::Gap { direction: array("normal")?, gap: item(contact, "gap")?.extract()? },
-    };
     let direction = item(contact, "direction")?.extract::<Points<'_>>()?;
-    Ok(Contact {
-        law: law(contact)?,
-        direction: matrix(&direction, "direction")?,
-        velocity: array("velocity")?,
-        normal,
-        restitution: restitution(contact)?,
-    })
+    let (law, direction) = (law(contact)?, matrix(&direction, "direction")?);
+    let made = match item(contact, "normal_force")?.extract()? {
+        Some(force) => Contact::with_force(law, direction, force),
+        None => {
+            let gap = item(contact, "gap")?.extract()?;
+            Contact::unilateral(law, direction, array("normal")?, gap)
+        }
+    };
+    Ok(Contact { velocity: array("velocity")?, restitution: restitution(contact)?, ..made })
 }
 
 #[pymethods]

@@ -141,7 +141,7 @@ fn pair(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Pair> {
         shape: shape(given, raised)?,
         law: law(given)?,
         frame: frame(&item(given, "frame")?, raised)?,
-        normal_force: item(given, "normal_force")?.extract()?,
+        normal_force: item(given, "normal_force")?.extract::<Option<f64>>()?.into(),
         normal_restitution,
         tangential_restitution,
         patch_radius: item(given, "patch_radius")?.extract()?,

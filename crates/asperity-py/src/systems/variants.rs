@@ -1,7 +1,8 @@
 //! Linear systems that differ in some numbers.
 
+use asperity::contact::NormalForce;
 use asperity::law::Law;
-use asperity::system::{Contact, LinearSystem, Normal, SystemError};
+use asperity::system::{Contact, LinearSystem, SystemError};
 use nalgebra::DMatrix;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -124,12 +125,8 @@ impl LinearVariants {
                 Place::Stiffness(i, j) => stiffness[(*i, *j)] = value,
                 Place::Damping(i, j) => damping[(*i, *j)] = value,
                 Place::Force(i) => force[*i] = value,
-                Place::NormalForce(i) => contacts[*i].normal = Normal::Force(value),
-                Place::Gap(i) => {
-                    if let Normal::Gap { gap, .. } = &mut contacts[*i].normal {
-                        *gap = value;
-                    }
-                }
+                Place::NormalForce(i) => contacts[*i].normal_force = NormalForce::Prescribed(value),
+                Place::Gap(i) => contacts[*i].gap = value,
                 Place::Velocity(i, j) => contacts[*i].velocity[*j] = value,
                 Place::Law(i, keys) => {
                     if let Some(table) = &mut laws[*i] {

@@ -94,7 +94,7 @@ impl From<&Csr> for CsrData {
 impl CsrData {
     fn csr(self, argument: &'static str) -> Result<Csr, ArgumentError> {
         let Self { shape: (rows, columns), starts, indices, values } = self;
-        Csr::new(argument, rows, columns, starts, indices, values)
+        Csr::new(rows, columns, starts, indices, values).map_err(|error| error.named(argument))
     }
 }
 

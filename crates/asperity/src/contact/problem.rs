@@ -15,17 +15,23 @@ const LARGEST: f64 = 1e100;
 /// below vanish, and no percussions would look like a solution.
 const SMALLEST: f64 = 1e-100;
 
-/// How the normal force of a contact is found.
+/// How the normal force of a contact is found. In a [`ContactProblem`] it is a percussion in N s, in a system a force in N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NormalForce {
-    /// The normal percussion is given; the contact has tangential rows only.
+    /// It is given and not negative; the contact has tangential rows only.
     Prescribed(f64),
     /// `0 ≤ P_N ⊥ ξ_N ≥ 0`; the normal row comes first.
     Unilateral,
 }
 
 impl NormalForce {
-    /// The normal percussion, if it is given.
+    /// Whether the contact finds it by itself.
+    #[inline]
+    pub fn is_unilateral(self) -> bool {
+        matches!(self, Self::Unilateral)
+    }
+
+    /// Its value, if it is given.
     #[inline]
     pub fn prescribed(self) -> Option<f64> {
         match self {
@@ -55,7 +61,7 @@ pub struct ContactRows {
 impl ContactRows {
     /// Number of normal rows, 0 or 1.
     pub fn normal_rows(&self) -> usize {
-        usize::from(self.normal == NormalForce::Unilateral)
+        usize::from(self.normal.is_unilateral())
     }
 
     /// Number of rows.

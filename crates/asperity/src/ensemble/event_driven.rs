@@ -9,6 +9,7 @@ use super::outcome::{Counts, Ending, Ensemble, Reason, Rows};
 use super::reduction::Reduction;
 use super::workers::{self, Stop};
 use crate::argument::{ArgumentError, refuse};
+use crate::integrator::StateSample;
 use crate::integrator::event::{self, EventKind, Motion, Options, Outcome, Run, Section};
 use crate::system::{InitialState, System};
 
@@ -64,7 +65,7 @@ fn integrate_one(
         options.goes_on = true;
     }
     let mut asked = |_| stop.answer();
-    let Run { motion, outcome, .. } = match event::integrate(system, &options, &mut asked) {
+    let Run { motion, outcome, .. } = match event::integrate_with(system, &options, &mut asked) {
         Ok(run) => run,
         Err(error) => return rows.push_failure(options.t_start, Reason::Argument(error)),
     };
@@ -90,7 +91,7 @@ fn look_at(motion: &Motion, system: &dyn System, keep: &Keep, reduction: &mut Re
     // Of rotations the velocities are not the rates of the coordinates.
     let smooth = system.rotations().is_empty();
     for sample in 0..samples.len() {
-        let (t, q, u) = samples.state(sample);
+        let StateSample { t, q, u } = samples.state(sample);
         if sample == 0 {
             reduction.begin(keep, samples.contacts, t, q, u);
             continue;
@@ -106,7 +107,7 @@ fn look_at(motion: &Motion, system: &dyn System, keep: &Keep, reduction: &mut Re
         // At a jump of the velocities the later of two samples is the one beyond the section.
         let until = samples.t.partition_point(|&t| t <= event.time);
         if let Some(sample) = until.checked_sub(1) {
-            let (_, q, u) = samples.state(sample);
+            let StateSample { q, u, .. } = samples.state(sample);
             reduction.cross_here(event.time, q, u);
         }
     }

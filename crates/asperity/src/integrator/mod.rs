@@ -18,4 +18,4 @@ pub(crate) mod observer;
 pub(crate) mod options;
 pub(crate) mod samples;
 
-pub use samples::Samples;
+pub use samples::{ContactSample, Samples, StateSample};

@@ -5,6 +5,25 @@ use std::ops::Range;
 use crate::contact::Phase;
 
 /// Samples of a motion, time first. Vectors of contacts whose law has less than `p` dimensions are padded with NaN.
+///
+/// ```
+/// use asperity::contact::Phase;
+/// use asperity::law::FrictionLaw;
+/// use asperity::simulate::{Options, simulate};
+/// use asperity::system::sliding_point;
+///
+/// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
+/// let options = Options::new(1e-2, 0.1)?.with_start(&[0.0, 0.0], &[1.0, 0.0]);
+/// let run = simulate(&point, &options)?;
+/// let samples = &run.trajectory.samples;
+/// let last = samples.len() - 1;
+/// let (end, contact) = (samples.state(last), samples.contact(last, 0));
+/// // Friction of 5 N against the motion, for 0.1 s.
+/// assert!((end.t - 0.1).abs() < 1e-12 && (end.u[0] - 0.5).abs() < 1e-9);
+/// assert!(contact.phase == Phase::Slip && (contact.force[0] + 5.0).abs() < 1e-9);
+/// assert!(samples.phases(last).all(|phase| phase == Phase::Slip));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(remote = "Self", deny_unknown_fields))]
@@ -40,14 +59,30 @@ pub struct Samples {
     pub phase: Vec<i8>,
 }
 
-/// A contact in a sample.
-pub(crate) struct ContactSample {
-    /// Dimension of the law.
-    pub(crate) dimension: usize,
-    pub(crate) slip: [f64; 3],
-    pub(crate) force: [f64; 3],
-    pub(crate) normal_force: f64,
-    pub(crate) phase: Phase,
+/// A sample without its contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct StateSample<'a> {
+    /// Time in s.
+    pub t: f64,
+    /// Coordinates.
+    pub q: &'a [f64],
+    /// Velocities.
+    pub u: &'a [f64],
+}
+
+/// A contact in a sample; vectors are padded as in [`Samples`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ContactSample<'a> {
+    /// Slip velocity γ in m/s.
+    pub slip: &'a [f64],
+    /// Friction force λ in N.
+    pub force: &'a [f64],
+    /// Normal force λ_N in N.
+    pub normal_force: f64,
+    /// What the contact does.
+    pub phase: Phase,
 }
 
 impl Samples {
@@ -68,12 +103,11 @@ impl Samples {
     }
 
     /// Appends a contact to the sample that the next call of [`push_state`](Self::push_state) completes.
-    pub(crate) fn push_contact(&mut self, contact: &ContactSample) {
-        let padded = |v: [f64; 3]| {
-            (0..self.p).map(move |i| if i < contact.dimension { v[i] } else { f64::NAN })
-        };
-        self.slip.extend(padded(contact.slip));
-        self.force.extend(padded(contact.force));
+    pub(crate) fn push_contact(&mut self, contact: &ContactSample<'_>) {
+        for (to, from) in [(&mut self.slip, contact.slip), (&mut self.force, contact.force)] {
+            to.extend_from_slice(from);
+            to.extend((from.len()..self.p).map(|_| f64::NAN));
+        }
         self.normal_force.push(contact.normal_force);
         self.phase.push(contact.phase as i8);
     }
@@ -99,16 +133,40 @@ impl Samples {
         state.into_iter().chain(forces)
     }
 
-    /// Time, coordinates and velocities of a sample.
-    pub(crate) fn state(&self, sample: usize) -> (f64, &[f64], &[f64]) {
-        let q = &self.q[sample * self.coordinates..][..self.coordinates];
-        (self.t[sample], q, &self.u[sample * self.dof..][..self.dof])
+    /// Time, coordinates and velocities of sample `k`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such sample.
+    pub fn state(&self, k: usize) -> StateSample<'_> {
+        let q = &self.q[k * self.coordinates..][..self.coordinates];
+        StateSample { t: self.t[k], q, u: &self.u[k * self.dof..][..self.dof] }
     }
 
-    /// What the contacts do in a sample.
-    pub(crate) fn phases(&self, sample: usize) -> impl Iterator<Item = Phase> {
-        let numbers = &self.phase[sample * self.contacts..][..self.contacts];
+    /// What the contacts do in sample `k`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such sample.
+    pub fn phases(&self, k: usize) -> impl Iterator<Item = Phase> {
+        let numbers = &self.phase[k * self.contacts..][..self.contacts];
         numbers.iter().map(|&number| Phase::from_number(number).unwrap_or(Phase::Unknown))
+    }
+
+    /// Contact `i` in sample `k`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such sample or contact.
+    pub fn contact(&self, k: usize, i: usize) -> ContactSample<'_> {
+        let phase = self.phase[k * self.contacts..][..self.contacts][i];
+        let at = k * self.contacts + i;
+        ContactSample {
+            slip: &self.slip[at * self.p..][..self.p],
+            force: &self.force[at * self.p..][..self.p],
+            normal_force: self.normal_force[at],
+            phase: Phase::from_number(phase).unwrap_or(Phase::Unknown),
+        }
     }
 
     /// Appends samples of another run of the same system.

@@ -186,7 +186,7 @@ impl Buffers {
                 let methods = methods.get_or_insert_default();
                 return methods.automatic(*task, iterate.reborrow(), sweeper, steps);
             }
-            Solver::Newton { max_iterations } => return single(Method::Newton, max_iterations),
+            Solver::SemismoothNewton { max_iterations } => return single(Method::Newton, max_iterations),
             Solver::InteriorPoint { max_iterations } => {
                 return single(Method::InteriorPoint, max_iterations);
             }

@@ -6,7 +6,7 @@
 //! | [`Solver::Exact`] | `gauss_seidel/` | block Gauss–Seidel, every contact solved exactly (`one_contact/`) |
 //! | [`Solver::ProxJacobi`] | `method/prox.rs` | the iteration of \[WL19\] (20)–(22), (69), (70) |
 //! | [`Solver::ProxGaussSeidel`] | `method/prox.rs` | the same, contact after contact |
-//! | [`Solver::Newton`] | `method/newton.rs` | semismooth Newton on the natural map |
+//! | [`Solver::SemismoothNewton`] | `method/newton.rs` | semismooth Newton on the natural map |
 //! | [`Solver::ProximalPoint`] | `method/proximal.rs` | Newton within a proximal point iteration |
 //! | [`Solver::InteriorPoint`] | `method/interior.rs` | primal-dual, elliptic laws |
 //! | [`Solver::Admm`] | `method/admm.rs` | few factorisations, elliptic laws |
@@ -41,7 +41,7 @@ pub use one_contact::solutions::{ContactSolution, solutions};
 pub(crate) use one_contact::{Rising, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use settings::{Solver, Steps};
-pub use solution::Solution;
+pub use solution::{Solution, SolvedContact};
 pub use solve::Workspace;
 pub(crate) use solve::{grade, settle};
 

@@ -40,7 +40,7 @@ pub enum Solver {
         threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.
-    Newton {
+    SemismoothNewton {
         /// Iterations after which the solver gives up.
         max_iterations: usize,
     },

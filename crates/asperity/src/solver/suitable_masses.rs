@@ -20,7 +20,7 @@ pub(crate) fn with_suitable_masses(problem: &ContactProblem) -> Option<ContactPr
     // What no contact moves.
     masses.iter_mut().filter(|mass| **mass == 0.0).for_each(|mass| *mass = 1.0);
     let places = (0..count).collect();
-    let mass = Csr::new("mass", count, count, (0..=count).collect(), places, masses).ok()?;
+    let mass = Csr::new(count, count, (0..=count).collect(), places, masses).ok()?;
     let sizes: Vec<usize> = problem.contacts().iter().map(|rows| rows.len()).collect();
     let operator = Factored::new(mass, directions.clone(), &sizes).ok()?;
     let loads = problem.free_velocity().iter().zip(problem.restitution()).map(|(b, e)| b + e);

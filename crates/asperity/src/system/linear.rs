@@ -8,23 +8,9 @@ use super::{
     Blocks, Configuration, Constancy, ContactLaw, MotionBounds, System, SystemError, TimeDependence,
 };
 use crate::argument::{ArgumentError, entries, finite, refuse};
+use crate::contact::NormalForce;
 use crate::law::Law;
 use crate::vectors::{dot, unrolled};
-
-/// Normal direction of a contact of a linear system.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum Normal {
-    /// The normal force is given, in N.
-    Force(f64),
-    /// Unilateral contact with gap `g_N = w_Nᵀq + gap`.
-    Gap {
-        /// `w_N`.
-        direction: Vec<f64>,
-        /// Gap at `q = 0`.
-        gap: f64,
-    },
-}
 
 /// A contact of a linear system, with constant directions.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,8 +21,12 @@ pub struct Contact {
     pub direction: DMatrix<f64>,
     /// χ in `γ = Wᵀu + χ`; a belt moving with v has χ = −v.
     pub velocity: Vec<f64>,
-    /// Normal force or gap.
-    pub normal: Normal,
+    /// Normal force, in N if it is prescribed.
+    pub normal_force: NormalForce,
+    /// `w_N` in the gap `g_N = w_Nᵀq + gap` of a unilateral contact; no other contact has one.
+    pub normal: Vec<f64>,
+    /// Gap at `q = 0` in m.
+    pub gap: f64,
     /// `e_N` and `e_T`, both in [0, 1].
     pub restitution: (f64, f64),
 }
@@ -45,9 +35,26 @@ impl Contact {
     /// Contact with prescribed normal force, at rest, without restitution.
     pub fn with_force(law: impl Into<Law>, direction: DMatrix<f64>, normal_force: f64) -> Self {
         let law = law.into();
-        let velocity = vec![0.0; law.dimension()];
-        let normal = Normal::Force(normal_force);
-        Self { law, direction, velocity, normal, restitution: (0.0, 0.0) }
+        Self {
+            velocity: vec![0.0; law.dimension()],
+            law,
+            direction,
+            normal_force: NormalForce::Prescribed(normal_force),
+            normal: Vec::new(),
+            gap: 0.0,
+            restitution: (0.0, 0.0),
+        }
+    }
+
+    /// Unilateral contact with the gap `normalᵀq + gap`, at rest, without restitution.
+    pub fn unilateral(
+        law: impl Into<Law>,
+        direction: DMatrix<f64>,
+        normal: Vec<f64>,
+        gap: f64,
+    ) -> Self {
+        let normal_force = NormalForce::Unilateral;
+        Self { normal_force, normal, gap, ..Self::with_force(law, direction, 0.0) }
     }
 }
 
@@ -56,13 +63,12 @@ impl Contact {
 /// ```
 /// use asperity::law::FrictionLaw;
 /// use asperity::nalgebra::DMatrix;
-/// use asperity::system::{Contact, LinearSystem, Normal, System};
+/// use asperity::system::{Contact, LinearSystem, System};
 ///
 /// // A block on a floor: x along it, z above it.
 /// let column = |x: f64, z: f64| DMatrix::from_column_slice(2, 1, &[x, z]);
 /// let law = FrictionLaw::<1>::isotropic(0.3)?;
-/// let normal = Normal::Gap { direction: vec![0.0, 1.0], gap: 0.0 };
-/// let contact = Contact { normal, ..Contact::with_force(law, column(1.0, 0.0), 0.0) };
+/// let contact = Contact::unilateral(law, column(1.0, 0.0), vec![0.0, 1.0], 0.0);
 /// let (mass, zero) = (DMatrix::identity(2, 2) * 2.0, DMatrix::zeros(2, 2));
 /// let block = LinearSystem::new(mass, zero.clone(), zero, vec![0.0, -19.6], vec![contact])?;
 /// assert_eq!((block.dof(), block.contacts().len()), (2, 1));
@@ -210,7 +216,7 @@ impl LinearSystem {
         }
         let contacts = self.contacts.iter().zip(&self.laws);
         let held: Vec<f64> = contacts
-            .filter(|(_, law)| law.normal_force() != Some(0.0))
+            .filter(|(_, law)| law.normal_force() != NormalForce::Prescribed(0.0))
             .flat_map(|(contact, _)| contact.rows.iter().copied())
             .collect();
         let held = DMatrix::from_vec(n, held.len() / n, held);
@@ -229,7 +235,7 @@ impl LinearSystem {
     /// The system by its matrices, if it is such a one.
     pub(crate) fn planar_motion(&self) -> Option<PlanarMotion> {
         let ([contact], [law]) = (&self.contacts[..], &self.laws[..]) else { return None };
-        let fits = self.force.len() == 2 && law.rows() == 2 && law.normal_force().is_some();
+        let fits = self.force.len() == 2 && law.rows() == 2 && !law.normal_force().is_unilateral();
         fits.then(|| PlanarMotion {
             mass: Matrix2::from_column_slice(self.mass.as_slice()),
             stiffness: Matrix2::from_column_slice(&self.stiffness),
@@ -246,12 +252,12 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, Argument
     check_matrix("direction", &contact.direction, n, p)?;
     entries("velocity", &contact.velocity, p)?;
     let (mut rows, mut velocity, mut gap) = (Vec::new(), Vec::new(), 0.0);
-    if let Normal::Gap { direction, gap: at_zero } = &contact.normal {
-        entries("normal", direction, n)?;
-        finite("gap", &[*at_zero])?;
-        rows.extend(direction);
+    if contact.normal_force.is_unilateral() {
+        entries("normal", &contact.normal, n)?;
+        finite("gap", &[contact.gap])?;
+        rows.extend(&contact.normal);
         velocity.push(0.0);
-        gap = *at_zero;
+        gap = contact.gap;
     }
     // Column-major W is row-major Wᵀ.
     rows.extend(contact.direction.as_slice());
@@ -260,12 +266,8 @@ fn linear_contact(contact: &Contact, n: usize) -> Result<LinearContact, Argument
 }
 
 fn contact_law(contact: Contact) -> Result<ContactLaw, ArgumentError> {
-    let normal_force = match contact.normal {
-        Normal::Force(value) => Some(value),
-        Normal::Gap { .. } => None,
-    };
     let (normal, tangential) = contact.restitution;
-    ContactLaw::new(contact.law, normal_force)?.with_restitution(normal, tangential)
+    ContactLaw::new(contact.law, contact.normal_force)?.with_restitution(normal, tangential)
 }
 
 fn check_matrix(
@@ -366,7 +368,7 @@ impl System for LinearSystem {
     ) -> Result<f64, SystemError> {
         rows.copy_from_slice(&self.contacts[contact].rows);
         velocity.copy_from_slice(&self.contacts[contact].velocity);
-        let given = self.laws[contact].normal_force().is_some();
-        if given { Ok(0.0) } else { self.gap(at, contact) }
+        let unilateral = self.laws[contact].normal_force().is_unilateral();
+        if unilateral { self.gap(at, contact) } else { Ok(0.0) }
     }
 }

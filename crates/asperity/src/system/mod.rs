@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use thiserror::Error as ThisError;
 
-pub use linear::{Contact, LinearSystem, Normal};
+pub use linear::{Contact, LinearSystem};
 pub use models::{mass_on_belt, sliding_point};
 pub use rigid::RigidBodies;
 pub use rotation::{Rotation, advance};
@@ -22,6 +22,7 @@ pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
+use crate::contact::NormalForce;
 use crate::law::Law;
 use crate::vectors::unrolled;
 use time_function::{Extent, sample_times};
@@ -39,19 +40,19 @@ pub struct Constancy {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactLaw {
     law: Law,
-    normal_force: Option<f64>,
+    normal_force: NormalForce,
     normal_restitution: f64,
     tangential_restitution: f64,
 }
 
 impl ContactLaw {
-    /// A contact without restitution. Its normal force is prescribed, in N, or the contact is unilateral.
+    /// A contact without restitution.
     ///
     /// # Errors
     ///
     /// [`ArgumentError`] if a prescribed normal force is not finite or negative.
-    pub fn new(law: impl Into<Law>, normal_force: Option<f64>) -> Result<Self, ArgumentError> {
-        not_negative("normal_force", normal_force.unwrap_or(0.0))?;
+    pub fn new(law: impl Into<Law>, normal_force: NormalForce) -> Result<Self, ArgumentError> {
+        not_negative("normal_force", normal_force.prescribed().unwrap_or(0.0))?;
         let (normal_restitution, tangential_restitution) = (0.0, 0.0);
         Ok(Self { law: law.into(), normal_force, normal_restitution, tangential_restitution })
     }
@@ -73,9 +74,9 @@ impl ContactLaw {
         &self.law
     }
 
-    /// Prescribed normal force in N; `None` for a unilateral contact.
+    /// Normal force, in N if it is prescribed.
     #[inline]
-    pub fn normal_force(&self) -> Option<f64> {
+    pub fn normal_force(&self) -> NormalForce {
         self.normal_force
     }
 
@@ -94,7 +95,7 @@ impl ContactLaw {
     /// Number of normal rows: one if the contact is unilateral.
     #[inline]
     pub fn normal_rows(&self) -> usize {
-        usize::from(self.normal_force.is_none())
+        usize::from(self.normal_force.is_unilateral())
     }
 
     /// Number of rows: the normal one, if there is one, and those of friction.

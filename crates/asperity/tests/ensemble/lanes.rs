@@ -302,7 +302,7 @@ fn what_lanes_cannot_do_is_done_alone_to_the_bit() {
     let start = InitialState { q: vec![0.0; 2], u: vec![1.0, 0.4] };
     let runs = Runs(runs.into_iter().map(|system| (system, start.clone())).collect());
     let options = Options::new(1e-3, 0.3).unwrap();
-    let exact = options.clone().with_solver(Solver::Newton { max_iterations: 50 });
+    let exact = options.clone().with_solver(Solver::SemismoothNewton { max_iterations: 50 });
     let plain = Runs(vec![belts(1).0.remove(0)]);
     for (runs, options) in
         [(&runs, &options), (&plain, &exact), (&plain, &options.clone().with_tolerance(1e-13))]

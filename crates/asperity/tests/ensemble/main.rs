@@ -97,7 +97,7 @@ fn runs_of_time_stepping_are_to_the_bit_what_they_are_alone() {
         for member in 0..belts.count() {
             let system = belt(belts.widths[belts.variant(member)]);
             let alone = options().with_start(&[0.0, 0.1], &belts.velocity(member));
-            let run = simulate(&system, &alone, &mut on).unwrap();
+            let run = simulate(&system, &alone).unwrap();
             let samples = run.trajectory.samples;
             let last = samples.len() - 1;
             for (ends, own, width) in [
@@ -122,7 +122,7 @@ fn runs_from_event_to_event_are_to_the_bit_what_they_are_alone() {
     for member in 0..belts.count() {
         let system = belt(belts.widths[belts.variant(member)]);
         let alone = options.clone().with_start(&[0.0, 0.1], &belts.velocity(member));
-        let run = event::integrate(&system, &alone, &mut |_| ControlFlow::Continue(())).unwrap();
+        let run = event::integrate(&system, &alone).unwrap();
         let samples = run.motion.samples;
         assert_eq!(row(&found.ends.q, member, 2), row(&samples.q, samples.len() - 1, 2));
         assert_eq!(found.steps[member], run.motion.steps as i64);

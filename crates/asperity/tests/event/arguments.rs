@@ -1,17 +1,15 @@
 //! Bad input is named.
 
-use std::ops::ControlFlow;
-
 use asperity::event::{Options, Outcome, Section, integrate};
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Cuboid, Vector};
-use asperity::system::{Contact, LinearSystem, Normal, System, sliding_point};
+use asperity::system::{Contact, LinearSystem, System, sliding_point};
 use nalgebra::DMatrix;
 
 use crate::support::*;
 
 fn refused(system: &dyn System, options: &Options) -> String {
-    integrate(system, options, &mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+    integrate(system, options).unwrap_err().to_string()
 }
 
 #[test]
@@ -47,13 +45,8 @@ fn systems_that_cannot_be_integrated_are_refused() {
     assert!(message.contains("direction set of contact 0"), "{message}");
 
     let one = DMatrix::identity(1, 1);
-    let contact = Contact {
-        law: FrictionLaw::<1>::isotropic(0.5).unwrap().into(),
-        direction: one.clone(),
-        velocity: vec![0.0],
-        normal: Normal::Gap { direction: vec![1.0], gap: -0.1 },
-        restitution: (0.0, 0.0),
-    };
+    let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
+    let contact = Contact::unilateral(law, one.clone(), vec![1.0], -0.1);
     let zero = DMatrix::zeros(1, 1);
     let deep = LinearSystem::new(one, zero.clone(), zero, vec![0.0], vec![contact]).unwrap();
     let message = refused(&deep, &options(&[0.0], &[0.0], 1.0));
@@ -65,7 +58,7 @@ fn runs_stop_when_they_are_told_to() {
     let system = sliding_point(1.0, FrictionLaw::isotropic(0.5).unwrap(), 10.0).unwrap();
     let good = options(&[0.0; 2], &[1.0, 0.0], 1.0);
     let few = good.with_max_events(1);
-    let run = integrate(&system, &few, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = integrate(&system, &few).unwrap();
     assert!(matches!(run.outcome, Outcome::TooManyEvents));
     assert_eq!(run.motion.events.len(), 1);
 }

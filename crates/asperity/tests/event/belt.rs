@@ -3,7 +3,7 @@
 use asperity::event::EventKind;
 use asperity::law::{Fall, FrictionLaw, Stribeck};
 use asperity::set::{Convex, Ellipse, Star, Vector};
-use asperity::system::{Contact, LinearSystem, Normal, mass_on_belt};
+use asperity::system::{Contact, LinearSystem, mass_on_belt};
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use crate::support::*;
@@ -13,13 +13,7 @@ fn stribeck() -> LinearSystem {
     let rate = Stribeck::new(Fall::Hyperbolic, 1.0 / 3.0, 0.0, 1.0, 0.0).unwrap();
     let law = FrictionLaw::<1>::isotropic(1.0).unwrap().with_rate(rate);
     let one = DMatrix::identity(1, 1);
-    let contact = Contact {
-        law: law.into(),
-        direction: one.clone(),
-        velocity: vec![-0.2],
-        normal: Normal::Force(1.0),
-        restitution: (0.0, 0.0),
-    };
+    let contact = Contact { velocity: vec![-0.2], ..Contact::with_force(law, one.clone(), 1.0) };
     LinearSystem::new(one.clone(), one, DMatrix::zeros(1, 1), vec![0.0], vec![contact]).unwrap()
 }
 

@@ -1,7 +1,5 @@
 //! Bodies that turn in space against closed forms, invariants and time stepping.
 
-use std::ops::ControlFlow;
-
 use asperity::event::{EventKind, Motion, Options, Outcome, integrate};
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Vector};
@@ -32,7 +30,7 @@ fn step_error(system: &RigidBodies, motion: &Motion, t_end: f64, dt: f64) -> f64
     let steps = (t_end / dt).round() as usize;
     let options = simulate::Options::new(dt, t_end).unwrap();
     let options = options.with_steps(steps).with_tolerance(1e-11).with_save_every(steps);
-    let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate::simulate(system, &options).unwrap();
     assert!(matches!(run.outcome, simulate::Outcome::Finished), "{:?}", run.outcome);
     let samples = &run.trajectory.samples;
     let stepped = &samples.q[samples.q.len() - samples.coordinates..];
@@ -227,11 +225,11 @@ fn sections_are_those_of_the_system() {
     close(state[6], 0.5, 1e-12);
     // An orientation of length zero is refused, of any other one normalised.
     let refused = own_start(&system, 1.0).with_start(&[0.0; 7], system.u0());
-    let error = integrate(&system, &refused, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let error = integrate(&system, &refused).unwrap_err();
     assert_eq!(error.argument, "q0");
     let twice =
         own_start(&system, 1.0).with_start(&[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0], system.u0());
-    let result = integrate(&system, &twice, &mut |_| ControlFlow::Continue(())).unwrap();
+    let result = integrate(&system, &twice).unwrap();
     assert!(matches!(result.outcome, Outcome::Finished));
     close(last_q(&result.motion)[3], 1.0_f64.cos(), 1e-11);
 }

@@ -1,13 +1,11 @@
 //! Time stepping converges to the event-driven motion.
 
-use std::ops::ControlFlow;
-
 use asperity::event::Options;
 use asperity::law::Law;
 use asperity::set::{Star, strict_convexity};
 use asperity::simulate;
 use asperity::stepper::State;
-use asperity::system::{Contact, LinearSystem, Normal};
+use asperity::system::{Contact, LinearSystem};
 use nalgebra::DMatrix;
 
 use crate::common::{Random, gram, laws};
@@ -33,17 +31,17 @@ fn random_system(
     let n = 2 * contacts + 1;
     let solid = |random: &mut Random| gram(n, n + 3, random) + DMatrix::identity(n, n) * 0.5;
     let (mass, stiffness) = (solid(random), solid(random));
-    let contacts = (0..contacts).map(|_| Contact {
-        law: law.clone(),
-        direction: DMatrix::from_fn(n, 2, |_, _| random.normal()),
-        velocity: vec![random.normal(), random.normal()],
-        normal: if unilateral {
-            let direction = (0..n).map(|_| random.normal()).collect();
-            Normal::Gap { direction, gap: random.within(0.0, 0.5) }
+    let contacts = (0..contacts).map(|_| {
+        let (law, direction) = (law.clone(), DMatrix::from_fn(n, 2, |_, _| random.normal()));
+        let velocity = vec![random.normal(), random.normal()];
+        if unilateral {
+            let normal = (0..n).map(|_| random.normal()).collect();
+            let contact = Contact::unilateral(law, direction, normal, random.within(0.0, 0.5));
+            Contact { velocity, restitution: (0.3, 0.0), ..contact }
         } else {
-            Normal::Force(random.within(0.5, 2.0))
-        },
-        restitution: (if unilateral { 0.3 } else { 0.0 }, 0.0),
+            let force = random.within(0.5, 2.0);
+            Contact { velocity, ..Contact::with_force(law, direction, force) }
+        }
     });
     let contacts = contacts.collect();
     let force = (0..n).map(|_| random.normal()).collect();
@@ -56,7 +54,7 @@ fn stepped(system: &LinearSystem, start: &Options, dt: f64) -> (Vec<f64>, usize)
     options.start = start.start.as_ref().map(|state| State::new(0.0, &state.q, &state.u));
     let options = options.with_steps(steps).with_tolerance(1e-11).with_save_every(steps);
     let options = options.counting_failures();
-    let run = simulate::simulate(system, &options, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let run = simulate::simulate(system, &options).unwrap();
     let n = run.trajectory.samples.coordinates;
     (run.trajectory.samples.q[n..].to_vec(), run.trajectory.ambiguous_steps)
 }

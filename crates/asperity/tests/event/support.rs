@@ -1,7 +1,5 @@
 //! Runs and what is read from them.
 
-use std::ops::ControlFlow;
-
 use asperity::event::{Event, EventKind, Motion, Options, Outcome, Section, integrate};
 use asperity::system::System;
 
@@ -12,7 +10,7 @@ pub fn options(q0: &[f64], u0: &[f64], t_end: f64) -> Options {
 
 /// A motion that comes to its end.
 pub fn run(system: &dyn System, options: &Options) -> Motion {
-    let run = integrate(system, options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let run = integrate(system, options).unwrap();
     let wanted = matches!(run.outcome, Outcome::Finished | Outcome::Section);
     assert!(wanted, "{:?} after {:?}", run.outcome, run.motion.events);
     run.motion

@@ -1,10 +1,10 @@
 //! Bad input is refused with the argument's name.
 
 use asperity::ArgumentError;
+use asperity::contact::NormalForce;
 use asperity::simulate::{Options, simulate};
 use asperity::stepper::{StepError, Stepper};
 use asperity::system::rigid::{Body, Frame, Pair, PlanarBody, Plane, RigidBodies, Shape, Spring};
-use std::ops::ControlFlow;
 
 use crate::support::*;
 
@@ -70,7 +70,7 @@ fn pairs_are_checked() {
         (Pair::new(spheres, disk(0.3)), "body"),
         (Pair::new(sphere(0, -1.0, floor.clone()), disk(0.3)), "radius"),
         (Pair::new(on(floor), line(0.3)), "law"),
-        (Pair { normal_force: Some(-1.0), ..good.clone() }, "normal_force"),
+        (Pair { normal_force: NormalForce::Prescribed(-1.0), ..good.clone() }, "normal_force"),
         (Pair { normal_restitution: 1.5, ..good.clone() }, "normal_restitution"),
         (Pair { tangential_restitution: f64::NAN, ..good.clone() }, "tangential_restitution"),
         (Pair { patch_radius: Some(0.1), ..good.clone() }, "patch_radius"),
@@ -126,14 +126,13 @@ fn springs_and_states_are_checked() {
     let options = Options::new(1e-3, 0.01).unwrap().with_solver(EXACT);
     assert_eq!(options.steps, 10);
     let options = options.with_start(&[0.0; 6], &[0.0; 6]);
-    let mut observer = |_, _| ControlFlow::Continue(());
-    let error = simulate(&system, &options, &mut observer).unwrap_err();
+    let error = simulate(&system, &options).unwrap_err();
     assert_eq!(error.to_string(), "q0: must have 7 entries, has 6");
     let options = options.with_start(&[0.0; 7], &[0.0; 6]);
-    let error = simulate(&system, &options, &mut observer).unwrap_err();
+    let error = simulate(&system, &options).unwrap_err();
     assert_eq!(error.to_string(), "q0: the quaternion 0, (w, x, y, z), must not be of length zero");
     let options = options.with_start(&[0.0, 0.0, 0.0, 3.0, 0.0, 0.0, -4.0], &[0.0; 6]);
-    let run = simulate(&system, &options, &mut observer).unwrap();
+    let run = simulate(&system, &options).unwrap();
     let trajectory = run.trajectory;
     assert!((trajectory.samples.q[3] - 0.6).abs() + (trajectory.samples.q[6] + 0.8).abs() < 1e-15);
     assert_eq!((trajectory.samples.coordinates, trajectory.samples.dof), (7, 6));

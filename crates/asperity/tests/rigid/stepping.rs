@@ -1,6 +1,6 @@
 //! Bodies as blocks against all bodies as one block, and repeats.
 
-use asperity::contact::{Delassus, Factored};
+use asperity::contact::{Delassus, Factored, NormalForce};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, Partners, PlanarBody, Plane, RigidBodies, Shape};
 use asperity::system::{
@@ -194,7 +194,8 @@ fn a_given_normal_force_acts() {
     let body = Body { velocity: [2.0, 0.0, 0.0], ..Body::new(2.0, [0.1; 3]) };
     let shape = Shape::PointPlane { body: 0, point: [0.0; 3], plane: Plane::floor() };
     let clamp = |force: f64| {
-        let pair = Pair { normal_force: Some(force), ..Pair::new(shape.clone(), disk(0.3)) };
+        let normal_force = NormalForce::Prescribed(force);
+        let pair = Pair { normal_force, ..Pair::new(shape.clone(), disk(0.3)) };
         RigidBodies::new(vec![body.clone()], &[pair], vec![], [0.0, 0.0, -G]).unwrap()
     };
     let state = run(&clamp(2.0 * G), 1e-3, 0.5, |_| {});

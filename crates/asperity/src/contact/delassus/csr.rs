@@ -3,6 +3,9 @@
 use crate::argument::{ArgumentError, finite, length, refuse};
 use nalgebra::DMatrix;
 
+/// The argument in errors, unless the caller gives it its own name.
+const MATRIX: &str = "matrix";
+
 /// A sparse matrix, compressed by rows, columns ascending within a row.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Csr {
@@ -14,48 +17,43 @@ pub struct Csr {
 }
 
 impl Csr {
-    /// The matrix with so many rows and columns whose row `i` has its entries at `starts[i]..starts[i + 1]`; `argument` is
-    /// named in errors.
+    /// The matrix with so many rows and columns whose row `i` has its entries at `starts[i]..starts[i + 1]`.
     ///
     /// # Errors
     ///
-    /// [`ArgumentError`] if the lengths do not fit the shape or each other, if starts or columns do not ascend within
-    /// it, or if an entry is not finite.
+    /// [`ArgumentError`] of a `matrix`, which [`ArgumentError::named`] gives another name, if the lengths do not fit the
+    /// shape or each other, if starts or columns do not ascend within it, or if an entry is not finite.
     pub fn new(
-        argument: &'static str,
         rows: usize,
         columns: usize,
         starts: Vec<usize>,
         indices: Vec<usize>,
         values: Vec<f64>,
     ) -> Result<Self, ArgumentError> {
-        length(argument, rows.saturating_add(1), starts.len())?;
-        length(argument, indices.len(), values.len())?;
+        length(MATRIX, rows.saturating_add(1), starts.len())?;
+        length(MATRIX, indices.len(), values.len())?;
         if starts[0] != 0 || starts[rows] != indices.len() || starts.windows(2).any(|w| w[0] > w[1])
         {
             let message = "must have row starts that ascend from 0 to the number of entries";
-            return refuse(argument, message);
+            return refuse(MATRIX, message);
         }
         if indices.iter().any(|&j| j >= columns) {
-            return refuse(argument, "must have column indices within its shape");
+            return refuse(MATRIX, "must have column indices within its shape");
         }
         let ascending = |w: &[usize]| indices[w[0]..w[1]].windows(2).all(|pair| pair[0] < pair[1]);
         if !starts.windows(2).all(ascending) {
-            return refuse(argument, "must have ascending columns without duplicates in every row");
+            return refuse(MATRIX, "must have ascending columns without duplicates in every row");
         }
-        finite(argument, &values)?;
+        finite(MATRIX, &values)?;
         Ok(Self { rows, columns, starts, indices, values })
     }
 
-    /// The entries of a matrix that are not zero; `argument` is named in errors.
+    /// The entries of a matrix that are not zero.
     ///
     /// # Errors
     ///
-    /// [`ArgumentError`] if an entry is not finite.
-    pub fn from_dense(
-        argument: &'static str,
-        matrix: &DMatrix<f64>,
-    ) -> Result<Self, ArgumentError> {
+    /// [`ArgumentError`] of a `matrix` if an entry is not finite.
+    pub fn from_dense(matrix: &DMatrix<f64>) -> Result<Self, ArgumentError> {
         let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
         for row in matrix.row_iter() {
             for (j, value) in row.iter().enumerate().filter(|(_, value)| **value != 0.0) {
@@ -64,7 +62,7 @@ impl Csr {
             }
             starts.push(indices.len());
         }
-        Self::new(argument, matrix.nrows(), matrix.ncols(), starts, indices, values)
+        Self::new(matrix.nrows(), matrix.ncols(), starts, indices, values)
     }
 
     /// The same matrix without entries that are zero.

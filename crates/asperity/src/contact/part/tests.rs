@@ -27,9 +27,9 @@ fn chain(bodies: usize) -> Vec<ContactProblem> {
         false => 0.0,
     });
     let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
-    let sparse = |name, matrix| Csr::from_dense(name, matrix).unwrap();
-    let blocks = |matrix| BlockMatrix::from_csr(&sparse("delassus", matrix), &sizes).unwrap();
-    let factored = Factored::new(sparse("mass", &mass), sparse("directions", &directions), &sizes);
+    let sparse = |matrix| Csr::from_dense(matrix).unwrap();
+    let blocks = |matrix| BlockMatrix::from_csr(&sparse(matrix), &sizes).unwrap();
+    let factored = Factored::new(sparse(&mass), sparse(&directions), &sizes);
     let skew = DMatrix::from_fn(rows, rows, |i, j| dense[(i, j)] * (1.0 + 0.1 * i as f64));
     let forms: [Delassus; 3] =
         [blocks(&dense).into(), factored.unwrap().into(), blocks(&skew).into()];

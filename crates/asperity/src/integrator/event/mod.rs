@@ -52,18 +52,14 @@ pub struct Run {
 /// Bodies that turn in space are integrated with rotation vectors in place of their quaternions, see
 /// [`System::rotations`].
 ///
-/// `observer(t)` is called about every 50 ms and may stop the run.
-///
 /// ```
-/// use std::ops::ControlFlow;
-///
 /// use asperity::event::{EventKind, Options, Outcome, integrate};
 /// use asperity::law::FrictionLaw;
 /// use asperity::system::sliding_point;
 ///
 /// let point = sliding_point(1.0, FrictionLaw::isotropic(0.5)?, 10.0)?;
 /// let options = Options::new(1.0)?.with_start(&[0.0, 0.0], &[1.0, 0.0]);
-/// let run = integrate(&point, &options, &mut |_| ControlFlow::Continue(()))?;
+/// let run = integrate(&point, &options)?;
 /// assert!(matches!(run.outcome, Outcome::Finished));
 /// // The point comes to rest after v₀/(μg) = 0.2 s.
 /// let stick = &run.motion.events[0];
@@ -75,7 +71,16 @@ pub struct Run {
 ///
 /// [`ArgumentError`] if an option is out of range, if contacts overlap at the beginning, or if the system cannot be
 /// integrated in this way: the direction sets of its laws must be strictly convex.
-pub fn integrate(
+pub fn integrate(system: &dyn System, options: &Options) -> Result<Run, ArgumentError> {
+    integrate_with(system, options, &mut |_| ControlFlow::Continue(()))
+}
+
+/// The same with an observer: `observer(t)` is called about every 50 ms and may stop the run.
+///
+/// # Errors
+///
+/// As [`integrate`].
+pub fn integrate_with(
     system: &dyn System,
     options: &Options,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,

@@ -89,9 +89,8 @@ impl Motion {
     pub(crate) fn record(&mut self, dynamics: &mut Dynamics<'_>, state: &State) {
         for contact in &dynamics.contacts {
             self.samples.push_contact(&ContactSample {
-                dimension: contact.p,
-                slip: contact.slip,
-                force: contact.force,
+                slip: &contact.slip[..contact.p],
+                force: &contact.force[..contact.p],
                 normal_force: contact.normal_force,
                 phase: contact.mode,
             });

@@ -10,7 +10,7 @@ use super::coupling;
 use super::outcome::StepError;
 use super::products::Part;
 use super::rated::Factors;
-use crate::contact::{BlockMatrix, Delassus};
+use crate::contact::{BlockMatrix, Delassus, NormalForce};
 use crate::system::mass::MassFactors;
 use crate::system::{Configuration, Constancy, Midpoint, Step, System, SystemError};
 use crate::vectors::copy;
@@ -291,8 +291,8 @@ impl Assembly {
             let known = was_closed && !constant;
             let gap = match law.normal_force() {
                 _ if known => self.evaluate(system, contact)?,
-                Some(_) => 0.0,
-                None => system.gap(&self.midpoint.configuration(), contact)?,
+                NormalForce::Prescribed(_) => 0.0,
+                NormalForce::Unilateral => system.gap(&self.midpoint.configuration(), contact)?,
             };
             if !gap.is_finite() {
                 return Err(StepError::NotFiniteContact { time: self.midpoint.t, contact });
@@ -402,7 +402,7 @@ impl Assembly {
         let Constancy { mass, contacts } = self.constancy;
         mass && contacts
             && system.blocks().count() == 1
-            && system.contacts().iter().all(|contact| contact.normal_force().is_some())
+            && system.contacts().iter().all(|contact| !contact.normal_force().is_unilateral())
             && !self.factors.any()
             && !closed.bounces()
             && self.chord.iter().all(|&c| c == 0.0)

@@ -124,7 +124,7 @@ impl Closed {
     pub(super) fn renew(&mut self, laws: &[ContactLaw], dt: f64, delassus: Delassus) {
         std::mem::swap(&mut self.active, &mut self.found);
         let contact = |&c: &usize| {
-            let prescribed = laws[c].normal_force().map(|force| force * dt);
+            let prescribed = laws[c].normal_force().prescribed().map(|force| force * dt);
             (laws[c].law().clone(), prescribed.into())
         };
         let problem = ContactProblem::assemble(self.active.iter().map(contact), delassus);

@@ -53,7 +53,7 @@ fn directions(system: &dyn System, contacts: &[usize], sizes: &[usize]) -> Optio
         }
     }
     let (values, rows) = (vec![0.0; indices.len()], starts.len() - 1);
-    Csr::new("directions", rows, blocks.velocities(), starts, indices, values).ok()
+    Csr::new(rows, blocks.velocities(), starts, indices, values).ok()
 }
 
 /// The mass matrix, block by block, without its zeros.
@@ -75,5 +75,5 @@ fn sparse_mass(system: &dyn System, q: &[f64]) -> Result<Option<Csr>, SystemErro
         }
     }
     let n = blocks.velocities();
-    Ok(Csr::new("mass", n, n, starts, indices, values).ok())
+    Ok(Csr::new(n, n, starts, indices, values).ok())
 }

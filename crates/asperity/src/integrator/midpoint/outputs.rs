@@ -80,7 +80,8 @@ impl Outputs {
             slip[k] = self.velocity[row];
             force[k] = self.percussion[row] * self.factors[row] / dt;
         }
-        let normal_force = law.normal_force().unwrap_or(self.percussion[rows.start] / dt);
+        let normal_force = law.normal_force().prescribed();
+        let normal_force = normal_force.unwrap_or(self.percussion[rows.start] / dt);
         Some(ContactOutput { phase: self.phases[contact], slip, force, normal_force })
     }
 }

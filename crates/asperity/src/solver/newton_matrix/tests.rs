@@ -47,11 +47,10 @@ fn problems(contacts: usize, bodies: usize, seed: &mut u64) -> Vec<ContactProble
         row += size;
     }
     let dense = &directions * mass.clone().try_inverse().unwrap() * directions.transpose();
-    let blocks =
-        BlockMatrix::from_csr(&Csr::from_dense("delassus", &dense).unwrap(), &sizes).unwrap();
+    let blocks = BlockMatrix::from_csr(&Csr::from_dense(&dense).unwrap(), &sizes).unwrap();
     let factored = Factored::new(
-        Csr::from_dense("mass", &mass).unwrap(),
-        Csr::from_dense("directions", &directions).unwrap(),
+        Csr::from_dense(&mass).unwrap(),
+        Csr::from_dense(&directions).unwrap(),
         &sizes,
     );
     let full = BlockMatrix::from_dense(&dense, &sizes);

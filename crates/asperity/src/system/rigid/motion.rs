@@ -195,7 +195,7 @@ impl RigidBodies {
         }
         for &i in &self.prescribed {
             let contact = &self.contacts[i];
-            let force = self.laws[i].normal_force().unwrap_or(0.0);
+            let force = self.laws[i].normal_force().prescribed().unwrap_or(0.0);
             let poses = contact.poses(pose);
             let geometry = contact.geometry(moment, &poses);
             let push = geometry.normal * force;

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::contact::{Contact, Touching};
 use super::surface::{Frame, Plane, Surface, Timed, unit};
 use crate::argument::{ArgumentError, below, finite, positive, refuse};
+use crate::contact::NormalForce;
 use crate::law::Law;
 use crate::system::{ContactLaw, TimeFunction};
 
@@ -78,9 +79,8 @@ pub struct Pair {
     pub law: Law,
     /// The directions that an anisotropic law refers to.
     pub frame: Frame,
-    /// Normal force of every contact in N if it is given, acting on both bodies; `None` for unilateral
-    /// contacts.
-    pub normal_force: Option<f64>,
+    /// Normal force of every contact, acting on both bodies; in N if it is prescribed.
+    pub normal_force: NormalForce,
     /// Newton's `e_N`, in [0, 1].
     pub normal_restitution: f64,
     /// `e_T`, in [0, 1].
@@ -101,7 +101,7 @@ impl Pair {
             shape,
             law: law.into(),
             frame,
-            normal_force: None,
+            normal_force: NormalForce::Unilateral,
             normal_restitution: 0.0,
             tangential_restitution: 0.0,
             patch_radius: None,
@@ -149,7 +149,7 @@ impl Pair {
             body,
             other,
             bodies: other.map_or([body; 2], |other| [body.min(other), body.max(other)]),
-            unilateral: self.normal_force.is_none(),
+            unilateral: self.normal_force.is_unilateral(),
             tangential: self.law.dimension(),
             touching,
             frame: frame.clone(),

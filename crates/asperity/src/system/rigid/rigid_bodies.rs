@@ -104,7 +104,7 @@ impl RigidBodies {
             }
         }
         let timed_planes = pairs.iter().filter_map(|pair| pair.shape.timed()).collect();
-        let given = |&contact: &usize| laws[contact].normal_force().is_some();
+        let given = |&contact: &usize| !laws[contact].normal_force().is_unilateral();
         let prescribed = (0..laws.len()).filter(given).collect();
         let unequal = (0..inertial.len()).filter(|&body| !inertial[body].isotropic).collect();
         let (gravity, size) = (gravity.into(), if planar { 3 } else { 6 });

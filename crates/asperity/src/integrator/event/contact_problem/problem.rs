@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 1e-12;
 /// hold: where the share δ of the load is left, forces on the boundaries of the reservoirs may point √δ away from the
 /// common slip and balance but for accelerations of the tolerance over √δ. Newton's method makes these forces as accurate
 /// as rounding allows.
-const POLISH: Solver = Solver::Newton { max_iterations: 8 };
+const POLISH: Solver = Solver::SemismoothNewton { max_iterations: 8 };
 /// Acceleration over the load that may be none: at the tolerance this is what is left of it where δ is 1e-12.
 const MAY_BE_AT_REST: f64 = 1e-6;
 /// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.

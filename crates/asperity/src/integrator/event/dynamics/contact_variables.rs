@@ -50,7 +50,7 @@ pub(crate) struct ContactVariables {
 impl ContactVariables {
     /// An open contact of which nothing has been evaluated.
     pub(crate) fn new(contact: &ContactLaw) -> Self {
-        let (p, prescribed) = (contact.law().dimension(), contact.normal_force());
+        let (p, prescribed) = (contact.law().dimension(), contact.normal_force().prescribed());
         Self { mode: Phase::Open, p, prescribed, resistance: 1.0, ..Self::default() }
     }
 
