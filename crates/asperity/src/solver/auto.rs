@@ -5,16 +5,14 @@
 //! sweeps come before others, then ADMM, which needs few of them, and over-relaxed sweeps. Newton's method ends problems of full
 //! rank and, with other prox parameters, those in which contacts creep; the interior point method, where the laws allow it,
 //! and the proximal point iteration end the rest. Where that is lost, contacts around the worst one are solved by themselves
-//! (`neighbourhood.rs`), and it goes on from there. Where percussions grow as if there were no solution, it is asked whether
-//! one is proven to exist (`existence.rs`).
+//! (`neighbourhood.rs`), and it goes on from there.
 //!
 //! Where an attempt by Newton's method costs less than the sweeps that are still to come, after three of them at the
 //! earliest, it is made at once: a step costs as much as three to ten sweeps, but where bodies are wide or many some tens
 //! to hundreds (`method/sweeps/cost.rs`). If it fails, sweeps go on as long as they promise an end.
 
 use crate::contact::{ContactProblem, ContactState, Phase};
-use crate::solver::existence;
-use crate::solver::infeasibility::prove_one_contact;
+use crate::solver::infeasible::prove_one_contact;
 use crate::solver::method::{
     ALONE, Accelerated, Admm, BESIDE, BodySweeps, Buffers, Cones, Cost, Course, Interior, Iterate,
     Limits, OVER_BODIES, OverRelaxed, Past, Progress, ProximalPoint, Rate, Reached, Standing,
@@ -40,8 +38,7 @@ const ATTEMPT: usize = 6;
 /// Iterations of the interior point method, after which the proximal point method starts: half as many cost 105
 /// factorisations on the stored problems, twice as many 19.
 const INTERIOR: usize = 40;
-/// Outer steps of the last phase, which a limit of time ends before where there is one; the motions of the systems that
-/// `infeasibility/cases.rs` names end in the same way with a quarter and four times as many.
+/// Outer steps of the last phase, which a limit of time ends before where there is one.
 const OUTER: usize = 5000;
 /// The same where there are neighbourhoods: every start is followed up to four times or more, once before them and once after each,
 /// and where factorisations are cheap it takes 300 steps in vain until it is lost. 5000 steps ended an arch of 110 stones, asked
@@ -146,7 +143,6 @@ pub(crate) struct Methods {
 impl Methods {
     /// Forgets what depends on `G`.
     pub(crate) fn reset(&mut self) {
-        self.buffers.forget_operator();
         self.matrix.reset();
     }
 
@@ -172,7 +168,6 @@ impl Methods {
             let proof = prove_one_contact(task.problem, contact, percussion);
             *progress.iterate.infeasibility = proof;
         }
-        ask_existence(&mut progress, cones, interior);
         let conic = with_interior && !progress.is_over() && cones.read(task.problem);
         if conic && let Some(expected) = resting {
             // Where hardly anything separates, the interior point method knows where to begin.
@@ -193,13 +188,11 @@ impl Methods {
         if !progress.is_over() {
             proximal.attempt_matched(&mut progress, matrix);
         }
-        ask_existence(&mut progress, cones, interior);
         if conic && resting.is_none() && !progress.is_over() {
             let course = Course { max_iterations: INTERIOR, goal: INTERIOR_GOAL, expected: 0.0 };
             interior.iterate(&mut progress, cones, matrix, course);
         }
         if !progress.is_over() {
-            ask_existence(&mut progress, cones, interior);
             let steps = if Neighbourhoods::are_made(task) { OUTER_BESIDE } else { OUTER };
             let mut over_relaxes = dear && dear_sweeps.are_over_relaxed(&task);
             let limits = match (task.within_another, dear) {
@@ -231,29 +224,11 @@ impl Methods {
                     break;
                 }
             }
-            ask_existence(&mut progress, cones, interior);
         }
         let known = |state: &ContactState| state.phase != Phase::Unknown;
         if progress.is_solved() && task.history.iter().any(known) {
             progress.continue_states(TRIAL_SWEEPS);
         }
-        progress.finish(false)
-    }
-
-    /// Newton's method from percussions near which there may be a solution; without success those before stay.
-    #[cold]
-    pub(crate) fn try_candidate(
-        &mut self,
-        task: Task<'_>,
-        iterate: Iterate<'_>,
-        sweeper: &mut Sweeper,
-        start: &[f64],
-    ) -> Reached {
-        let Self { buffers, matrix, proximal, .. } = self;
-        let mut progress = Progress::new(task, iterate, sweeper, buffers);
-        proximal.prepare(task.problem);
-        matrix.prepare(task.problem);
-        proximal.newton_from(&mut progress, matrix, start);
         progress.finish(false)
     }
 
@@ -381,15 +356,6 @@ fn first_attempts(
         sweeps.record(progress, before, false);
     }
     first
-}
-
-/// Asks whether a solution is proven to exist where better percussions were not kept because they seemed to run away.
-fn ask_existence(progress: &mut Progress<'_>, cones: &mut Cones, interior: &mut Interior) {
-    let task = progress.task;
-    if progress.is_doubtful() && !progress.is_over() && !task.within_another {
-        let exists = cones.read(task.problem) && existence::is_proven(&task, cones, interior);
-        progress.answer(exists);
-    }
 }
 
 /// Turns of over-relaxed sweeps.

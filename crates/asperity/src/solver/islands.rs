@@ -10,14 +10,14 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::infeasibility::{Case, CaseState, Infeasibility};
-use super::measure::growth;
+use super::infeasible::Infeasibility;
+use super::measure::approach::{Approach, Flaw};
 use super::measure::natural_map::{Scale, Squares, map_of, own_squares};
 use super::measure::natural_residual::{Measured, Residual, is_worse, residual_of};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
 use super::method::{Iterate, Past, Plan, Sweeper, Swept, Task};
-use super::report::{Ended, Findings, Method, SolveReport, Stage, Status, running_away};
+use super::report::{Ended, Findings, Method, SolveReport, Stage, Status, flaw_status};
 use crate::contact::{ContactProblem, ContactState, Members, Memory, Part, put, take};
 use crate::threads::Threads;
 
@@ -247,22 +247,16 @@ impl<B: Buffers> OwnProblem<B> {
     /// The proof that there is no solution, said of the whole problem.
     fn infeasibility(&self, whole: &ContactProblem) -> Option<Infeasibility> {
         let proof = self.infeasibility.as_ref()?;
-        let Infeasibility { kind, contact, direction, cases, .. } = proof;
+        let Infeasibility { kind, contact, direction, .. } = proof;
         let spread = |direction: &[f64]| {
             let mut out = vec![0.0; whole.rows()];
             put(self.part.rows(), direction, &mut out);
             out
         };
-        let cases = cases.iter().map(|case| {
-            let mut states = vec![CaseState::Any; whole.contacts().len()];
-            put(self.part.contacts(), &case.states, &mut states);
-            Case { states, direction: spread(&case.direction) }
-        });
         Some(Infeasibility {
             kind: *kind,
             contact: self.part.contacts()[*contact],
             direction: spread(direction),
-            cases: cases.collect(),
             closing_velocity: proof.closing_velocity,
             residual: proof.residual,
         })
@@ -667,17 +661,17 @@ fn graded(
         // Where the whole is solved by its measure, that does not see what is left here.
         let converged = ended.status == Status::Converged;
         (if converged { Status::Stalled } else { ended.status }, worst_contact)
-    } else if let Some(contact) = running(measured, contacts) {
-        (running_away(ended.solvable), contact)
+    } else if let Some(flaw) = flaw(measured, contacts, stop) {
+        (flaw_status(flaw), flaw.contact)
     } else {
         (Status::Converged, worst_contact)
     };
     SolveReport { status, residual: value, worst_contact, ..ended }
 }
 
-/// The contact of an island that percussions run away from.
-fn running(measured: &Measured<'_>, contacts: &[usize]) -> Option<usize> {
-    growth::of_island(measured, contacts, &[]).and_then(|growth| growth.running())
+/// Why the percussions of an island are no solution however small their residual is.
+fn flaw(measured: &Measured<'_>, contacts: &[usize], stop: Stop<'_>) -> Option<Flaw> {
+    Approach::of(measured, contacts.iter().copied(), stop.tolerance).flaw()
 }
 
 /// The report on all islands; `None` where each of them is solved, but not the whole by its measure.
@@ -707,12 +701,9 @@ fn whole(
         if small && worst.status != Status::NoSolution {
             // However an island has ended, it matters only where its percussions run away.
             let unsolved = (0..reports.len()).filter(|&i| reports[i].status != Status::Converged);
-            let runs = unsolved.filter_map(|island| {
-                Some((running(&measured, islands.of(island))?, reports[island].solvable))
-            });
-            // An island that may have no solution matters more than one that has some.
-            (worst.status, worst.worst_contact) = match runs.min_by_key(|(_, solvable)| *solvable) {
-                Some((contact, solvable)) => (running_away(solvable), contact),
+            let mut flaws = unsolved.filter_map(|island| flaw(&measured, islands.of(island), stop));
+            (worst.status, worst.worst_contact) = match flaws.next() {
+                Some(flaw) => (flaw_status(flaw), flaw.contact),
                 None => (Status::Converged, residual.worst_contact),
             };
         } else if worst.status == Status::Converged {
@@ -732,7 +723,6 @@ fn whole(
         residual: residual.value,
         worst_contact,
         ambiguous,
-        solvable: reports.iter().all(|report| report.solvable),
     })
 }
 

@@ -12,13 +12,12 @@
 //! | [`Solver::Admm`] | `method/admm.rs` | few factorisations, elliptic laws |
 //!
 //! `islands.rs` solves contacts that influence no others by themselves, `neighbourhood.rs` some of those that do, while the
-//! others are held. The measures in `measure/` belong to no solver and grade them all; `infeasibility/` proves that there
+//! others are held. The measures in `measure/` belong to no solver and grade them all; `infeasible/` proves that there
 //! is no solution.
 
 mod auto;
-mod existence;
 mod findings;
-mod infeasibility;
+mod infeasible;
 mod islands;
 mod measure;
 mod method;
@@ -27,9 +26,8 @@ mod newton_matrix;
 mod one_contact;
 mod report;
 mod solution;
-mod suitable_masses;
 
-pub use infeasibility::{Case, CaseState, Infeasibility, InfeasibilityKind, Unsolvable};
+pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
 pub use islands::{Island, Islands};
 pub use measure::certificate::Certificate;
 pub use measure::natural_map::natural_map;
@@ -48,7 +46,7 @@ use crate::contact::{ContactProblem, ContactRows, ContactState, Members, Memory}
 use crate::threads::Threads;
 use auto::Methods;
 use islands::{Buffers, Found, Parts, Unsolved};
-use measure::growth::{self, Groups};
+use measure::approach::{Approach, Flaw};
 use measure::natural_residual::Measured;
 use method::{
     Iterate, Order, Own, Past, Plan, ProxIteration, Reached, Sweeper, Swept, Task, mark_ambiguous,
@@ -162,7 +160,6 @@ pub struct Workspace {
     /// What was remembered before the last call.
     before: Memory,
     sweeper: Sweeper,
-    groups: Groups,
     /// Percussions of a prox iteration.
     next: Vec<f64>,
     methods: Option<Box<Methods>>,
@@ -211,7 +208,6 @@ impl Workspace {
         self.prepared_for = problem.identity();
         self.velocity.resize(problem.rows(), 0.0);
         self.ambiguous.resize(contacts, false);
-        self.groups.forget();
         self.sweeper.prepare(problem);
         self.parts.reset();
         if let Some(methods) = &mut self.methods {
@@ -234,7 +230,6 @@ impl Workspace {
     #[inline(never)]
     pub(crate) fn refresh(&mut self, problem: &ContactProblem) {
         self.prepared_for = problem.identity();
-        self.groups.forget();
         self.sweeper.refresh(problem);
         self.parts.refresh();
         if let Some(methods) = &mut self.methods {
@@ -270,8 +265,7 @@ impl Workspace {
         }
         let Residual { value, worst_contact } = residual;
         let (status, residual) = (Status::Converged, value);
-        let solvable = false;
-        SolveReport { status, iterations, residual, worst_contact, ambiguous, solvable }
+        SolveReport { status, iterations, residual, worst_contact, ambiguous }
     }
 
     /// Whether the buffers have the sizes of this problem.
@@ -422,7 +416,7 @@ impl Solver {
         let mut task = Task { problem, stop, history, threads, past, within_another };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, .. } = workspace;
-        let Workspace { sweeper, groups, next, methods, parts, nearby, .. } = workspace;
+        let Workspace { sweeper, next, methods, parts, nearby, .. } = workspace;
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         parts.forget_reports();
@@ -436,7 +430,7 @@ impl Solver {
             if swept.is_clear() && residual.value <= stop.tolerance {
                 return workspace.solved(residual, 1, swept.ambiguous);
             }
-            found = Some(Reached::of(&task, &iterate, (1, swept.ended), residual, groups));
+            found = Some(Reached::of(&task, &iterate, (1, swept.ended), residual, sweeper.islands()));
         } else {
             if forget_runaways(&task, &mut iterate, sweeper.islands()) {
                 task.past = Past::Unswept;
@@ -476,25 +470,15 @@ impl Solver {
                     return workspace.solved(residual, swept.sweeps, swept.ambiguous);
                 }
                 let ended = (swept.sweeps, swept.ended);
-                found = Some(Reached::of(&task, &iterate, ended, residual, groups));
+                found = Some(Reached::of(&task, &iterate, ended, residual, sweeper.islands()));
             }
             _ => {}
         }
-        let mut reached = match found {
+        let reached = match found {
             Some(found) => found,
-            None => self.run(&task, &mut iterate, (sweeper, groups), methods, nearby, next),
+            None => self.run(&task, &mut iterate, sweeper, methods, nearby, next),
         };
         let mut findings = findings::judge(&task, &reached, &mut iterate);
-        if let (Self::Auto { .. }, Some(start)) = (self, findings.candidate.take()) {
-            let methods = methods.get_or_insert_default();
-            reached = methods.try_candidate(task, iterate.reborrow(), sweeper, &start);
-            if reached.residual.value <= stop.tolerance {
-                findings = findings::judge(&task, &reached, &mut iterate);
-            } else {
-                // The attempt may have ended with a proof of its own.
-                findings.without_solution = iterate.infeasibility.as_ref().map(|p| p.contact);
-            }
-        }
         let Reached { iterations, ended, residual, .. } = reached;
         // Who has cancelled does not wait for a search of all contacts.
         let left = residual.value > stop.tolerance && stop.early();
@@ -539,7 +523,7 @@ impl Solver {
         &self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
-        (sweeper, groups): (&mut Sweeper, &mut Groups),
+        sweeper: &mut Sweeper,
         methods: &mut Option<Box<Methods>>,
         nearby: &mut Option<Box<Workspace>>,
         next: &mut Vec<f64>,
@@ -584,7 +568,7 @@ impl Solver {
             Self::Admm { max_iterations } => return single(Method::Admm, max_iterations),
         };
         let residual = iterate.measure(task);
-        Reached::of(task, iterate, ended, residual, groups)
+        Reached::of(task, iterate, ended, residual, sweeper.islands())
     }
 }
 
@@ -619,11 +603,10 @@ pub(crate) fn grade(
     problem.velocity(&memory.percussion, &mut workspace.velocity);
     let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
     // A residual is small for percussions that run away, too.
-    let Workspace { velocity, groups, .. } = workspace;
-    groups.forget();
-    let growth = growth::of(problem, &memory.percussion, velocity, groups);
-    let running = growth.and_then(|growth| growth.running());
-    let findings = Findings { running, ..Findings::default() };
+    let (percussion, velocity) = (&memory.percussion[..], &workspace.velocity[..]);
+    let measured = Measured { problem, percussion, velocity };
+    let approach = Approach::of(&measured, 0..problem.contacts().len(), stop.tolerance);
+    let findings = Findings { flaw: approach.flaw(), ..Findings::default() };
     SolveReport::new(Ended::Done, 0, residual, findings, stop.tolerance)
 }
 
@@ -651,17 +634,20 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
     let (problem, Iterate { percussion, velocity, .. }) = (task.problem, iterate);
     let (mut known, mut forgotten) = (false, false);
     for contacts in (0..islands.count()).map(|island| islands.of(island)) {
-        if contacts.len() == 1 || !growth::is_large_island(problem, percussion, contacts) {
+        let vanishes = |i: &usize| percussion[problem.contacts()[*i].offset] == 0.0;
+        if contacts.len() == 1 || contacts.iter().all(vanishes) {
             continue;
         }
         if !std::mem::replace(&mut known, true) {
             problem.velocity(percussion, velocity);
         }
         let measured = Measured { problem, percussion, velocity };
+        let own = contacts.iter().copied();
+        let approach = Approach::of(&measured, own, task.stop.tolerance);
         let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
         let finite = rows().all(|row| percussion[row].is_finite());
-        let runs = |growth: growth::Growth| growth.running().is_some();
-        if !finite || growth::of_island(&measured, contacts, &[]).is_some_and(runs) {
+        let runs = |flaw: Flaw| flaw.unbounded;
+        if !finite || approach.flaw().is_some_and(runs) {
             rows().for_each(|row| percussion[row] = 0.0);
             forgotten = true;
         }

@@ -29,12 +29,6 @@ impl Cones {
         }
         true
     }
-
-    /// The same for the associated problem, in which contacts open as they slip: `K = T⁻ᵀ`, so that `P̂·ξ̂ = P·ξ`.
-    pub(crate) fn associated(&self) -> Self {
-        let k = self.t_inverse.iter().map(ContactMatrix::transpose).collect();
-        Self { t: self.t.clone(), k, t_inverse: self.t_inverse.clone() }
-    }
 }
 
 /// Rows of a contact as a vector, the rest zero.

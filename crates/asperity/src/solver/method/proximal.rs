@@ -34,12 +34,8 @@ const LONG_SWEEPS: usize = 1000;
 /// Outer steps without a new best after which the iteration is lost: what led it astray may be its start. The stored problems
 /// take as many factorisations with a quarter and four times as many.
 const LOST: usize = 300;
-/// Newton iterations from where a search by cases or a neighbourhood leads; the motions of the systems that
-/// `infeasibility/cases.rs` names end in the same way with a quarter and four times as many.
+/// Newton iterations from where a neighbourhood leads.
 const FROM_CASE: usize = 50;
-/// Outer steps without a new best after which a proof by cases is looked for, once: where it is not found, the search is
-/// one of some hundred cases in vain.
-const DOUBTFUL: usize = 50;
 /// New starts without success after which it gives up: two with every factor.
 const STARTS: usize = 2 * FACTORS.len();
 
@@ -121,8 +117,7 @@ pub(crate) struct OuterIteration {
     /// Natural map of the centre, and the lowest one of all steps.
     grade: f64,
     lowest: f64,
-    /// Whether a proof by cases was looked for, and whether a stage was recorded.
-    asked: bool,
+    /// Whether a stage was recorded.
     recorded: bool,
 }
 
@@ -199,8 +194,7 @@ impl ProximalPoint {
         let grade = progress.start_from_best(&mut self.centre);
         let schedule = Schedule::new(grade);
         self.newton.scale_rho(progress.task.problem, schedule.factor());
-        let (asked, recorded) = (false, false);
-        OuterIteration { schedule, left, grade, lowest: grade, asked, recorded }
+        OuterIteration { schedule, left, grade, lowest: grade, recorded: false }
     }
 
     /// Iterates from the centre; whether it is lost there, not over.
@@ -211,8 +205,8 @@ impl ProximalPoint {
         outer: &mut OuterIteration,
     ) -> bool {
         let problem = progress.task.problem;
-        let OuterIteration { schedule, left, grade, lowest, asked, .. } = &mut *outer;
-        let mut before = self.newton.factorizations;
+        let OuterIteration { schedule, left, grade, lowest, .. } = &mut *outer;
+        let before = self.newton.factorizations;
         let (mut steps, mut lost, mut is_lost) = (0, 0, false);
         let (mut halved, mut halved_at) = (*grade, before);
         while !progress.is_solved() && left.steps > 0 && !progress.task.stop.early() {
@@ -227,16 +221,6 @@ impl ProximalPoint {
             *lowest = lowest.min(found);
             if found < 0.5 * halved {
                 (halved, halved_at) = (found, self.newton.factorizations);
-            }
-            if lost == DOUBTFUL && !*asked {
-                *asked = true;
-                let own = self.newton.factorizations - before;
-                let ends = self.ask_cases(progress, matrix);
-                before = self.newton.factorizations - own;
-                if ends {
-                    break;
-                }
-                continue;
             }
             let in_vain = self.newton.factorizations - halved_at;
             if lost == LOST || in_vain > left.patience {
@@ -448,18 +432,6 @@ impl ProximalPoint {
     ) -> (f64, usize) {
         self.trial.copy_from_slice(&self.centre);
         self.newton.solve(&progress.task, matrix, &mut self.trial, &self.centre, goal)
-    }
-
-    /// Asks by cases whether there is a solution at all, before all starts are gone through in vain; whether that ends
-    /// the work, with a proof that there is none or by Newton's method from where it is narrowed down to. The centre stays.
-    #[cold]
-    fn ask_cases(&mut self, progress: &mut Progress<'_>, matrix: &mut NewtonMatrix) -> bool {
-        if let Some(near) = progress.search_cases() {
-            let centre = self.centre.clone();
-            self.newton_from(progress, matrix, &near);
-            self.centre = centre;
-        }
-        progress.is_over()
     }
 
     /// Puts the centre where the iteration has not been led astray: where many sweeps lead or at no percussions.

@@ -31,8 +31,6 @@ pub(crate) struct Sweeper {
     /// Contacts that influence each other, directly or by others.
     islands: Members,
     pub(crate) candidates: Candidates,
-    /// What others bring to contacts of an island, see [`Visitor`].
-    brought: Vec<f64>,
     workers: Vec<Worker>,
     /// Contacts by their colours, where sweeps went in that order.
     colours: Option<Colours>,
@@ -86,8 +84,8 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
-        let Self { blocks, efforts, candidates, brought, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let Self { blocks, efforts, candidates, .. } = self;
+        let mut visitor = Visitor { blocks, efforts, candidates };
         visitor.visit_all(task, iterate, policy, first, 0..task.problem.contacts().len())
     }
 
@@ -100,7 +98,7 @@ impl Sweeper {
         free: bool,
     ) -> Option<usize> {
         let Task { problem, history, threads, .. } = *task;
-        let Self { blocks, efforts, candidates, brought, colours, .. } = self;
+        let Self { blocks, efforts, candidates, colours, .. } = self;
         let colours = colours.get_or_insert_with(|| Colours::of(problem));
         if free && threads.serve(problem.contacts().len()) {
             let Iterate { percussion, states, .. } = iterate;
@@ -108,7 +106,7 @@ impl Sweeper {
             let changed = Changed { percussion, states, efforts };
             return threads.run(|| colours.sweep_side_by_side(before, changed));
         }
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let mut visitor = Visitor { blocks, efforts, candidates };
         let in_turn =
             (0..colours.count()).flat_map(|colour| colours.contacts(colour).iter().copied());
         visitor.visit_all(task, iterate, Policy::FirstFound, first, in_turn)
@@ -131,8 +129,8 @@ impl Sweeper {
         swept: &mut Vec<Swept>,
     ) {
         swept.clear();
-        let Self { blocks, efforts, islands, candidates, brought, workers, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let Self { blocks, efforts, islands, candidates, workers, .. } = self;
+        let mut visitor = Visitor { blocks, efforts, candidates };
         // Whoever shares the pool with other calls would wait for them.
         if task.threads.serve(task.problem.contacts().len())
             && let Some(_claim) = task.threads.claim()
@@ -226,9 +224,10 @@ fn solve_alone(
     let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
     record(found, history, state, ambiguous);
     let OneContact { problem, contact: number, .. } = contact;
-    let OwnMeasure { defect, size, .. } = measure_alone(problem, number, percussion, velocity);
+    let OwnMeasure { defect, may_be_flawed, .. } =
+        measure_alone(problem, number, percussion, velocity);
     let ended = if found.is_some() { Ended::Done } else { Ended::Stuck(number) };
-    let may_grow = size.may_have_grown();
+    let may_grow = may_be_flawed;
     let stuck = found.is_none();
     let (worst_contact, ambiguous) = (number, *ambiguous);
     Swept { sweeps: 1, ended, defect, worst_contact, stuck, may_grow, ambiguous }
