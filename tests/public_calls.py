@@ -416,7 +416,6 @@ RESULTS = {
     "Equilibrium",
     "Event",
     "Infeasibility",
-    "InfeasibleCase",
     "State",
     "LimitCycle",
     "BifurcationDiagram",

@@ -56,7 +56,7 @@ PAIRS = {
 
 RESULTS = {
     "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "EngineReport",
-    "Ensemble", "Equilibrium", "Event", "FlowReport", "GrowthChart", "InfeasibleCase", "Island",
+    "Ensemble", "Equilibrium", "Event", "FlowReport", "GrowthChart", "Island",
     "Labels", "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
     "Stability", "Stage", "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",

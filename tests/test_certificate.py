@@ -326,25 +326,28 @@ def closes(directions, problem):
     return found.status == 0 and found.fun < -1e-9
 
 
+JAMMED = (Status.STALLED, Status.UNBOUNDED, Status.INEXACT)
+
+
 def check_random_systems(seeds):
-    """Return how many systems converged, how many are proven to close or to have no solution.
+    """Return how many systems converged, are proven to close, or ended without either.
 
     Friction may leave problems without a solution whose normal rows alone have one.
     """
-    counts = {"converged": 0, "closing": 0, "friction": 0}
+    counts = {"converged": 0, "closing": 0, "jammed": 0}
     for seed in seeds:
         directions, problem = random_system(seed)
         solution = problem.solve(tolerance=1e-9, time_limit=20.0, on_failure="record")
         closing = closes(directions, problem)
         if solution.status is Status.NO_SOLUTION:
             assert proves_no_solution(problem, solution.infeasibility), seed
-            assert closing or solution.infeasibility.kind == "cases", seed
-            counts["closing" if closing else "friction"] += 1
+            assert closing, seed
+            counts["closing"] += 1
         else:
             assert not closing, seed
-            # Six contacts may have more cases than are looked at.
-            assert solution.converged or len(problem.laws) == 6, seed
-            counts["converged"] += solution.converged
+            # What friction jams ends without a proof.
+            assert solution.converged or solution.status in JAMMED, seed
+            counts["converged" if solution.converged else "jammed"] += 1
     return counts
 
 
@@ -352,22 +355,23 @@ def test_verdicts_are_those_of_linear_programming():
     counts = check_random_systems(range(RANDOM_SYSTEMS))
     assert counts["converged"] > 0.5 * RANDOM_SYSTEMS
     assert counts["closing"] > 0.3 * RANDOM_SYSTEMS
-    assert counts["friction"] > 0
+    assert 0 < counts["jammed"] < 0.05 * RANDOM_SYSTEMS
 
 
 def test_verdicts_that_were_missed():
-    # Contacts that close slowly, cases with columns that depend on each other, a solution that only
-    # the search by cases leads to.
-    seeds = (6227, 314, 704, 1697, 3682, 5264, 6752, 8130, 5557)
-    assert check_random_systems(seeds) == {"converged": 1, "closing": 1, "friction": 7}
+    # A contact that closes slowly.
+    assert check_random_systems([6227])["closing"] == 1
+    # Systems that friction jams, some of which have a solution that is hard to find.
+    counts = check_random_systems((314, 704, 1697, 3682, 5264, 6752, 8130, 5557))
+    assert counts["closing"] == 0 and counts["jammed"] >= 6
     # Systems that a change of the loads by one part in 10⁶ gives a solution: rounding decides.
     assert check_random_systems([8136, 9167])["closing"] == 0
 
 
 # Bodies that friction jams: percussions up to 1e10 times the loads leave small residuals, while all
 # contacts approach by a part of 1e-4 to 1e-3 of the loads.
-@pytest.mark.parametrize("seed", [184, 238, 244, 246])
-def test_systems_of_bodies_have_the_verdict_of_their_matrix(seed):
+@pytest.mark.parametrize("seed", [66, 184, 238, 244, 246])
+def test_systems_that_friction_jams_are_not_solved(seed):
     directions, matrix = random_system(seed)
     mass = np.eye(len(directions))
     free, laws = matrix.free_velocity, matrix.laws
@@ -375,10 +379,10 @@ def test_systems_of_bodies_have_the_verdict_of_their_matrix(seed):
         mass, directions=directions, free_velocity=free, laws=laws
     )
     for problem in (matrix, bodies):
-        solution = problem.solve(tolerance=1e-9, on_failure="record")
-        assert solution.status is Status.NO_SOLUTION
-        assert proves_no_solution(problem, solution.infeasibility)
-        assert proves_no_solution(bodies, solution.infeasibility)
+        for measure in ("contact", "global"):
+            solution = problem.solve(tolerance=1e-9, measure=measure, on_failure="record")
+            assert solution.status in JAMMED
+            assert solution.infeasibility is None
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -450,60 +454,13 @@ def test_hinges_with_restitution_have_a_solution_or_a_proof():
             assert solution.converged, k
             continue
         without += 1
+        smooth = problem.replace(laws=asp.FrictionLaw.isotropic(1e-3, dimension=1 + k % 2))
+        assert smooth.solve().converged
+        assert not proves_no_solution(smooth, solution.infeasibility)
         assert solution.status is Status.NO_SOLUTION, k
-        assert solution.infeasibility.kind == "cases"
+        assert solution.infeasibility.kind == "one_contact"
         assert proves_no_solution(problem, solution.infeasibility), k
     assert without > 20
-
-
-def test_the_checker_refuses_cases_that_leave_something_out():
-    rng = np.random.default_rng(5)
-    problem, resistance = hinge(rng, 2)
-    while resistance > -0.1:
-        problem, resistance = hinge(rng, 2)
-    proof = problem.solve(on_failure="record").infeasibility
-    assert proves_no_solution(problem, proof)
-    for k, case in enumerate(proof.cases):
-        others = proof.cases[:k] + proof.cases[k + 1 :]
-        assert not proves_no_solution(problem, proof.replace(cases=others))
-        turned = (*others, case.replace(direction=-case.direction))
-        assert not proves_no_solution(problem, proof.replace(cases=turned))
-    lifted = problem.replace(free_velocity=-problem.free_velocity, initial_velocity=np.zeros(3))
-    assert not proves_no_solution(lifted, proof)
-    smooth = problem.replace(laws=asp.FrictionLaw.isotropic(1e-3))
-    assert smooth.solve().converged
-    assert not proves_no_solution(smooth, proof)
-
-
-def test_loads_of_other_islands_do_not_weaken_a_proof():
-    rng = np.random.default_rng(5)
-    problem, resistance = hinge(rng, 2)
-    while resistance > -0.1:
-        problem, resistance = hinge(rng, 2)
-    heavy = 1e9
-    beside = asp.ContactProblem(
-        block_diag(problem.delassus, np.eye(3)),
-        free_velocity=[*problem.free_velocity, -heavy, 0.3 * heavy, 0.0],
-        laws=[*problem.laws, asp.FrictionLaw.isotropic(0.2)],
-        normal_restitution=[*problem.normal_restitution, 0.0],
-        initial_velocity=[*problem.initial_velocity, 0.0, 0.0, 0.0],
-    )
-    proof = beside.solve(on_failure="record").infeasibility
-    assert proof.kind == "cases"
-    assert proves_no_solution(beside, proof)
-    # Within an island the loads of all contacts count.
-    coupled = beside.delassus.copy()
-    coupled[3, 0] = coupled[0, 3] = 1e-12
-    assert not proves_no_solution(beside.replace(delassus=coupled), proof)
-
-
-def test_contacts_that_influence_each_other_may_have_no_solution_together():
-    # Normals alone could be held apart: friction prevents it.
-    _, problem = random_system(66)
-    solution = problem.solve(on_failure="record")
-    assert solution.status is Status.NO_SOLUTION
-    assert len(solution.infeasibility.cases) > 1
-    assert proves_no_solution(problem, solution.infeasibility)
 
 
 @pytest.mark.parametrize("seed", [18, 114, 312])
@@ -729,12 +686,9 @@ def test_bodies_that_the_operator_has_lost_are_asked_as_well(mass):
     claim = {"contact": 0, "closing_velocity": 0.5, "residual": 0.0}
     weights = np.array([0.5, 0.0, 0.5, 0.0])
     closing = asp.Infeasibility(kind="closing", direction=weights, **claim)
-    case = asp.InfeasibleCase(states=["any", "any"], direction=-weights)
-    cases = asp.Infeasibility(kind="cases", direction=np.eye(4)[0], cases=[case], **claim)
-    for proof in (closing, cases):
-        # They are proofs where nothing is known but G.
-        assert proves_no_solution(problem.replace(delassus=problem.delassus), proof)
-        assert not proves_no_solution(problem, proof)
+    # It is a proof where nothing is known but G.
+    assert proves_no_solution(problem.replace(delassus=problem.delassus), closing)
+    assert not proves_no_solution(problem, closing)
 
 
 def close_jaws(sliding, squeeze=1e-3):

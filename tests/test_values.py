@@ -96,7 +96,6 @@ VALUES = [
         closing_velocity=0.2,
         residual=1e-16,
     ),
-    asp.InfeasibleCase(["open", (0.0, 1.0)], [-1.0, 0.0, 0.0, 0.0]),
     *PROBLEM.solutions(0),
     asp.Exact(),
     asp.Exact(max_sweeps=5),

@@ -6,32 +6,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 13] = [
+const SOLVER: [(&str, &[&str]); 11] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
-    ("suitable_masses", &[]),
-    ("infeasibility", &["measure", "one_contact", "suitable_masses"]),
+    ("infeasible", &["measure", "one_contact"]),
     ("newton_matrix", &[]),
     ("report", &["measure"]),
-    ("method", &["measure", "one_contact", "infeasibility", "newton_matrix", "report"]),
-    ("findings", &["measure", "infeasibility", "report", "method"]),
+    ("method", &["measure", "one_contact", "infeasible", "newton_matrix", "report"]),
+    ("findings", &["measure", "infeasible", "report", "method"]),
     ("neighbourhood", &["measure", "report", "method"]),
-    ("existence", &["suitable_masses", "newton_matrix", "method"]),
-    (
-        "auto",
-        &[
-            "measure",
-            "infeasibility",
-            "newton_matrix",
-            "report",
-            "method",
-            "neighbourhood",
-            "existence",
-        ],
-    ),
-    ("islands", &["measure", "infeasibility", "report", "method"]),
+    ("auto", &["measure", "infeasible", "newton_matrix", "report", "method", "neighbourhood"]),
+    ("islands", &["measure", "infeasible", "report", "method"]),
     // What users call stands above the solver.
-    ("solution", &["measure", "infeasibility", "islands", "report", "Solver", "Workspace"]),
+    ("solution", &["measure", "infeasible", "islands", "report", "Solver", "Workspace"]),
 ];
 
 /// The rooms of the event-driven integrator; each may use those before it.

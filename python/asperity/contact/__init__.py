@@ -1,6 +1,6 @@
 """Contact problems as data: problem, solution, certificate, files."""
 
-from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
+from asperity.contact.certificate import Certificate, Infeasibility
 from asperity.contact.problem import ContactProblem
 from asperity.contact.solution import ContactSolution, Island, LocalSolution, Stage
 
@@ -9,7 +9,6 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "Infeasibility",
-    "InfeasibleCase",
     "Island",
     "LocalSolution",
     "Stage",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import KW_ONLY
 from typing import Literal
 
@@ -14,7 +13,7 @@ from asperity._base.tables import aligned
 from asperity._base.value import Record, Value
 from asperity.errors import ParameterError
 
-InfeasibilityKind = Literal["closing", "one_contact", "cases"]
+InfeasibilityKind = Literal["closing", "one_contact"]
 
 
 class Certificate(Record):
@@ -75,40 +74,6 @@ class Certificate(Record):
         return aligned([*lines, ("contacts", f"{counts}; worst {self.worst_contact}")])
 
 
-class InfeasibleCase(Value):
-    """What contacts may do in one case of a proof, and why that is impossible.
-
-    Attributes:
-        states: of each contact ``"any"``; ``"open"``; ``"closed"``, without normal velocity;
-            ``"stick"``; or the angles in rad between which the direction of its slip lies, on a
-            line both 0 or both π.
-        direction: z, shape ``(rows,)``, with magnitudes that add up to one: z·ξ ≤ 0 for all
-            velocities of these states and (Gᵀz)·P ≥ 0 for all their percussions, but
-            z·(b + e∘γ_B) > 0.
-
-    >>> from asperity import InfeasibleCase
-    >>> InfeasibleCase(["open"], [-1.0, 0.0]).states
-    ('open',)
-    """
-
-    states: tuple[str | tuple[float, float], ...]
-    direction: Array
-
-    def __init__(self, states: Sequence[str | tuple[float, float]], direction: ArrayLike) -> None:
-        names = ("any", "open", "closed", "stick")
-
-        def read(state: str | tuple[float, float]) -> str | tuple[float, float]:
-            if isinstance(state, str):
-                return arrays.choice(state, "states", names)
-            first, last = arrays.array(state, "states", (2,))
-            return float(first), float(last)
-
-        self._set(
-            states=tuple(read(state) for state in states),
-            direction=arrays.array(direction, "direction", (None,)),
-        )
-
-
 class Infeasibility(Value):
     """The proof that a contact problem has no solution, see `ContactSolution.infeasibility`.
 
@@ -120,22 +85,16 @@ class Infeasibility(Value):
     Kind ``"one_contact"``: a contact that no other one influences has neither an open, nor a
     sticking, nor a slipping state (Painlevé's paradox).
 
-    Kind ``"cases"``: contacts that influence each other, or one with a singular block of G such as
-    a hinge, have no solution together. Everything that they can do is divided into cases, each of
-    which is impossible by Farkas' lemma, see `InfeasibleCase`.
-
-    `asperity.contact.grading.proves_no_solution` checks all of them without a solver.
+    `asperity.contact.grading.proves_no_solution` checks both without a solver.
 
     Attributes:
-        kind: ``"closing"``, ``"one_contact"`` or ``"cases"``.
+        kind: ``"closing"`` or ``"one_contact"``.
         contact: the contact without a solution, or the one with the largest part in d.
-        direction: d, with sum one, shape ``(rows,)``; of the other kinds the contact's normal row.
-        closing_velocity: −d·(b + e∘γ_B) in m/s; of the other kinds the speed at which the contact
-            approaches without percussions.
-        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding; of bodies with
-            G = WᵀM⁻¹W of the masses M_kk = Σⱼ W_kj²; of cases the most that one of them leaves to
-            rounding.
-        cases: all that the contacts can do; of the other kinds none.
+        direction: d, with sum one, shape ``(rows,)``; of one contact its normal row.
+        closing_velocity: −d·(b + e∘γ_B) in m/s; of one contact the speed at which it approaches
+            without percussions.
+        residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding; of bodies
+            max |(W d)ₖ|/maxⱼ |W_kj| over max dᵢ.
 
     >>> import numpy as np
     >>> from asperity import ContactProblem, FrictionLaw
@@ -153,7 +112,6 @@ class Infeasibility(Value):
     direction: Array
     closing_velocity: float
     residual: float
-    cases: tuple[InfeasibleCase, ...]
 
     def __init__(
         self,
@@ -163,16 +121,11 @@ class Infeasibility(Value):
         direction: ArrayLike,
         closing_velocity: float,
         residual: float,
-        cases: Sequence[InfeasibleCase] = (),
     ) -> None:
-        for case in cases:
-            if not isinstance(case, InfeasibleCase):
-                raise ParameterError("cases", f"must hold InfeasibleCase objects, got {case!r}")
         self._set(
-            kind=arrays.choice(kind, "kind", ("closing", "one_contact", "cases")),
+            kind=arrays.choice(kind, "kind", ("closing", "one_contact")),
             contact=arrays.count(contact, "contact", least=0),
             direction=arrays.array(direction, "direction", (None,)),
             closing_velocity=arrays.non_negative(closing_velocity, "closing_velocity"),
             residual=arrays.non_negative(residual, "residual"),
-            cases=tuple(cases),
         )

@@ -10,15 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.contact import ContactProblem, Infeasibility, InfeasibleCase
+from asperity.contact import ContactProblem, Infeasibility
 from asperity.contact.arguments import sizes
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
 
 __all__ = ["natural_map", "proves_no_solution"]
-
-State = str | tuple[float, float]
 
 # Percussions over those that the loads call for beyond which they are none.
 _HUGE = 5e9
@@ -88,15 +86,7 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
     parallel to the direction that the friction belongs to. It is checked for p = 1 and p = 2 and a
-    regular block.
-
-    A proof of the kind ``"cases"`` divides what the contacts can do into cases, which must leave
-    nothing out. Each has a vector z that may be multiplied by no velocity of the case to more than
-    zero, and Gᵀz by no percussion of it to less, in as many directions as above and up to the
-    rounding of the first kind, while z·(b + e∘γ_B) > 0. Loads count of the contacts of the case
-    and those that influence them, directly or by others. Where that product of Gᵀz vanishes, W z
-    must vanish as well for bodies that bring less than 1e-6 of the entries of G. It is checked for
-    p = 1 and p = 2.
+    regular block, or the block u wᵀ of a hinge, which slips in a known direction.
 
     Args:
         problem: with any laws.
@@ -115,13 +105,6 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         return False
     if proof.kind == "one_contact":
         return _has_none(problem, proof.contact, free)
-    if proof.kind == "cases":
-        whole: tuple[State, ...] = ("any",) * len(problem.laws)
-        possible = [case for case in proof.cases if len(case.states) == len(whole)]
-        islands = _islands(problem)
-        return _covers(problem, whole, possible) and all(
-            _is_impossible(problem, case, free, islands) for case in possible
-        )
     weights = proof.direction
     normal = np.zeros(free.size, dtype=bool)
     for rows, force in zip(problem.row_slices, problem.normal_force, strict=True):
@@ -169,18 +152,6 @@ def _vanishes(problem: ContactProblem, weights: Array, free: Array) -> bool:
     )
 
 
-def _keeps_lost_bodies_at_rest(problem: ContactProblem, weights: Array) -> bool:
-    """Return whether weights move no body that brings so little of G that G may have lost it."""
-    moved = _moved(problem, weights)
-    if problem.directions is None or problem.mass is None:
-        return not moved.any()
-    levers = abs(problem.directions)
-    meeting = levers.sign().multiply(np.sqrt(problem.delassus.diagonal())).tocsr()
-    lever, scale = (values.max(axis=1).toarray().ravel() for values in (levers, meeting))
-    held = lever**2 >= 1e-6 * problem.mass.diagonal() * scale**2
-    return not (moved & ~held).any()
-
-
 def _moved(problem: ContactProblem, weights: Array) -> NDArray[np.bool_]:
     """Return which velocities of bodies weights as percussions change; none if none is known."""
     if problem.directions is None:
@@ -205,7 +176,11 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
     alone = np.delete(dense, np.r_[rows], axis=1)
     if alone.any() or problem.normal_force[contact] is not None or law.dimension > 2:
         return False
-    if b[0] >= 0.0 or np.linalg.cond(block) > 1e8:
+    if b[0] >= 0.0:
+        return False
+    if np.linalg.matrix_rank(block, tol=1e-12 * np.linalg.norm(block)) == 1:
+        return _is_pulled(law, block, b)
+    if np.linalg.cond(block) > 1e8:
         return False
     stick = np.linalg.solve(block, -b)
     if stick[0] > 0.0 and law.reservoir.gauge(-stick[1:] / stick[0]) <= 1.0 + 1e-9:
@@ -229,138 +204,15 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
     return not bool((ahead[0] & ahead[1]).any())
 
 
-def _covers(
-    problem: ContactProblem, states: tuple[State, ...], cases: list[InfeasibleCase]
-) -> bool:
-    """Return whether contacts that do these things are in one of the cases, whatever they do."""
-    if any(all(map(_contains, case.states, states)) for case in cases):
-        return True
-    every = range(len(states))
-    for k in (k for case in cases for k in every if not _contains(case.states[k], states[k])):
-        parts = _parts_of(states[k], problem.laws[k].dimension, problem.normal_force[k] is None)
-        if parts:
-            break
-    else:
+def _is_pulled(law: FrictionLaw, block: Array, b: Array) -> bool:
+    """Return whether a hinge, ξ = b + u s, s = w·P, that cannot open would be pulled as it slips."""
+    slip = b[1:] - block[1:, 0] * b[0] / block[0, 0]
+    if _norm(slip) <= 1e-9 * _norm(b):
         return False
-    for part in parts:
-        narrower = (*states[:k], part, *states[k + 1 :])
-        meeting = [
-            case
-            for case in cases
-            if all(
-                _contains(a, b) or _contains(b, a)
-                for a, b in zip(case.states, narrower, strict=True)
-            )
-        ]
-        if not _covers(problem, narrower, meeting):
-            return False
-    return True
-
-
-def _contains(whole: State, part: State) -> bool:
-    """Return whether one state is a special case of another."""
-    if isinstance(whole, tuple):
-        return isinstance(part, tuple) and whole[0] <= part[0] and part[1] <= whole[1]
-    if whole == "closed":
-        return isinstance(part, tuple) or part in ("closed", "stick")
-    return whole in ("any", part)
-
-
-def _parts_of(state: State, dimension: int, unilateral: bool) -> list[State]:
-    """Return the states that a state is divided into; none if it is not."""
-    if isinstance(state, tuple):
-        middle = 0.5 * (state[0] + state[1])
-        narrow = state[1] - state[0] < 1e-6
-        return [] if narrow else [(state[0], middle), (middle, state[1])]
-    if state == "any" and unilateral:
-        return ["open", "closed"]
-    if state not in ("any", "closed"):
-        return []
-    if dimension == 1:
-        return ["stick", (0.0, 0.0), (np.pi, np.pi)]
-    quadrants = [(k * np.pi / 2 - np.pi, (k + 1) * np.pi / 2 - np.pi) for k in range(4)]
-    return ["stick", *quadrants] if dimension == 2 else []
-
-
-def _islands(problem: ContactProblem) -> NDArray[np.int32]:
-    """Return a number for every row: rows of contacts that influence each other have the same."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    each = sizes(problem.laws, problem.normal_force)
-    contact = np.repeat(np.arange(len(each)), each)
-    row, column = problem.delassus.nonzero()
-    meet = coo_array((np.ones(len(row)), (contact[row], contact[column])), 2 * (len(each),))
-    labels: NDArray[np.int32] = connected_components(meet, directed=False)[1]
-    return labels[contact]
-
-
-def _is_impossible(
-    problem: ContactProblem, case: InfeasibleCase, free: Array, islands: NDArray[np.int32]
-) -> bool:
-    """Return whether z refutes a case."""
-    z, scale = case.direction, np.sqrt(problem.delassus.diagonal())
-    if z.shape != free.shape or not np.isfinite(z).all():
-        return False
-    y = problem.delassus.T @ z
-    largest = (scale * np.abs(z)).max()
-    gap, terms, rounding = z @ free, np.abs(z) @ np.abs(free), 0.0
-    vanishes = False
-    for rows, law, force, state in zip(
-        problem.row_slices, problem.laws, problem.normal_force, case.states, strict=True
-    ):
-        if not (z[rows].any() or y[rows].any()):
-            continue
-        if law.dimension > 2:
-            return False
-        normal = 0 if force is not None else 1
-        along, pulled = z[rows][normal:], y[rows][normal:]
-        if isinstance(state, tuple):
-            ends = np.array([[np.cos(angle), np.sin(angle)] for angle in state])
-            if law.dimension == 1:
-                ends = np.sign(ends[:, :1])
-            if state[1] - state[0] > np.pi / 2 + 1e-9 or (ends @ along > 0.0).any():
-                return False
-        elif state != "stick" and along.any():
-            return False
-        if state in ("any", "open") and normal and z[rows.start] > 0.0:
-            return False
-        if state == "open":
-            continue
-        friction = _friction_of(law, state)
-        most = (friction @ pulled).max()
-        if force is not None:
-            gap, terms = gap - force * most, terms + force * abs(most)
-            continue
-        own = scale[rows]
-        unit = largest * (own[0] + np.sqrt((friction**2).sum(axis=1).max()) * own.max())
-        if y[rows.start] - most < -1e-13 * unit:
-            return False
-        vanishes |= y[rows.start] - most < 1e-10 * unit
-        rounding = max(rounding, (most - y[rows.start]) / own[0])
-    # Loads of other islands call for no percussion here.
-    own = np.isin(islands, islands[(z != 0.0) | (y != 0.0)])
-    called_for = (np.abs(free) / scale)[own].max(initial=0.0)
-    return bool(
-        gap > 1e-10 * terms
-        and gap >= _HUGE * rounding * called_for
-        and (not vanishes or _keeps_lost_bodies_at_rest(problem, z))
-    )
-
-
-def _friction_of(law: FrictionLaw, state: State) -> Array:
-    """Return −P_T/P_N of a state, with zero where the contact need not slip."""
-    directions, force = _frictions(law)
-    friction: Array = -force
-    if not isinstance(state, tuple):
-        return np.vstack([friction, np.zeros(law.dimension)])
-    middle, half = 0.5 * (state[0] + state[1]), 0.5 * (state[1] - state[0])
-    if law.dimension == 1:
-        return friction[directions[:, 0] * np.cos(middle) > 0.0]
-    turned = np.arctan2(directions[:, 1], directions[:, 0]) - middle
-    inside = np.abs((turned + np.pi) % (2.0 * np.pi) - np.pi) <= half + 1e-12
-    ends = law.direction.support_point([[np.cos(angle), np.sin(angle)] for angle in state])
-    return np.vstack([friction[inside], ends / law.reservoir.gauge(ends)[:, None]])
+    directions, friction = _frictions(law)
+    near = (directions * slip).sum(axis=1) >= (1.0 - 1e-7) * _norm(slip)
+    resistance = 1.0 + friction[near] @ block[0, 1:] / block[0, 0]
+    return bool((resistance < -1e-10).all())
 
 
 @functools.lru_cache(maxsize=16)

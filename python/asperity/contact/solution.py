@@ -15,7 +15,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.value import Record, Value
-from asperity.contact.certificate import Certificate, Infeasibility, InfeasibleCase
+from asperity.contact.certificate import Certificate, Infeasibility
 from asperity.errors import DimensionError
 from asperity.status import Phase, Status
 
@@ -277,8 +277,7 @@ class ContactSolution(TableResult, Value):
 
 def infeasibility(proof: dict[str, Any]) -> Infeasibility:
     """Return the proof that the core hands over."""
-    cases = [InfeasibleCase(*case) for case in proof["cases"]]
-    return Infeasibility(**{**proof, "cases": cases})
+    return Infeasibility(**proof)
 
 
 class LocalSolution(Record):

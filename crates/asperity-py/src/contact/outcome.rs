@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity::contact::{ContactProblem, NormalForce};
-use asperity::solver::{CaseState, Certificate, Infeasibility, Solution, Status, Unsolvable};
+use asperity::solver::{Certificate, Infeasibility, Solution, Status, Unsolvable};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,14 +24,6 @@ fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray
     array
 }
 
-/// The state of a contact in a case: its name, or the angles of a sector of slip directions.
-fn state<'py>(py: Python<'py>, state: &CaseState) -> PyResult<Bound<'py, PyAny>> {
-    match state {
-        CaseState::Slip { from, to } => Ok((*from, *to).into_pyobject(py)?.into_any()),
-        other => Ok(other.name().into_pyobject(py)?.into_any()),
-    }
-}
-
 /// A proof that there is no solution as a dictionary.
 fn proven<'py>(py: Python<'py>, proof: &Infeasibility) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
@@ -40,11 +32,6 @@ fn proven<'py>(py: Python<'py>, proof: &Infeasibility) -> PyResult<Bound<'py, Py
     out.set_item("direction", array(py, proof.direction.clone()))?;
     out.set_item("closing_velocity", proof.closing_velocity)?;
     out.set_item("residual", proof.residual)?;
-    let cases = proof.cases.iter().map(|case| {
-        let states: PyResult<Vec<_>> = case.states.iter().map(|s| state(py, s)).collect();
-        Ok((states?, array(py, case.direction.clone())))
-    });
-    out.set_item("cases", cases.collect::<PyResult<Vec<_>>>()?)?;
     Ok(out)
 }
 

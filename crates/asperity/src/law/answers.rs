@@ -7,7 +7,6 @@ use std::sync::Arc;
 use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
 
 use super::Bounds;
-use super::boundary::BoundaryPiece;
 use super::contact_equation::inclusion;
 use super::contact_equation::lorentz::{self, LorentzCone};
 use super::contact_equation::natural_map::{self, ContactPoint, Derivatives};
@@ -209,15 +208,6 @@ impl Law {
         match self {
             Self::One(law) => Some(Bounds::on_a_line(law.largest_radius())),
             Self::Two(law) => Some(law.bounds()),
-            Self::Three(_) => None,
-        }
-    }
-
-    /// The boundary of *C* times `unit` in pieces with the normals of *D* that belong to them; none with drilling friction.
-    pub(crate) fn boundary(&self, unit: f64) -> Option<Vec<BoundaryPiece>> {
-        match self {
-            Self::One(law) => Some(law.boundary(unit)),
-            Self::Two(law) => Some(law.boundary(unit)),
             Self::Three(_) => None,
         }
     }

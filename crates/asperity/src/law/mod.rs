@@ -1,7 +1,6 @@
 //! Friction laws: a force reservoir, a direction set, and what follows from the pair.
 
 mod answers;
-mod boundary;
 mod bounds;
 mod classify;
 mod contact_equation;
@@ -15,7 +14,6 @@ mod walk_table;
 
 pub use answers::Law;
 pub(crate) use answers::{Components, Friction, ProxParameter, inclusion_defect};
-pub(crate) use boundary::BoundaryPiece;
 pub(crate) use bounds::Bounds;
 pub(crate) use contact_equation::natural_map::map as natural_map;
 pub(crate) use contact_equation::{ContactMatrix, ContactPoint, ContactVector, Derivatives, Rho};

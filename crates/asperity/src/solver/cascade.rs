@@ -11,7 +11,7 @@ use std::time::Instant;
 use super::gauss_seidel::{
     Cost, Iterate, Past, Rate, Reached, Sweeper, TRIAL_SWEEPS, Task, UNTIMED, untimed_visits,
 };
-use super::infeasibility::prove_one_contact;
+use super::infeasible::prove_one_contact;
 use super::method::{
     ALONE, Admm, Anderson, BESIDE, Buffers, Cones, Course, Interior, LeastNorm, Progress,
     ProximalPoint,
@@ -91,7 +91,6 @@ pub(super) struct Methods {
 impl Methods {
     /// Forgets what depends on `G`.
     pub(super) fn reset(&mut self) {
-        self.buffers.forget_operator();
         self.matrix.reset();
     }
 

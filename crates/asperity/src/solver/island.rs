@@ -6,8 +6,7 @@
 use super::cascade::Methods;
 use super::findings;
 use super::gauss_seidel::{Iterate, Past, Reached, Sweeper, Swept, Task, mark_ambiguous};
-use super::infeasibility::{Case, CaseState, Infeasibility};
-use super::measure::growth::Groups;
+use super::infeasible::Infeasibility;
 use super::measure::natural_residual::is_worse;
 use super::method::{Order, ProxIteration};
 use super::report::{Method, SolveReport, Stage};
@@ -76,7 +75,6 @@ impl Islands {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Buffers {
     pub(super) sweeper: Sweeper,
-    pub(super) groups: Groups,
     pub(super) methods: Option<Box<Methods>>,
     /// Percussions of a prox iteration.
     next: Vec<f64>,
@@ -98,7 +96,6 @@ impl Buffers {
     }
 
     fn forget_operator(&mut self) {
-        self.groups.forget();
         if let Some(methods) = &mut self.methods {
             methods.reset();
         }
@@ -146,7 +143,7 @@ impl Buffers {
             Some(swept) if ends => {
                 let residual = iterate.measure(&task);
                 let ended = (0, swept.ended);
-                Reached::of(&task, &iterate, ended, residual, &mut self.groups)
+                Reached::of(&task, &iterate, ended, residual)
             }
             _ => {
                 iterate.states.copy_from_slice(task.history);
@@ -204,7 +201,7 @@ impl Buffers {
         let iteration = ProxIteration { order, step, max_iterations };
         let ended = iteration.solve(task, iterate, &mut self.next);
         let residual = iterate.measure(task);
-        Reached::of(task, iterate, ended, residual, &mut self.groups)
+        Reached::of(task, iterate, ended, residual)
     }
 }
 
@@ -315,22 +312,16 @@ impl Subproblem {
     /// The proof that there is no solution, said of the whole problem.
     fn infeasibility(&self, whole: &ContactProblem) -> Option<Infeasibility> {
         let proof = self.infeasibility.as_ref()?;
-        let Infeasibility { kind, contact, direction, cases, .. } = proof;
+        let Infeasibility { kind, contact, direction, .. } = proof;
         let spread = |direction: &[f64]| {
             let mut out = vec![0.0; whole.rows()];
             put(self.part.rows(), direction, &mut out);
             out
         };
-        let cases = cases.iter().map(|case| {
-            let mut states = vec![CaseState::Any; whole.contacts().len()];
-            put(self.part.contacts(), &case.states, &mut states);
-            Case { states, direction: spread(&case.direction) }
-        });
         Some(Infeasibility {
             kind: *kind,
             contact: self.part.contacts()[*contact],
             direction: spread(direction),
-            cases: cases.collect(),
             closing_velocity: proof.closing_velocity,
             residual: proof.residual,
         })

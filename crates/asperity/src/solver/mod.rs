@@ -13,12 +13,12 @@
 //!
 //! A problem is a list of islands, contacts that influence each other and no others; `solve.rs` solves them one by one, each
 //! as a problem of its own. `incumbent.rs` keeps the best percussions of an island. The measures in `measure/` belong to no
-//! solver and grade them all; `infeasibility/` proves that there is no solution.
+//! solver and grade them all; `infeasible/` proves that there is no solution.
 
 mod cascade;
 mod findings;
 mod gauss_seidel;
-mod infeasibility;
+mod infeasible;
 mod island;
 mod measure;
 mod method;
@@ -28,9 +28,8 @@ mod report;
 mod settings;
 mod solution;
 mod solve;
-mod suitable_masses;
 
-pub use infeasibility::{Case, CaseState, Infeasibility, InfeasibilityKind, Unsolvable};
+pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
 pub use island::{Island, Islands};
 pub use measure::certificate::Certificate;
 pub use measure::natural_map::natural_map;

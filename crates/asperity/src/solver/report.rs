@@ -1,5 +1,6 @@
 //! How a solve ended.
 
+use super::measure::approach::Flaw;
 use super::measure::natural_residual::{ROUNDED, Residual};
 
 /// Status of a solve; the text says what to try.
@@ -16,7 +17,7 @@ pub enum Status {
     Inexact,
     /// The solver makes no further progress above the tolerance.
     Stalled,
-    /// Percussions grow without bound while a contact goes on moving: there is probably no solution, but
+    /// Percussions grow without bound while a contact goes on moving, which is named: there is probably no solution, but
     /// that is not proven.
     Unbounded,
     /// There is no solution: [`Workspace::infeasibility`](super::Workspace::infeasibility) holds the proof.
@@ -55,8 +56,6 @@ pub struct SolveReport {
     pub worst_contact: usize,
     /// Whether some contact had more than one solution.
     pub ambiguous: bool,
-    /// Whether a solution is proven to exist.
-    pub(crate) solvable: bool,
 }
 
 impl SolveReport {
@@ -69,43 +68,39 @@ impl SolveReport {
         findings: Findings,
         tolerance: f64,
     ) -> Self {
-        let Findings { running, without_solution, solvable, ambiguous, .. } = findings;
+        let Findings { flaw, without_solution, ambiguous } = findings;
         let worst = residual.worst_contact;
-        let (status, worst_contact) = match (ended, without_solution, running) {
+        let small = residual.value <= tolerance;
+        let (status, worst_contact) = match (ended, without_solution, flaw) {
             (_, Some(contact), _) => (Status::NoSolution, contact),
-            (_, _, None) if residual.value <= tolerance => (Status::Converged, worst),
+            (_, _, None) if small => (Status::Converged, worst),
             (Ended::NotApplicable, ..) => (Status::NotApplicable, worst),
             (Ended::TimeLimit, ..) => (Status::TimeLimit, worst),
             (Ended::Unbounded(contact), ..) => (Status::Unbounded, contact),
-            (_, _, Some(contact)) if residual.value <= tolerance => (Status::Unbounded, contact),
+            (_, _, Some(flaw)) if small => (flaw_status(flaw), flaw.contact),
             (Ended::MaxIterations, ..) => (Status::MaxIterations, worst),
-            (_, _, Some(contact)) => (Status::Unbounded, contact),
+            (_, _, Some(flaw)) if flaw.unbounded => (Status::Unbounded, flaw.contact),
             (Ended::Done, ..) if residual.value <= ROUNDED => (Status::Inexact, worst),
             (Ended::Done, ..) => (Status::Stalled, worst),
             (Ended::Stalled, ..) => (Status::Stalled, worst),
             (Ended::Stuck(contact), ..) => (Status::Stalled, contact),
         };
-        let status = if status == Status::Unbounded { running_away(solvable) } else { status };
-        Self { status, iterations, residual: residual.value, worst_contact, ambiguous, solvable }
+        Self { status, iterations, residual: residual.value, worst_contact, ambiguous }
     }
 }
 
-/// The status where percussions run away: they are no solution, but one may be proven to exist.
-pub(crate) fn running_away(solvable: bool) -> Status {
-    if solvable { Status::Stalled } else { Status::Unbounded }
+/// The status of percussions with a flaw.
+pub(crate) fn flaw_status(flaw: Flaw) -> Status {
+    if flaw.unbounded { Status::Unbounded } else { Status::Stalled }
 }
 
 /// What was found out about the percussions in which a solve ended.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Findings {
-    /// The contact that percussions run away from.
-    pub(crate) running: Option<usize>,
+    /// Why percussions are no solution however small their residual is.
+    pub(crate) flaw: Option<Flaw>,
     /// The contact of a proof that there is no solution.
     pub(crate) without_solution: Option<usize>,
-    /// Whether a solution is proven to exist.
-    pub(crate) solvable: bool,
-    /// Percussions near which a solution may be that the method has not found.
-    pub(crate) candidate: Option<Vec<f64>>,
     /// Whether some contact has several solutions.
     pub(crate) ambiguous: bool,
 }

@@ -1,6 +1,6 @@
 //! What a solve returns where nothing is carried over to the next one.
 
-use super::infeasibility::Infeasibility;
+use super::infeasible::Infeasibility;
 use super::island::Islands;
 use super::measure::stop::Stop;
 use super::report::{SolveReport, Stage};

@@ -9,9 +9,9 @@ use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::gauss_seidel::{Iterate, Own, Past, Plan, Swept, Task};
-use super::infeasibility::Infeasibility;
+use super::infeasible::Infeasibility;
 use super::island::{Buffers, Given, Islands, Subproblem};
-use super::measure::growth;
+use super::measure::approach::{Approach, Flaw};
 use super::measure::natural_residual::{Measured, Residual, is_worse};
 use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
@@ -19,7 +19,7 @@ use super::method::ProxStep;
 use super::one_contact::Rising;
 use super::one_contact::block::Block;
 use super::one_contact::solve::{OneContact, Settled};
-use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
+use super::report::{Ended, Findings, Method, SolveReport, Stage, Status, flaw_status};
 use super::settings::Solver;
 use crate::contact::{ContactProblem, ContactState, Members, Memory};
 use crate::threads::Threads;
@@ -136,8 +136,8 @@ impl Workspace {
             self.stages.push(stage);
         }
         let Residual { value: residual, worst_contact } = residual;
-        let (status, solvable) = (Status::Converged, false);
-        SolveReport { status, iterations: 1, residual, worst_contact, ambiguous, solvable }
+        let status = Status::Converged;
+        SolveReport { status, iterations: 1, residual, worst_contact, ambiguous }
     }
 
     /// Whether the buffers have the sizes of this problem.
@@ -479,11 +479,9 @@ impl List {
         }
         if stop.measure == Measure::Global {
             residual = stop.residual(problem, iterate.percussion, iterate.velocity);
-            let solvable = worst.solvable;
             if worst.status == Status::Converged && residual.value > stop.tolerance {
                 let ended = if stop.early() { Ended::TimeLimit } else { Ended::Done };
-                let findings = Findings { solvable, ..Findings::default() };
-                worst = SolveReport::new(ended, 0, residual, findings, stop.tolerance);
+                worst = SolveReport::new(ended, 0, residual, Findings::default(), stop.tolerance);
             }
         }
         let proven = iterate.infeasibility.as_ref().map(|proof| proof.contact);
@@ -498,7 +496,6 @@ impl List {
             residual: residual.value,
             worst_contact,
             ambiguous: iterate.ambiguous.contains(&true),
-            solvable: self.reports.iter().all(|report| report.solvable),
         }
     }
 
@@ -578,10 +575,10 @@ fn graded(
     contacts: &[usize],
 ) -> SolveReport {
     let Residual { value, worst_contact } = stop.residual_of(measured, contacts);
-    let running = growth::of_island(measured, contacts, &[]).and_then(|growth| growth.running());
-    let (status, worst_contact) = match running {
+    let approach = Approach::of(measured, contacts.iter().copied(), stop.tolerance);
+    let (status, worst_contact) = match approach.flaw() {
         _ if !(value <= stop.tolerance) => (ended.status, worst_contact),
-        Some(contact) => (super::report::running_away(ended.solvable), contact),
+        Some(flaw) => (flaw_status(flaw), flaw.contact),
         None => (Status::Converged, worst_contact),
     };
     SolveReport { status, residual: value, worst_contact, ..ended }
@@ -631,12 +628,10 @@ pub(crate) fn grade(
     problem.velocity(&memory.percussion, &mut workspace.velocity);
     let residual = stop.residual(problem, &memory.percussion, &workspace.velocity);
     // A residual is small for percussions that run away, too.
-    let Workspace { velocity, buffers, .. } = workspace;
-    let groups = &mut buffers.groups;
-    groups.forget();
-    let growth = growth::of(problem, &memory.percussion, velocity, groups);
-    let running = growth.and_then(|growth| growth.running());
-    let findings = Findings { running, ..Findings::default() };
+    let (percussion, velocity) = (&memory.percussion[..], &workspace.velocity[..]);
+    let measured = Measured { problem, percussion, velocity };
+    let approach = Approach::of(&measured, 0..problem.contacts().len(), stop.tolerance);
+    let findings = Findings { flaw: approach.flaw(), ..Findings::default() };
     SolveReport::new(Ended::Done, 0, residual, findings, stop.tolerance)
 }
 
@@ -664,17 +659,20 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
     let (problem, Iterate { percussion, velocity, .. }) = (task.problem, iterate);
     let (mut known, mut forgotten) = (false, false);
     for contacts in (0..islands.count()).map(|island| islands.of(island)) {
-        if contacts.len() == 1 || !growth::is_large_island(problem, percussion, contacts) {
+        let vanishes = |i: &usize| percussion[problem.contacts()[*i].offset] == 0.0;
+        if contacts.len() == 1 || contacts.iter().all(vanishes) {
             continue;
         }
         if !std::mem::replace(&mut known, true) {
             problem.velocity(percussion, velocity);
         }
         let measured = Measured { problem, percussion, velocity };
+        let own = contacts.iter().copied();
+        let approach = Approach::of(&measured, own, task.stop.tolerance);
         let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
         let finite = rows().all(|row| percussion[row].is_finite());
-        let runs = |growth: growth::Growth| growth.running().is_some();
-        if !finite || growth::of_island(&measured, contacts, &[]).is_some_and(runs) {
+        let runs = |flaw: Flaw| flaw.unbounded;
+        if !finite || approach.flaw().is_some_and(runs) {
             rows().for_each(|row| percussion[row] = 0.0);
             forgotten = true;
         }

@@ -316,13 +316,6 @@ impl BlockMatrix {
         &self.values[place..place + size * size]
     }
 
-    /// The block of a contact with `N` rows where no two contacts meet: every block row has one block.
-    #[inline(always)]
-    pub(crate) fn only_block<const N: usize>(&self, i: usize) -> &[f64] {
-        let place = self.places[i];
-        &self.values[place..place + N * N]
-    }
-
     /// All values, block after block.
     pub fn values(&self) -> &[f64] {
         &self.values

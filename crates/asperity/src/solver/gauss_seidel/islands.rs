@@ -10,10 +10,10 @@ use super::swept::Swept;
 use super::task::{Iterate, Task};
 use super::visitor::{UNTIMED, Visitor, untimed_visits};
 use crate::contact::{ContactProblem, Members};
-use crate::solver::measure::growth::{self, Size};
+use crate::solver::measure::approach::Approach;
 use crate::solver::measure::natural_map::map_of;
 use crate::solver::measure::natural_residual::{Measured, residual_of};
-use crate::solver::measure::own::{Percussions, measure_coupled, size_coupled};
+use crate::solver::measure::own::Percussions;
 use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::{Measure, Stop};
 use crate::solver::one_contact::solve::Policy;
@@ -74,9 +74,10 @@ impl Visitor<'_> {
             if own.may_grow && !is_left {
                 let Iterate { percussion, velocity, .. } = iterate;
                 let measured = Measured { problem: task.problem, percussion, velocity };
-                let residual = own.residual().value;
-                own.may_grow = growth::of_island(&measured, members, self.brought)
-                    .is_some_and(|growth| growth.is_suspicious(residual));
+                let (contacts, tolerance) = (members.iter().copied(), task.stop.tolerance);
+                let approach = Approach::of(&measured, contacts, tolerance);
+                let hides = approach.hides(own.residual().value, tolerance);
+                own.may_grow = hides || approach.flaw().is_some();
             }
             put(own);
             if is_early {
@@ -170,7 +171,7 @@ impl Visitor<'_> {
         Swept { sweeps, stuck: stuck.is_some(), alone, ..swept }
     }
 
-    /// Velocities, residual by a measure and size of the percussions of an island; the worst contact only where contacts are
+    /// Velocities and residual by a measure of an island; the worst contact only where contacts are
     /// measured.
     fn measure(
         &mut self,
@@ -179,11 +180,9 @@ impl Visitor<'_> {
         members: &[usize],
         measure: Measure,
     ) -> Swept {
-        self.brought.clear();
-        let problem = task.problem;
-        let brought = (measure == Measure::Contact).then_some(&mut *self.brought);
+        let (problem, residuals) = (task.problem, measure == Measure::Contact);
         let Iterate { percussion, velocity, .. } = iterate;
-        let measurement = Measurement { problem, percussion, velocity, members, brought };
+        let measurement = Measurement { problem, percussion, velocity, members, residuals };
         let swept = pulp::Arch::new().dispatch(measurement);
         match measure {
             Measure::Contact => swept,
@@ -235,8 +234,8 @@ struct Measurement<'a> {
     percussion: &'a [f64],
     velocity: &'a mut [f64],
     members: &'a [usize],
-    /// Receives what others bring to every contact, where contacts are measured and not only their size; empty at first.
-    brought: Option<&'a mut Vec<f64>>,
+    /// Whether contacts are measured, or only moved.
+    residuals: bool,
 }
 
 impl pulp::NullaryFnOnce for Measurement<'_> {
@@ -244,22 +243,18 @@ impl pulp::NullaryFnOnce for Measurement<'_> {
 
     #[inline(always)]
     fn call(self) -> Swept {
-        let Self { problem, percussion, velocity, members, brought } = self;
-        let (mut swept, mut size) = (Swept::NOTHING, Size::default());
+        let Self { problem, percussion, velocity, members, residuals } = self;
         let percussions = Percussions::of(problem, members, percussion);
-        let Some(brought) = brought else {
-            members
-                .iter()
-                .for_each(|&i| size.add(&size_coupled(problem, i, percussions, velocity)));
-            return Swept { may_grow: size.may_have_grown(), ..swept };
-        };
+        // Contacts that influence each other are asked how they move at the end.
+        let mut swept = Swept { may_grow: true, ..Swept::NOTHING };
         for &i in members {
-            let own = measure_coupled(problem, i, percussions, velocity);
-            let (defect, worst_contact) = (own.defect, i);
-            swept = swept.and(Swept { defect, worst_contact, ..Swept::NOTHING });
-            size.add(&own.size);
-            brought.extend(own.brought);
+            if residuals {
+                let defect = percussions.measure(problem, i, velocity);
+                swept = swept.and(Swept { defect, worst_contact: i, ..Swept::NOTHING });
+            } else {
+                percussions.move_one(problem, i, velocity);
+            }
         }
-        Swept { may_grow: size.may_have_grown(), ..swept }
+        swept
     }
 }

@@ -23,7 +23,6 @@ pub(super) struct Worker {
     ambiguous: Vec<bool>,
     efforts: Vec<Effort>,
     candidates: Candidates,
-    brought: Vec<f64>,
     /// The islands that it has swept, and what they have come to.
     islands: Vec<usize>,
     swept: Vec<Swept>,
@@ -85,7 +84,7 @@ impl Worker {
         (members, next): (&Members, &AtomicUsize),
     ) {
         let Self { percussion, velocity, states, ambiguous, efforts, .. } = self;
-        let Self { candidates, brought, islands, swept, .. } = self;
+        let Self { candidates, islands, swept, .. } = self;
         let (stages, infeasibility) = (&mut Vec::new(), &mut None);
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
@@ -97,7 +96,7 @@ impl Worker {
             Some(island)
         };
         let numbers = std::iter::from_fn(take);
-        Visitor { blocks, efforts, candidates, brought }.solve_in_turn(
+        Visitor { blocks, efforts, candidates }.solve_in_turn(
             task,
             &mut iterate,
             plan,

@@ -30,8 +30,6 @@ pub(crate) struct Sweeper {
     /// Contacts that influence each other, directly or by others.
     islands: Members,
     pub(crate) candidates: Candidates,
-    /// What others bring to contacts of an island, see [`Visitor`].
-    brought: Vec<f64>,
     workers: Vec<Worker>,
 }
 
@@ -82,8 +80,8 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
-        let Self { blocks, efforts, candidates, brought, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let Self { blocks, efforts, candidates, .. } = self;
+        let mut visitor = Visitor { blocks, efforts, candidates };
         visitor.visit_all(task, iterate, policy, first, 0..task.problem.contacts().len())
     }
 
@@ -104,8 +102,8 @@ impl Sweeper {
         swept: &mut Vec<Swept>,
     ) {
         swept.clear();
-        let Self { blocks, efforts, islands, candidates, brought, workers, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let Self { blocks, efforts, islands, candidates, workers, .. } = self;
+        let mut visitor = Visitor { blocks, efforts, candidates };
         // Whoever shares the pool with other calls would wait for them.
         if task.threads.serve(task.problem.contacts().len())
             && let Some(_claim) = task.threads.claim()
@@ -175,9 +173,10 @@ fn solve_alone(
     let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
     record(found, history, state, ambiguous);
     let OneContact { problem, contact: number, .. } = contact;
-    let OwnMeasure { defect, size, .. } = measure_alone(problem, number, percussion, velocity);
+    let OwnMeasure { defect, may_be_flawed, .. } =
+        measure_alone(problem, number, percussion, velocity);
     let ended = if found.is_some() { Ended::Done } else { Ended::Stuck(number) };
-    let may_grow = size.may_have_grown();
+    let may_grow = may_be_flawed;
     let stuck = found.is_none();
     let (worst_contact, ambiguous) = (number, *ambiguous);
     Swept { sweeps: 1, ended, defect, worst_contact, stuck, may_grow, ambiguous, alone: true }

@@ -1,8 +1,8 @@
 //! What a method is given, and what it may change.
 
 use crate::contact::{ContactProblem, ContactState};
-use crate::solver::infeasibility::Infeasibility;
-use crate::solver::measure::growth::{self, Groups, Growth};
+use crate::solver::infeasible::Infeasibility;
+use crate::solver::measure::approach::Approach;
 use crate::solver::measure::natural_residual::{Measured, Residual};
 use crate::solver::measure::phase::classify;
 use crate::solver::measure::stop::Stop;
@@ -39,23 +39,23 @@ pub(crate) struct Reached {
     pub(crate) ended: Ended,
     /// By the measure of the stop.
     pub(crate) residual: Residual,
-    /// How the percussions have grown, if they have.
-    pub(crate) growth: Option<Growth>,
-    /// Whether a solution is proven to exist.
-    pub(crate) solvable: bool,
+    /// How contacts move beside their loads, and how far percussions have grown.
+    pub(crate) approach: Approach,
 }
 
 impl Reached {
-    /// By a method that does not measure growth itself.
+    /// By a method that does not ask how contacts move.
     pub(crate) fn of(
         task: &Task<'_>,
         iterate: &Iterate<'_>,
         (iterations, ended): (usize, Ended),
         residual: Residual,
-        groups: &mut Groups,
     ) -> Self {
-        let growth = growth::of(task.problem, iterate.percussion, iterate.velocity, groups);
-        Self { iterations, ended, residual, growth, solvable: false }
+        let Iterate { percussion, velocity, .. } = iterate;
+        let measured = Measured { problem: task.problem, percussion, velocity };
+        let contacts = 0..task.problem.contacts().len();
+        let approach = Approach::of(&measured, contacts, task.stop.tolerance);
+        Self { iterations, ended, residual, approach }
     }
 }
 

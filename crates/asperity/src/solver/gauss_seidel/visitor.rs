@@ -28,8 +28,6 @@ pub(super) struct Visitor<'a> {
     pub(super) blocks: &'a [Block],
     pub(super) efforts: &'a mut [Effort],
     pub(super) candidates: &'a mut Candidates,
-    /// `Σ_j |G_ij P_j|` in the first row of every contact of the island that was measured last, if contacts were.
-    pub(super) brought: &'a mut Vec<f64>,
 }
 
 impl Visitor<'_> {

@@ -59,7 +59,7 @@ impl Certificate {
             let violation = rows.law.violation(friction, problem.rho(i));
             raise(&mut out.cone_violation, violation.excess);
             raise(&mut out.direction_violation, violation.squared_defect.sqrt());
-            worst.add(measured, i, violation.squared_defect);
+            worst.add(measured, i);
             match phase(measured, i, friction.normal, || violation.slips) {
                 Phase::Slip => out.phases[2] += 1,
                 Phase::Stick => out.phases[1] += 1,

@@ -66,24 +66,40 @@ impl<'a> Measured<'a> {
     /// Square of the defect of both inclusions of a contact with the prox parameter `rho`.
     #[inline]
     pub(crate) fn defect(&self, contact: &ContactRows, rho: f64) -> f64 {
-        contact.law.inclusion_defect(self.friction(contact), rho) + self.normal_defect(contact, rho)
+        let rows = contact.rows();
+        let [percussion, velocity] = [self.percussion, self.velocity].map(|v| &v[rows.clone()]);
+        squared_defect(contact, percussion, velocity, &self.problem.restitution()[rows], rho)
     }
+}
 
-    /// Square of that of the normal inclusion.
-    #[inline]
-    fn normal_defect(&self, contact: &ContactRows, rho: f64) -> f64 {
-        let row = contact.offset;
-        let normal = match contact.normal {
-            NormalForce::Prescribed(_) => 0.0,
-            NormalForce::Unilateral => normal_defect(self.percussion[row], self.xi(row), rho),
-        };
-        normal * normal
+/// Square of the defect of both inclusions of a contact, from its own rows.
+#[inline(always)]
+fn squared_defect(
+    contact: &ContactRows,
+    percussion: &[f64],
+    velocity: &[f64],
+    restitution: &[f64],
+    rho: f64,
+) -> f64 {
+    let first = contact.normal_rows();
+    let friction = Friction {
+        normal: contact.normal.prescribed().unwrap_or(percussion[0]),
+        tangent: &percussion[first..],
+        velocity: &velocity[first..],
+        restitution: &restitution[first..],
+    };
+    let friction = contact.law.inclusion_defect(friction, rho);
+    match contact.normal {
+        NormalForce::Prescribed(_) => friction,
+        NormalForce::Unilateral => {
+            friction + normal_defect(percussion[0], velocity[0] + restitution[0], rho).powi(2)
+        }
     }
 }
 
 /// Defect of `0 ≤ P_N ⊥ ξ_N ≥ 0`.
 #[inline(always)]
-pub(super) fn normal_defect(percussion: f64, xi: f64, rho: f64) -> f64 {
+fn normal_defect(percussion: f64, xi: f64, rho: f64) -> f64 {
     percussion - f64::max(0.0, percussion - rho * xi)
 }
 
@@ -124,10 +140,7 @@ pub(crate) fn residual_of(
 ) -> Residual {
     let mut worst = Worst::NONE;
     for i in contacts {
-        let Measured { problem, .. } = *measured;
-        let contact = &problem.contacts()[i];
-        let friction = contact.law.inclusion_defect(measured.friction(contact), problem.rho(i));
-        worst.add(measured, i, friction);
+        worst.add(measured, i);
     }
     worst.residual()
 }
@@ -144,17 +157,19 @@ impl Worst {
     /// Of no contacts.
     pub(super) const NONE: Self = Self { defect: -1.0, contact: 0 };
 
-    /// Takes in a contact, of which the square of the defect of friction is known.
+    /// Takes in a contact.
     #[inline]
-    pub(super) fn add(&mut self, measured: &Measured<'_>, i: usize, friction: f64) {
+    pub(super) fn add(&mut self, measured: &Measured<'_>, i: usize) {
         let Measured { problem, percussion, velocity } = *measured;
-        let contact = &problem.contacts()[i];
-        let defect = friction + measured.normal_defect(contact, problem.rho(i));
-        let own = percussion[contact.rows()].iter().map(|p| p * p).sum::<f64>();
-        if is_surely_less(defect, own, self.defect) {
+        let rows = problem.contacts()[i].rows();
+        let (own, own_velocity) = (&percussion[rows.clone()], &velocity[rows]);
+        let own = OwnRows { problem, contact: i, percussion: own, velocity: own_velocity };
+        let (defect, squares) = (own.defect(), own.squares());
+        if is_surely_less(defect, squares, self.defect) {
             return;
         }
-        let defect = relative(defect, || scale(problem, i, percussion, velocity));
+        let brought = || loads(problem, i, percussion, velocity);
+        let defect = relative(defect, || own.scale(squares, &brought()));
         if is_worse(defect, self.defect) {
             *self = Self { defect, contact: i };
         }
@@ -194,19 +209,49 @@ pub(super) fn relative(defect: f64, scale: impl FnOnce() -> f64) -> f64 {
     if scale < f64::INFINITY { defect / scale } else { f64::INFINITY }
 }
 
-/// Square of what the defect of a contact is compared with: its percussion, its free velocity and the
-/// velocities that the other contacts bring, the latter times ρ.
-#[inline]
-fn scale(problem: &ContactProblem, i: usize, percussion: &[f64], velocity: &[f64]) -> f64 {
-    let (contact, rho) = (&problem.contacts()[i], problem.rho(i));
-    let loads = loads(problem, i, percussion, velocity);
-    let (mut own, mut brought) = (0.0, 0.0);
-    for (row, load) in contact.rows().zip(loads) {
-        own += percussion[row] * percussion[row];
-        let load = load + problem.free_velocity()[row].abs() + problem.restitution()[row].abs();
-        brought += load * load;
+/// A contact with the percussions and velocities `γ_E` of its own rows.
+#[derive(Clone, Copy)]
+pub(super) struct OwnRows<'a> {
+    pub(super) problem: &'a ContactProblem,
+    pub(super) contact: usize,
+    pub(super) percussion: &'a [f64],
+    pub(super) velocity: &'a [f64],
+}
+
+impl OwnRows<'_> {
+    /// Square of the defect relative to its scale, where others bring so much.
+    #[inline(always)]
+    pub(super) fn relative(&self, brought: &[f64; 4]) -> f64 {
+        relative(self.defect(), || self.scale(self.squares(), brought))
     }
-    f64::max(own, rho * rho * brought)
+
+    /// Square of the defect of both inclusions.
+    #[inline(always)]
+    fn defect(&self) -> f64 {
+        let Self { problem, contact, percussion, velocity } = *self;
+        let (rows, rho) = (&problem.contacts()[contact], problem.rho(contact));
+        squared_defect(rows, percussion, velocity, &problem.restitution()[rows.rows()], rho)
+    }
+
+    /// Square of the percussions.
+    #[inline(always)]
+    fn squares(&self) -> f64 {
+        self.percussion.iter().map(|p| p * p).sum()
+    }
+
+    /// Square of what the defect is compared with: the percussion, of which this is the square, and, times ρ, the free velocity
+    /// and the velocities that the other contacts bring.
+    #[inline(always)]
+    fn scale(&self, squares: f64, brought: &[f64; 4]) -> f64 {
+        let Self { problem, contact, .. } = *self;
+        let (rows, rho) = (problem.contacts()[contact].rows(), problem.rho(contact));
+        let own = problem.free_velocity()[rows.clone()].iter().zip(&problem.restitution()[rows]);
+        let all = own.zip(brought).map(|((b, e), brought)| {
+            let sum = brought + b.abs() + e.abs();
+            sum * sum
+        });
+        f64::max(squares, rho * rho * all.sum::<f64>())
+    }
 }
 
 /// `Σ_j |G_ij P_j|` over the rows of contact `i`; with products only, `|Σ_j G_ij P_j|`.

@@ -5,8 +5,8 @@
 
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::gauss_seidel::{Iterate, Past, Reached, Sweeper, Task};
-use crate::solver::infeasibility::prove_closing;
-use crate::solver::measure::growth::{self, BOUNDLESS, Groups, Growth, GrowthKind};
+use crate::solver::infeasible::prove_closing;
+use crate::solver::measure::approach::Approach;
 use crate::solver::measure::natural_map::{self, Scale};
 use crate::solver::measure::natural_residual::{self, Measured, Residual};
 use crate::solver::measure::stop::Measure;
@@ -14,8 +14,8 @@ use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::{Ended, Method, Stage};
 use crate::vectors::norm;
 
-/// Growth at which a proof is tried for the first time, and its factor to the next time: percussions come closer
-/// to a direction that proves it the more they grow.
+/// Growth at which a proof is tried for the first time, its factor to the next time, and that from which on percussions are no
+/// good start: they come closer to a direction that proves it the more they grow.
 const SUSPICION: f64 = 1e4;
 /// Velocity relative to the largest load from which on a contact separates, and the part of the contacts that may do so in
 /// what may stand. Stacks, walls and arches have at most 4 % after their first sweeps, and so have five of the twenty stored
@@ -35,14 +35,6 @@ pub(crate) struct Buffers {
     velocity: Vec<f64>,
     /// The last percussions that ran away.
     astray: Vec<f64>,
-    groups: Groups,
-}
-
-impl Buffers {
-    /// The operator has other entries.
-    pub(crate) fn forget_operator(&mut self) {
-        self.groups.forget();
-    }
 }
 
 /// A solve under way.
@@ -60,19 +52,19 @@ pub(crate) struct Progress<'a> {
     known: bool,
     /// The residual by the measure of contacts of the best percussions, where the stop asks for it and it was looked at.
     residual: Option<Residual>,
-    /// How they have grown, if they have.
-    best_growth: Option<Growth>,
+    /// How contacts move with them.
+    approach: Option<Approach>,
+    /// Their natural map times what they have grown by.
+    merit: f64,
     /// Whether they pass the measure of the stop.
     solved: bool,
     /// The contact of the last sweep that had no solution, the others held.
     stuck: Option<usize>,
-    /// Whether better percussions were not kept because they seemed to run away, whether it was asked if a solution exists, and
-    /// whether that is proven: better ones are kept then though they have grown, but are not a solution while contacts approach.
-    refused: bool,
-    asked: bool,
-    solvable: bool,
-    /// Percussions have grown beyond those kept, and a contact goes on approaching.
-    growth: Option<Growth>,
+    /// How far percussions that may prove that there is no solution have grown.
+    astray: Option<Approach>,
+    /// Whether these were not yet asked for a proof, and whether a small residual was found where contacts move.
+    asks: bool,
+    doubts: bool,
     /// Growth at which a proof that there is no solution is tried next.
     suspicion: f64,
     sweeps: usize,
@@ -90,7 +82,7 @@ impl<'a> Progress<'a> {
             list.clear();
             list.resize(task.problem.rows(), 0.0);
         }
-        let (grade, solved, stuck, growth) = (f64::INFINITY, false, None, None);
+        let (grade, solved, stuck) = (f64::INFINITY, false, None);
         let (suspicion, sweeps) = (SUSPICION, 0);
         let mut progress = Self {
             task,
@@ -102,13 +94,13 @@ impl<'a> Progress<'a> {
             grade,
             known: false,
             residual: None,
-            best_growth: None,
+            approach: None,
+            merit: grade,
             solved,
             stuck,
-            refused: false,
-            asked: false,
-            solvable: false,
-            growth,
+            astray: None,
+            asks: false,
+            doubts: false,
             suspicion,
             sweeps,
         };
@@ -118,7 +110,7 @@ impl<'a> Progress<'a> {
             progress.buffers.velocity.copy_from_slice(progress.iterate.velocity);
             progress.grade_iterate();
         }
-        if progress.grade.is_infinite() {
+        if progress.merit.is_infinite() {
             // Percussions that run away are no start for anything; none at all are.
             progress.iterate.percussion.fill(0.0);
             progress.task.past = Past::Unswept;
@@ -135,7 +127,7 @@ impl<'a> Progress<'a> {
         if !self.solved && !early {
             self.is_infeasible();
         }
-        let Self { task, mut iterate, buffers, growth, best_growth, solvable, .. } = self;
+        let Self { task, mut iterate, buffers, astray, .. } = self;
         iterate.percussion.copy_from_slice(&buffers.best);
         let residual = if self.known {
             iterate.velocity.copy_from_slice(&buffers.velocity);
@@ -147,17 +139,22 @@ impl<'a> Progress<'a> {
             iterate.measure(&task)
         };
         let iterations = iterate.stages.iter().map(|stage| stage.iterations).sum();
-        let ended = match (growth, self.stuck) {
+        let Iterate { percussion, velocity, .. } = &iterate;
+        let measured = Measured { problem: task.problem, percussion, velocity };
+        let contacts = 0..task.problem.contacts().len();
+        let approach = self
+            .approach
+            .unwrap_or_else(|| Approach::of(&measured, contacts, task.stop.tolerance));
+        let diverged = astray.filter(Approach::has_diverged).and_then(|astray| astray.flaw());
+        let ended = match (diverged, self.stuck) {
             _ if self.solved => Ended::Done,
             _ if early => Ended::TimeLimit,
-            (Some(growth), _) if !limited || growth.factor >= BOUNDLESS => {
-                Ended::Unbounded(growth.contact)
-            }
+            (Some(flaw), _) => Ended::Unbounded(flaw.contact),
             _ if limited => Ended::MaxIterations,
             (_, Some(contact)) => Ended::Stuck(contact),
             _ => Ended::Stalled,
         };
-        Reached { iterations, ended, residual, growth: best_growth, solvable }
+        Reached { iterations, ended, residual, approach }
     }
 
     /// Whether hardly a contact separates with the best percussions: bodies may rest on each other then.
@@ -203,18 +200,13 @@ impl<'a> Progress<'a> {
 
     /// Whether growth is beyond all bounds or proves that there is no solution.
     pub(crate) fn is_hopeless(&mut self) -> bool {
-        let Some(growth) = self.growth.filter(|_| !self.solvable) else { return false };
-        if growth.factor < self.suspicion {
-            return false;
-        }
-        self.suspicion = SUSPICION * growth.factor;
-        self.is_infeasible() || growth.factor >= BOUNDLESS
+        self.is_infeasible() || self.astray.is_some_and(|astray| astray.has_diverged())
     }
 
     /// Whether the percussions that run away prove that there is no solution.
     fn is_infeasible(&mut self) -> bool {
         let proof = &mut *self.iterate.infeasibility;
-        if self.growth.is_some() && !self.solvable && proof.is_none() {
+        if std::mem::take(&mut self.asks) && proof.is_none() {
             *proof = prove_closing(self.task.problem, &self.buffers.astray);
         }
         proof.is_some()
@@ -237,10 +229,10 @@ impl<'a> Progress<'a> {
             return;
         }
         // The solution of before, in case the sweeps do not end in another one.
-        let (grade, growth) = (self.grade, self.best_growth);
+        let before = (self.grade, self.merit, self.approach);
         self.buffers.other.clone_from(&self.buffers.best);
         for _ in 0..sweeps {
-            (self.solved, self.grade) = (false, f64::INFINITY);
+            (self.solved, self.merit) = (false, f64::INFINITY);
             self.grade_sweeps();
             if self.solved {
                 return;
@@ -250,8 +242,8 @@ impl<'a> Progress<'a> {
             }
             self.sweeper.sweep(&self.task, &mut self.iterate, Policy::Prove, false);
         }
-        (self.solved, self.known, self.grade, self.growth) = (true, false, grade, None);
-        (self.residual, self.best_growth) = (None, growth);
+        (self.grade, self.merit, self.approach) = before;
+        (self.solved, self.known, self.residual) = (true, false, None);
         self.buffers.best.clone_from(&self.buffers.other);
     }
 
@@ -297,39 +289,28 @@ impl<'a> Progress<'a> {
             Measure::Global => grade <= goal,
             Measure::Contact => residual.is_some_and(|residual| residual.value <= goal),
         };
-        let better = small && !self.solved || grade < self.grade && small >= self.solved;
-        if better {
-            self.keep(percussion, (grade, residual), small);
+        let approach = Approach::of(&measured, 0..problem.contacts().len(), stop.tolerance);
+        let merit = grade * (approach.growth / SUSPICION).max(1.0);
+        if !(approach.growth < self.suspicion) {
+            self.suspicion = SUSPICION * approach.growth;
+            (self.astray, self.asks) = (Some(approach), true);
+            self.buffers.astray.copy_from_slice(percussion);
         }
-        grade
-    }
-
-    /// Keeps better percussions than before, unless they run away: such look better and better, and are no start
-    /// for anything.
-    fn keep(&mut self, percussion: &[f64], measures: (f64, Option<Residual>), small: bool) {
-        let Buffers { astray, velocity, groups, .. } = &mut *self.buffers;
-        let growth = growth::of(self.task.problem, percussion, velocity, groups);
-        let kind = growth.map(|growth| growth.kind);
-        self.growth = growth;
-        if kind >= Some(GrowthKind::Suspicious) {
-            astray.copy_from_slice(percussion);
+        if approach.has_diverged() {
+            return grade;
         }
-        let runs = kind >= Some(GrowthKind::Boundless);
-        if !self.solvable
-            && (runs || kind == Some(GrowthKind::Suspicious) && small && self.is_infeasible())
-        {
-            self.refused |= runs;
-            return;
+        let solved = small && approach.flaw().is_none();
+        if small && !solved && !std::mem::replace(&mut self.doubts, true) {
+            (self.astray, self.asks) = (Some(approach), true);
+            self.buffers.astray.copy_from_slice(percussion);
+            self.is_infeasible();
         }
-        let solved = small && !runs && kind != Some(GrowthKind::Separating);
-        self.growth = None;
-        // What passes the measure of contacts but is not kept as solved may be worse than what was there.
-        if solved || !self.solved && measures.0 < self.grade {
-            (self.grade, self.residual) = measures;
-            (self.known, self.solved) = (true, solved);
-            self.best_growth = growth;
+        if solved && !self.solved || merit < self.merit && solved >= self.solved {
+            (self.grade, self.merit, self.residual) = (grade, merit, residual);
+            (self.known, self.solved, self.approach) = (true, solved, Some(approach));
             self.buffers.best.copy_from_slice(percussion);
         }
+        grade
     }
 
     /// Natural map of the percussions that the solve began with.

@@ -7,7 +7,7 @@ use super::effort::Effort;
 use super::single::{self, Graded, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
-use crate::solver::measure::growth::UNRESOLVED;
+use crate::solver::measure::approach::UNRESOLVED;
 
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
 const NEAR: f64 = 1e-3;

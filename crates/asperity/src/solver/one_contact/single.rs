@@ -14,7 +14,7 @@ use super::effort::{Effort, Evaluations};
 use super::singular::Factors;
 use crate::contact::{ContactProblem, ContactRows, NormalForce, Phase};
 use crate::law::{self, ContactMatrix, ContactPoint, ContactVector, Friction, FrictionLaw, Rho};
-use crate::solver::measure::growth::UNRESOLVED;
+use crate::solver::measure::approach::UNRESOLVED;
 
 type V = ContactVector;
 

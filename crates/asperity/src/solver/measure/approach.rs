@@ -1,0 +1,163 @@
+//! Contacts that move although their percussions say otherwise, and percussions that run away.
+//!
+//! Residuals are relative to percussions: where these grow without bound while contacts go on approaching, as
+//! they do where no percussions are admissible, every relative defect becomes small. Velocities are therefore compared with
+//! loads, contact by contact: with `l_i` the velocity that a contact would have without unilateral percussions, the defect of
+//! `0 ≤ P_N ⊥ ξ_N ≥ 0` as a velocity, `|min(ξ_N, P_N/ρ)|`, may be a hundredth of `|l_i|`, or, as bodies that fall together
+//! have no loads of their own, what a residual leaves of the largest load of all contacts that influence each other.
+//!
+//! `P_N/ρ`, what a percussion brings to its own contact, over the largest load is how far percussions have grown.
+
+use super::natural_residual::Measured;
+use crate::contact::{ContactProblem, Delassus, NormalForce};
+use crate::vectors::largest;
+
+/// Part of its own load that a contact may move with.
+const OF_OWN: f64 = 1e-2;
+/// The same of the largest load: what a residual of 1e-8 leaves at a growth of [`GROWN`].
+const OF_OTHERS: f64 = 1e-5;
+/// Growth that stacks and vaults of like bodies do not exceed.
+const GROWN: f64 = 1e3;
+/// Growth beyond which rounding leaves too little of velocities to say whether contacts approach; of a single contact, whose
+/// rows may cancel, it leaves less.
+const DIVERGED: f64 = 1e12;
+pub(crate) const UNRESOLVED: f64 = 1e10;
+/// Velocity relative to those that cancel in it which rounding explains: a sum of some tens to hundreds of products.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// How contacts that influence no others move, and how far their percussions have grown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Approach {
+    /// `max P_N/ρ` over the largest load.
+    pub(crate) growth: f64,
+    /// The contact of that.
+    grown: usize,
+    /// Growth from which on it counts as divergence.
+    limit: f64,
+    /// The contact that moves with most of what is allowed, if that is more.
+    moving: Option<usize>,
+}
+
+/// Why percussions with a small residual are no solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Flaw {
+    /// The contact that moves, or has grown.
+    pub(crate) contact: usize,
+    /// Whether percussions run away.
+    pub(crate) unbounded: bool,
+}
+
+impl Approach {
+    /// Of contacts that influence each other and no others.
+    pub(crate) fn of(
+        measured: &Measured<'_>,
+        contacts: impl Iterator<Item = usize> + Clone,
+        tolerance: f64,
+    ) -> Self {
+        let Measured { problem, percussion, .. } = *measured;
+        let unilateral = |i: &usize| problem.contacts()[*i].normal == NormalForce::Unilateral;
+        let (mut all, mut normal, mut squares, mut count) = (0.0_f64, 0.0_f64, 0.0, 0);
+        let prescribed = contacts.clone().any(|i| !unilateral(&i));
+        for i in contacts.clone() {
+            let rows = &problem.contacts()[i];
+            let load = problem.load(i);
+            squares += load.iter().map(|l| l * l).sum::<f64>();
+            // Drilling has another unit.
+            let planar = load.into_iter().take(rows.normal_rows() + 2);
+            all = planar.fold(all, |m, l| m.max(l.abs()));
+            if unilateral(&i) {
+                normal = normal.max(own_load(problem, i, percussion, prescribed));
+            }
+            count += 1;
+        }
+        all = all.max(normal);
+        let shared = f64::max(of_others(tolerance) * normal, tolerance * squares.sqrt());
+        let limit = if count == 1 { UNRESOLVED } else { DIVERGED };
+        let mut found = Self { growth: 0.0, grown: 0, limit, moving: None };
+        let mut most = 1.0;
+        for i in contacts.filter(unilateral) {
+            let row = problem.contacts()[i].offset;
+            let (brought, xi) = (percussion[row] / problem.rho(i), measured.xi(row));
+            let growth = if all > 0.0 { brought / all } else { 0.0 };
+            // The comparisons also find NaN.
+            if !(growth <= found.growth) {
+                (found.growth, found.grown) = (growth, i);
+            }
+            let moves = f64::min(xi, brought).abs();
+            if !(moves > most * shared) {
+                continue;
+            }
+            let own = OF_OWN * own_load(problem, i, percussion, prescribed);
+            let allowed = f64::max(shared, own).max(ROUNDING * brought_to(problem, i, percussion));
+            if moves > most * allowed {
+                most = moves / allowed;
+                found.moving = Some(i);
+            }
+        }
+        found
+    }
+
+    /// Why the percussions are no solution however small their residual is.
+    pub(crate) fn flaw(&self) -> Option<Flaw> {
+        match self.moving {
+            Some(contact) => Some(Flaw { contact, unbounded: !(self.growth <= GROWN) }),
+            None => self.has_diverged().then_some(Flaw { contact: self.grown, unbounded: true }),
+        }
+    }
+
+    /// Whether rounding hides what contacts do.
+    pub(crate) fn has_diverged(&self) -> bool {
+        !(self.growth < self.limit)
+    }
+
+    /// Whether a residual, which is relative to what percussions bring, may hide contacts that close on each other.
+    pub(crate) fn hides(&self, residual: f64, tolerance: f64) -> bool {
+        self.growth > GROWN && self.growth * residual > of_others(tolerance)
+    }
+}
+
+/// Part of the largest load that a contact may move with.
+fn of_others(tolerance: f64) -> f64 {
+    f64::max(OF_OTHERS, 100.0 * tolerance)
+}
+
+/// Whether percussions of a contact that influences no others may have a flaw, from its own rows: a first look.
+#[inline(always)]
+pub(crate) fn may_be_flawed(percussion: f64, xi: f64, load: &[f64], rho: f64) -> bool {
+    let brought = percussion / rho;
+    // The comparisons also find NaN.
+    percussion > 0.0 && {
+        let all = load.iter().take(3).fold(0.0, |m: f64, l| m.max(l.abs()));
+        !(brought <= GROWN * all && f64::min(xi, brought).abs() <= OF_OWN * load[0].abs())
+    }
+}
+
+/// `|l|` of the normal row of a contact, with what contacts of prescribed normal percussion bring.
+fn own_load(problem: &ContactProblem, i: usize, percussion: &[f64], prescribed: bool) -> f64 {
+    let [mut load, ..] = problem.load(i);
+    // Without entries it is not known what they bring.
+    if prescribed && !problem.delassus().is_matrix_free() {
+        for (j, block) in problem.delassus().blocks().row(i) {
+            let rows = &problem.contacts()[j];
+            if rows.normal != NormalForce::Unilateral {
+                // The normal row is the first one of the block.
+                let terms = block.iter().zip(&percussion[rows.rows()]);
+                terms.for_each(|(g, p)| load += g * p);
+            }
+        }
+    }
+    load.abs()
+}
+
+/// `Σ_j |G_ij P_j|` in the normal row of a contact.
+#[cold]
+fn brought_to(problem: &ContactProblem, i: usize, percussion: &[f64]) -> f64 {
+    match problem.delassus() {
+        // Without entries only their size is known.
+        Delassus::MatrixFree(operator) => operator.norm() * largest(percussion),
+        delassus => delassus.blocks().first_magnitude(i, percussion),
+    }
+}
+
+#[cfg(test)]
+mod tests;
