@@ -106,10 +106,7 @@ fn nanoseconds(system: &RigidBodies, solver: Solver) -> f64 {
 }
 
 fn main() {
-    let solvers = [
-        ("exact", Solver::Exact { max_sweeps: 100 }),
-        ("auto", Solver::AUTO),
-    ];
+    let solvers = [("exact", Solver::Exact { max_sweeps: 100 }), ("auto", Solver::AUTO)];
     type Kind = (&'static str, fn(usize) -> RigidBodies);
     let kinds: [Kind; 5] = [
         ("sliders", sliders),

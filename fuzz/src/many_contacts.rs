@@ -1,7 +1,7 @@
 //! Several contacts, any `G`, every solver, any start.
 
 use asperity::contact::{ContactState, Memory, NormalForce, Phase};
-use asperity::solver::{ProxStep, Solver, Status, Stop, Workspace};
+use asperity::solver::{ProxStep, Solver, Status, Steps, Stop, Workspace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::decode::{Range, Source};
@@ -99,7 +99,10 @@ fn solvers(source: &mut Source<'_>) -> [Solver; 2] {
         4 => Solver::ProximalPoint { max_iterations: 60 },
         5 => Solver::InteriorPoint { max_iterations: 100 },
         6 => Solver::Admm { max_iterations: 500 },
-        _ => Solver::Auto { interior_point: false, threads: 1 },
+        _ => {
+            let steps = Steps::ALL.without("admm").and_then(|left| left.without("interior_point"));
+            Solver::Auto { steps: steps.unwrap_or(Steps::ALL), threads: 1 }
+        }
     };
     [Solver::AUTO, other]
 }

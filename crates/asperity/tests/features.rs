@@ -15,7 +15,7 @@ use asperity::contact::{BlockMatrix, ContactProblem, NormalForce};
 use asperity::event;
 use asperity::law::{FrictionLaw, Law};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::{ProxStep, Solver, Status, Stop};
+use asperity::solver::{ProxStep, Solver, Status, Steps, Stop};
 use asperity::system::rigid::{Body, Pair, Plane, RigidBodies, Shape};
 use asperity::system::sliding_point;
 use common::{FAMILIES, Random, laws, one_contact};
@@ -76,7 +76,7 @@ fn bits() -> Vec<u64> {
         let free = (0..3 * count).map(|_| random.within(-1.0, 1.0)).collect();
         let contacts = (0..count).map(|_| (law.clone(), NormalForce::Unilateral));
         let problem = ContactProblem::new(blocks, free, contacts).unwrap();
-        let auto = Solver::Auto { interior_point: true, threads: 4 };
+        let auto = Solver::Auto { steps: Steps::ALL, threads: 4 };
         let exact = Solver::Exact { max_sweeps: 500 };
         let prox = Solver::ProxJacobi { step: ProxStep::Adaptive, max_iterations: 100_000 };
         for solver in [auto, exact, prox] {

@@ -495,8 +495,7 @@ fn squeezed(mass: f64, walls: [f64; 2]) -> ContactProblem {
 /// Both walls close on the body with the mean of their velocities, whatever acts between: `d = (½, 0, ½, 0)`.
 #[test]
 fn walls_that_close_on_a_body_are_proven_to_have_no_solution() {
-    let solvers =
-        [Solver::Exact { max_sweeps: 2000 }, Solver::AUTO];
+    let solvers = [Solver::Exact { max_sweeps: 2000 }, Solver::AUTO];
     for solver in solvers {
         for mass in [1e-6, 1.0, 1e6] {
             for (first, second) in [(-1.0, -0.5), (-1.0, 0.5), (0.25, -2.0)] {
@@ -690,10 +689,7 @@ fn proofs_have_the_weights_of_the_balance_of_forces() {
             let problems = between_walls(angles, approach, masses);
             let open = between_walls(angles, approach.map(|v| v - closing - 1e-3), masses);
             for ((name, problem), (_, open)) in problems.iter().zip(&open) {
-                for solver in [
-                    Solver::Exact { max_sweeps: 500 },
-                    Solver::AUTO,
-                ] {
+                for solver in [Solver::Exact { max_sweeps: 500 }, Solver::AUTO] {
                     let (mut memory, mut workspace) = (Memory::new(8, 4), Workspace::default());
                     let report = solver.solve(problem, Stop::at(1e-9), &mut memory, &mut workspace);
                     assert_eq!(report.status.name(), "no_solution", "{name} {masses:?} {solver:?}");
@@ -778,10 +774,7 @@ fn large_percussions_of_stacks_are_solutions() {
         // Both fall with 1 m/s; the lower one slides with 0.1 m/s under the upper one, which moves with it.
         let free = vec![-1.0, 0.1, 0.0, 0.0];
         let problem = ContactProblem::new(delassus, free, contacts).unwrap();
-        for solver in [
-            Solver::Exact { max_sweeps: 100_000_000 },
-            Solver::AUTO,
-        ] {
+        for solver in [Solver::Exact { max_sweeps: 100_000_000 }, Solver::AUTO] {
             if ratio > 1e3 && matches!(solver, Solver::Exact { .. }) {
                 continue;
             }
@@ -865,9 +858,7 @@ fn reported_residuals_are_those_of_the_percussions() {
         let bounce = vec![if k % 5 < 2 { 0.4 } else { 0.0 }; count];
         let problem = ContactProblem::new(delassus, free.clone(), contacts).unwrap();
         let problem = problem.with_restitution(&bounce, &bounce, &free).unwrap();
-        for solver in
-            [Solver::Exact { max_sweeps: 2 }, Solver::AUTO]
-        {
+        for solver in [Solver::Exact { max_sweeps: 2 }, Solver::AUTO] {
             let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-5), &mut memory, &mut workspace);
             let velocity = workspace.velocity();
@@ -933,10 +924,7 @@ fn proofs_do_not_need_percussions_that_run_away_exactly() {
             let law = || Law::from(FrictionLaw::<1>::isotropic(0.4).unwrap());
             let contacts = (0..count).map(|_| (law(), NormalForce::Unilateral));
             let problem = ContactProblem::new(delassus.clone(), free.clone(), contacts).unwrap();
-            for solver in [
-                Solver::Exact { max_sweeps: 400 },
-                Solver::AUTO,
-            ] {
+            for solver in [Solver::Exact { max_sweeps: 400 }, Solver::AUTO] {
                 let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
                 let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
                 assert_eq!(

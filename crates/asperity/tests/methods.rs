@@ -11,7 +11,7 @@ use asperity::contact::{
 use asperity::law::{FrictionLaw, Law};
 use asperity::set::{Convex, Ellipse, Ellipsoid, Vector};
 use asperity::solver::{
-    Measure, Method, ProxStep, SolveReport, Solver, Status, Stop, Workspace, natural_map,
+    Measure, Method, ProxStep, SolveReport, Solver, Status, Steps, Stop, Workspace, natural_map,
     natural_residual,
 };
 use common::Random;
@@ -40,6 +40,10 @@ const SITUATIONS: [Situation; 5] = [
     Situation::HeavyOnLight,
     Situation::Grazing,
 ];
+
+fn without_conic_methods() -> Steps {
+    Steps::ALL.without("admm").and_then(|left| left.without("interior_point")).unwrap()
+}
 
 /// Velocities of a body.
 const DOF: usize = 6;
@@ -154,7 +158,7 @@ fn methods(situation: Situation) -> Vec<(Solver, bool)> {
     let (step, max_iterations) = (ProxStep::Adaptive, 200_000);
     vec![
         (Solver::AUTO, true),
-        (Solver::Auto { interior_point: false, threads: 1 }, true),
+        (Solver::Auto { steps: without_conic_methods(), threads: 1 }, true),
         (Solver::Exact { max_sweeps: 100_000 }, of_one_weight),
         (Solver::SemismoothNewton { max_iterations: 300 }, false),
         (Solver::ProximalPoint { max_iterations: 3000 }, true),

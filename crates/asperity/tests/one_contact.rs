@@ -16,7 +16,7 @@ use asperity::set::{
 };
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::{
-    ContactSolution, InfeasibilityKind, Solver, Status, Stop, Workspace, natural_residual,
+    ContactSolution, InfeasibilityKind, Solver, Status, Steps, Stop, Workspace, natural_residual,
     solutions,
 };
 use asperity::system::{Contact, LinearSystem};
@@ -642,8 +642,7 @@ fn solve_deficient(count: usize) -> [usize; 4] {
         Law::from(FrictionLaw::associated(convex(0.6, 0.3, 0.2))),
         Law::from(FrictionLaw::associated(Convex::from(contensou))),
     ];
-    let solvers =
-        [Solver::Exact { max_sweeps: 1 }, Solver::AUTO];
+    let solvers = [Solver::Exact { max_sweeps: 1 }, Solver::AUTO];
     let mut counts = [0; 4];
     let mut random = Random::new(31);
     for k in 0..count {
@@ -1378,9 +1377,7 @@ fn contacts_that_hardly_meet_are_solved_by_a_few_sweeps() {
         let free = (&delassus * known).iter().zip(&velocity).map(|(gp, v)| v - gp).collect();
         let contacts = laws.map(|law| (law.clone(), NormalForce::Unilateral));
         let problem = ContactProblem::new(delassus, free, contacts).unwrap();
-        for solver in
-            [Solver::AUTO, Solver::Exact { max_sweeps: 10 }]
-        {
+        for solver in [Solver::AUTO, Solver::Exact { max_sweeps: 10 }] {
             let (mut memory, mut workspace) = (Memory::default(), Workspace::default());
             let report = solver.solve(&problem, Stop::at(1e-9), &mut memory, &mut workspace);
             assert_eq!(report.status, Status::Converged, "{k} {solver:?} {report:?}");

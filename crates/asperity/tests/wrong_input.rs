@@ -17,7 +17,7 @@ use asperity::set::{
 };
 use asperity::simulate::{self, simulate};
 use asperity::solver::{
-    Certificate, Measure, ProxStep, Solution, Solver, Stop, Workspace, natural_map,
+    Certificate, Measure, ProxStep, Solution, Solver, Steps, Stop, Workspace, natural_map,
     natural_residual, solutions,
 };
 use asperity::stepper::{State, Stepper};
@@ -295,8 +295,8 @@ fn solvers_take_any_options() {
     let whole = problem(&[None, Some(1.0), None]);
     let other = |step, max_iterations| Solver::ProxJacobi { step, max_iterations };
     let mut solvers = vec![
-        Solver::Auto { interior_point: true, threads: 0 },
-        Solver::Auto { interior_point: false, threads: usize::MAX },
+        Solver::Auto { steps: Steps::ALL, threads: 0 },
+        Solver::Auto { steps: Steps::ALL, threads: usize::MAX },
         Solver::Exact { max_sweeps: 0 },
         Solver::SemismoothNewton { max_iterations: 0 },
         Solver::ProximalPoint { max_iterations: 0 },

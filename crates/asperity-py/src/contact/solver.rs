@@ -53,10 +53,9 @@ impl Solver {
         let count = |name: &str| option(name)?.extract::<usize>();
         let r = || step(option("r")?.extract()?);
         Ok(Self(match name {
-            "auto" => Auto {
-                steps: steps(option("without")?.extract()?)?,
-                threads: count("threads")?,
-            },
+            "auto" => {
+                Auto { steps: steps(option("without")?.extract()?)?, threads: count("threads")? }
+            }
             "exact" => Exact { max_sweeps: count("max_sweeps")? },
             "newton" => SemismoothNewton { max_iterations: count("max_iterations")? },
             "proximal_point" => ProximalPoint { max_iterations: count("max_iterations")? },

@@ -13,7 +13,7 @@ use super::gauss_seidel::{
 };
 use super::infeasible::prove_one_contact;
 use super::method::{
-    ALONE, Admm, Anderson, BESIDE, Buffers, Cones, Course, Interior, LeastNorm, Progress,
+    ALONE, Admm, Anderson, BESIDE, Buffers, Cones, Course, Interior, LeastNorm, PATIENCE, Progress,
     ProximalPoint,
 };
 use super::newton_matrix::NewtonMatrix;
@@ -29,8 +29,9 @@ const WORTH: f64 = 60.0;
 const HALVING: f64 = 20.0;
 /// Natural map from which on Newton's method ends what accelerated sweeps have begun.
 const NEAR: f64 = 1e-4;
-/// Newton iterations there, and of a first attempt after plain sweeps.
+/// Newton iterations there, and of a first attempt after plain sweeps; such an attempt must halve `‖F‖` soon.
 const NEWTON: usize = 20;
+const SHORT: usize = 8;
 /// Iterations of the interior point method, twice as many as most problems need.
 const INTERIOR: usize = 40;
 /// Natural map at which the digits of the interior point method end.
@@ -175,17 +176,18 @@ impl Methods {
             }
             Stage::Acceleration => {
                 if island.is_expensive() {
-                    let sweeps = |factorizations: f64| (factorizations * island.factorization) as usize;
+                    let sweeps =
+                        |factorizations: f64| (factorizations * island.factorization) as usize;
                     anderson.iterate(progress, sweeps(WORTH), sweeps(HALVING));
                 }
             }
             Stage::Newton => {
-                let worthwhile = match island.is_expensive() {
-                    true => progress.best_grade() < NEAR,
-                    false => island.attempt <= Rate::WORTHWHILE,
+                let (worthwhile, patience) = match island.is_expensive() {
+                    true => (progress.best_grade() < NEAR, PATIENCE),
+                    false => (island.attempt <= Rate::WORTHWHILE, SHORT),
                 };
                 if worthwhile {
-                    proximal.newton(progress, matrix, NEWTON);
+                    proximal.newton(progress, matrix, (NEWTON, patience));
                     island.tried = true;
                 }
             }
@@ -258,14 +260,14 @@ impl Methods {
                 let limited = interior.iterate(&mut progress, cones, matrix, course);
                 // Newton's method finds the digits that rounding keeps from the interior point method.
                 if !limited && !progress.is_over() && progress.best_grade() < NEAR {
-                    proximal.newton(&mut progress, matrix, NEWTON);
+                    proximal.newton(&mut progress, matrix, (NEWTON, PATIENCE));
                 }
                 limited
             }
             Method::Admm => {
                 admm.iterate(&mut progress, cones, matrix, max_iterations, (ALONE, true))
             }
-            Method::Newton => proximal.newton(&mut progress, matrix, max_iterations),
+            Method::Newton => proximal.newton(&mut progress, matrix, (max_iterations, PATIENCE)),
             _ => proximal.iterate(&mut progress, matrix, max_iterations),
         };
         progress.finish(limited)
@@ -297,7 +299,17 @@ impl Island {
         let is_large = cost.is_large();
         let (resting, asked_for_rest, tried) = (None, false, false);
         let (factorization, attempt) = (f64::INFINITY, f64::INFINITY);
-        Self { steps, contacts, cost, is_large, factorization, attempt, resting, asked_for_rest, tried }
+        Self {
+            steps,
+            contacts,
+            cost,
+            is_large,
+            factorization,
+            attempt,
+            resting,
+            asked_for_rest,
+            tried,
+        }
     }
 
     /// Takes in the operations of a factorisation.

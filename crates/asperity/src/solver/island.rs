@@ -183,7 +183,9 @@ impl Buffers {
                 let methods = methods.get_or_insert_default();
                 return methods.automatic(*task, iterate.reborrow(), sweeper, steps);
             }
-            Solver::SemismoothNewton { max_iterations } => return single(Method::Newton, max_iterations),
+            Solver::SemismoothNewton { max_iterations } => {
+                return single(Method::Newton, max_iterations);
+            }
             Solver::InteriorPoint { max_iterations } => {
                 return single(Method::InteriorPoint, max_iterations);
             }
@@ -209,6 +211,7 @@ impl Buffers {
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) problem: &'a ContactProblem,
+    pub(super) start: &'a [f64],
     pub(super) history: &'a [ContactState],
     pub(super) states: &'a [ContactState],
     pub(super) percussion: &'a [f64],
@@ -221,7 +224,8 @@ pub(super) struct Subproblem {
     part: Part,
     /// Whether the entries of its operator are those of another step.
     pub(super) stale: bool,
-    history: Vec<ContactState>,
+    /// What was remembered before the solve.
+    before: Memory,
     memory: Memory,
     velocity: Vec<f64>,
     ambiguous: Vec<bool>,
@@ -241,7 +245,7 @@ impl Subproblem {
         Self {
             part,
             stale: false,
-            history: vec![ContactState::default(); count],
+            before: Memory::new(rows, count),
             memory: Memory::new(rows, count),
             velocity: vec![0.0; rows],
             ambiguous: vec![false; count],
@@ -265,7 +269,7 @@ impl Subproblem {
         given: Given<'_>,
         swept: Option<&Swept>,
     ) {
-        let Self { part, history, memory, velocity, ambiguous, buffers, .. } = self;
+        let Self { part, before, memory, velocity, ambiguous, buffers, .. } = self;
         if std::mem::take(&mut self.stale) {
             part.copy_operator(given.problem);
             buffers.refresh(part.problem());
@@ -273,7 +277,8 @@ impl Subproblem {
         part.copy_velocities(given.problem);
         take(part.rows(), given.percussion, &mut memory.percussion);
         take(part.rows(), given.velocity, velocity);
-        take(part.contacts(), given.history, history);
+        take(part.rows(), given.start, &mut before.percussion);
+        take(part.contacts(), given.history, &mut before.states);
         take(part.contacts(), given.states, &mut memory.states);
         self.infeasibility = None;
         self.stages.clear();
@@ -285,7 +290,8 @@ impl Subproblem {
             stages: &mut self.stages,
             infeasibility: &mut self.infeasibility,
         };
-        let task = Task { problem: part.problem(), history, ..task };
+        let (start, history) = (&before.percussion[..], &before.states[..]);
+        let task = Task { problem: part.problem(), start, history, ..task };
         self.report = Some(buffers.solve(solver, task, &mut iterate, swept));
     }
 

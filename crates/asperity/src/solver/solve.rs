@@ -261,8 +261,8 @@ impl Solver {
             }
             _ => Threads::NONE,
         };
-        let history = &before.states[..];
-        let task = Task { problem, stop, history, threads, past: Past::Unswept };
+        let (start, history, past) = (&before.percussion[..], &before.states[..], Past::Unswept);
+        let task = Task { problem, stop, start, history, threads, past };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, buffers, list, .. } = workspace;
         let mut iterate =
@@ -427,7 +427,7 @@ impl List {
         buffers: &mut Buffers,
         first_stages: usize,
     ) -> bool {
-        let (problem, history) = (task.problem, task.history);
+        let Task { problem, start, history, .. } = *task;
         let islands = buffers.sweeper.islands();
         self.own.resize_with(islands.count(), || None);
         for &island in &self.left {
@@ -437,7 +437,7 @@ impl List {
             self.work.push((island, own));
         }
         let Iterate { percussion, velocity, states, .. } = &*iterate;
-        let given = Given { problem, history, states, percussion, velocity };
+        let given = Given { problem, start, history, states, percussion, velocity };
         solve_all(solver, (&mut self.work, &self.swept), task, given);
         // What is said of them does not depend on the order in which they were solved.
         self.work.sort_by_key(|(island, _)| *island);
@@ -543,6 +543,7 @@ fn solve_all(
             let task = Task {
                 problem: given.problem,
                 stop,
+                start: given.start,
                 history: given.history,
                 threads: Threads::NONE,
                 past: Past::Unswept,

@@ -14,7 +14,7 @@ use asperity::event;
 use asperity::law::FrictionLaw;
 use asperity::set::{Convex, Ellipse, Matrix, Star, Vector};
 use asperity::simulate::{Options, simulate};
-use asperity::solver::Solver;
+use asperity::solver::{Solver, Steps};
 use asperity::system::{InitialState, LinearSystem, System, SystemError, mass_on_belt};
 use nalgebra::DMatrix;
 

@@ -39,19 +39,19 @@ pub(super) fn solve_side_by_side(
     swept: &mut Vec<Swept>,
 ) {
     let Visitor { blocks, efforts, .. } = visitor;
-    let Task { problem, stop, history, threads, past } = *task;
+    let Task { problem, stop, start, history, threads: pool, past } = *task;
     let Stop { tolerance, measure, deadline, .. } = stop;
-    workers.resize_with(threads.count(), Worker::default);
+    workers.resize_with(pool.count(), Worker::default);
     workers.iter_mut().for_each(|worker| worker.begin(iterate, efforts));
     let (next, given_up) = (AtomicUsize::new(0), AtomicBool::new(false));
     let work = |worker: &mut Worker| {
         let cancelled = || given_up.load(Ordering::Relaxed);
         let stop = Stop { tolerance, measure, deadline, cancelled: Some(&cancelled) };
         let threads = Threads::NONE;
-        let own = Task { problem, stop, history, threads, past };
+        let own = Task { problem, stop, start, history, threads, past };
         worker.sweep(&own, plan, blocks, (islands, &next));
     };
-    threads.share(workers, work, || {
+    pool.share(workers, work, || {
         if stop.early() {
             given_up.store(true, Ordering::Relaxed);
         }

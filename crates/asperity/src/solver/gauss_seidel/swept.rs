@@ -1,8 +1,8 @@
 //! What sweeps have come to.
 
+use super::task::{Iterate, Past, Task};
 use crate::solver::measure::natural_residual::{Residual, is_worse};
 use crate::solver::measure::stop::Measure;
-use super::task::{Iterate, Past, Task};
 use crate::solver::report::Ended;
 
 /// Of some contacts, until they are put together with others.

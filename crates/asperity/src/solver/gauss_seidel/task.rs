@@ -26,6 +26,8 @@ pub(crate) enum Past {
 pub(crate) struct Task<'a> {
     pub(crate) problem: &'a ContactProblem,
     pub(crate) stop: Stop<'a>,
+    /// Percussions that the solve began with.
+    pub(crate) start: &'a [f64],
     /// States before the step, which decide between several solutions.
     pub(crate) history: &'a [ContactState],
     pub(crate) threads: &'a Threads,

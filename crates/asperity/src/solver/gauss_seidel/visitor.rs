@@ -1,7 +1,7 @@
 //! A visit to one contact: it is solved with the percussions of the others held.
 
-use crate::contact::{ContactProblem, ContactState, Phase};
 use super::task::{Iterate, Task};
+use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::solver::one_contact::block::Block;
 use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};

@@ -83,7 +83,8 @@ impl Balance {
             }
             let mut peeled = false;
             for (column, d) in self.columns.iter().zip(&mut *weights).filter(|(_, d)| **d > 0.0) {
-                let alone = |&(row, a): &(usize, f64)| a.abs() > NO_ENTRY && opposed[row] != [true; 2];
+                let alone =
+                    |&(row, a): &(usize, f64)| a.abs() > NO_ENTRY && opposed[row] != [true; 2];
                 if column.iter().any(alone) {
                     (*d, peeled) = (0.0, true);
                 }

@@ -7,10 +7,10 @@
 
 use super::cones::{Cones, own_rows};
 use super::progress::Progress;
-use crate::solver::gauss_seidel::Task;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::linear::Execution;
+use crate::solver::gauss_seidel::Task;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 

@@ -18,4 +18,4 @@ pub(crate) use least_norm::LeastNorm;
 pub(crate) use progress::{Buffers, Progress};
 pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
-pub(crate) use proximal::ProximalPoint;
+pub(crate) use proximal::{PATIENCE, ProximalPoint};

@@ -4,10 +4,10 @@
 //! (\[AlartCurnier1991\]), for `ε > 0` one step of the proximal point iteration from the centre `c`, which is
 //! well posed even where `G` has no full rank.
 
-use crate::solver::gauss_seidel::Task;
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Derivatives, Rho};
 use crate::linear::Execution;
+use crate::solver::gauss_seidel::Task;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::threads::{LEAF, join};
 use crate::vectors::norm;
@@ -16,9 +16,6 @@ use crate::vectors::norm;
 /// past a kink, and others that lead astray.
 const HALVINGS: usize = 12;
 const MEMORY: usize = 5;
-/// Iterations within which `‖F‖` must halve.
-const PATIENCE: usize = 25;
-
 /// What to solve.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Goal {
@@ -31,6 +28,8 @@ pub(crate) struct Goal {
     /// `‖F‖` from which on percussions may pass the measure of the stop, which then ends the work.
     pub(crate) promising: f64,
     pub(crate) max_iterations: usize,
+    /// Iterations within which `‖F‖` must halve.
+    pub(crate) patience: usize,
 }
 
 /// Buffers.
@@ -173,7 +172,7 @@ impl Newton {
                 }
             }
             let len = self.norms.len();
-            if len > PATIENCE && norm > 0.5 * self.norms[len - PATIENCE] {
+            if len > goal.patience && norm > 0.5 * self.norms[len - goal.patience] {
                 break;
             }
         }

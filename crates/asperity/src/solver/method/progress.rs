@@ -26,8 +26,6 @@ const FEW_SEPARATE: f64 = 0.05;
 /// Buffers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Buffers {
-    /// Percussions that the solve began with.
-    first: Vec<f64>,
     /// Best percussions so far.
     best: Vec<f64>,
     /// The best percussions while others that continue the states of contacts are looked for.
@@ -45,7 +43,6 @@ pub(crate) struct Progress<'a> {
     sweeper: &'a mut Sweeper,
     buffers: &'a mut Buffers,
     scale: Scale,
-    first_grade: f64,
     /// Natural map of the best percussions.
     grade: f64,
     /// Whether the velocities in the buffers are those of the best percussions.
@@ -90,7 +87,6 @@ impl<'a> Progress<'a> {
             sweeper,
             buffers,
             scale: Scale::of(task.problem),
-            first_grade: grade,
             grade,
             known: false,
             residual: None,
@@ -116,8 +112,6 @@ impl<'a> Progress<'a> {
             progress.task.past = Past::Unswept;
             progress.grade_sweeps();
         }
-        progress.first_grade = progress.grade;
-        progress.buffers.first.clone_from(&progress.buffers.best);
         progress
     }
 
@@ -142,9 +136,8 @@ impl<'a> Progress<'a> {
         let Iterate { percussion, velocity, .. } = &iterate;
         let measured = Measured { problem: task.problem, percussion, velocity };
         let contacts = 0..task.problem.contacts().len();
-        let approach = self
-            .approach
-            .unwrap_or_else(|| Approach::of(&measured, contacts, task.stop.tolerance));
+        let approach =
+            self.approach.unwrap_or_else(|| Approach::of(&measured, contacts, task.stop.tolerance));
         let diverged = astray.filter(Approach::has_diverged).and_then(|astray| astray.flaw());
         let ended = match (diverged, self.stuck) {
             _ if self.solved => Ended::Done,
@@ -313,14 +306,11 @@ impl<'a> Progress<'a> {
         grade
     }
 
-    /// Natural map of the percussions that the solve began with.
-    pub(crate) fn first_grade(&self) -> f64 {
-        self.first_grade
-    }
-
-    /// Copies those percussions.
-    pub(crate) fn start_from_first(&self, percussion: &mut Vec<f64>) {
-        percussion.clone_from(&self.buffers.first);
+    /// Whether what was found has at most this part of the natural map of the percussions that the solve began with.
+    pub(crate) fn has_left(&mut self, part: f64) -> bool {
+        let (best, start) = (self.grade, self.task.start);
+        let first = self.grade(start);
+        best <= part * first
     }
 
     /// Copies the best percussions, from which a method starts, and returns their grade.

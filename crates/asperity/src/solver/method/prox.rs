@@ -7,9 +7,9 @@
 //!
 //! `r` is one number per contact: one per component would change the law.
 
-use crate::solver::gauss_seidel::{Iterate, Task};
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{Friction, ProxParameter};
+use crate::solver::gauss_seidel::{Iterate, Task};
 use crate::solver::report::Ended;
 
 /// Prox parameter of the friction rows.

@@ -13,6 +13,8 @@ use crate::solver::report::Method;
 /// Factors of the prox parameters, which take turns where inner solves fail: hyperstatic problems have percussions a hundred
 /// times their loads and need large ones, others small ones.
 const FACTORS: [f64; 4] = [10.0, 1.0, 30.0, 3.0];
+/// Newton iterations within which `‖F‖` must halve.
+pub(crate) const PATIENCE: usize = 25;
 /// Newton iterations of an inner solve, and how many count as few and very few: after few `ε` falls, after very few it
 /// falls faster.
 const INNER: usize = 20;
@@ -189,16 +191,16 @@ impl ProximalPoint {
         &mut self,
         progress: &mut Progress<'_>,
         matrix: &mut NewtonMatrix,
-        max_iterations: usize,
+        (max_iterations, patience): (usize, usize),
     ) -> bool {
         let grade = progress.start_from_best(&mut self.centre);
-        if grade > NEARER * progress.first_grade() {
-            progress.start_from_first(&mut self.centre);
+        if !progress.has_left(NEARER) {
+            self.centre.copy_from_slice(progress.task.start);
         }
         self.newton.scale_rho(progress.task.problem, 1.0);
         let goal = self.inner_goal(progress, grade, 0.0, max_iterations);
         let promising = PROMISING * progress.task.stop.tolerance * progress.scale(&self.centre);
-        let goal = Goal { shift: SHIFT, promising, ..goal };
+        let goal = Goal { shift: SHIFT, promising, patience, ..goal };
         let before = self.newton.factorizations;
         let (_, iterations) = self.newton_from_centre(progress, matrix, goal);
         progress.grade(&self.trial);
@@ -231,7 +233,8 @@ impl ProximalPoint {
             self.newton.match_rho(problem, &self.centre, largest);
             let tolerance = progress.floor() * progress.scale(&self.centre);
             let (epsilon, shift, promising) = (0.0, MATCHED_SHIFT, 0.0);
-            let goal = Goal { epsilon, shift, tolerance, promising, max_iterations: MATCHED };
+            let (max_iterations, patience) = (MATCHED, PATIENCE);
+            let goal = Goal { epsilon, shift, tolerance, promising, max_iterations, patience };
             total += self.newton_from_centre(progress, matrix, goal).1;
             progress.grade(&self.trial);
             self.centre.copy_from_slice(&self.trial);
@@ -285,7 +288,8 @@ impl ProximalPoint {
         let scale = progress.scale(&self.centre);
         let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(progress.floor());
         let epsilon = epsilon / progress.task.problem.global_rho();
-        Goal { epsilon, shift: 0.0, tolerance: relative * scale, promising: 0.0, max_iterations }
+        let (tolerance, patience) = (relative * scale, PATIENCE);
+        Goal { epsilon, shift: 0.0, tolerance, promising: 0.0, max_iterations, patience }
     }
 
     /// Sweeps from the centre, kept if they improve it; the grade of the centre.
