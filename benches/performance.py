@@ -57,8 +57,9 @@ TAIL = """## What is not on this page
 
 `make many` prints time and memory of the default solver from 10 to 10⁵ contacts, `make peers`
 compares solutions of the same contact problems by other engines, and `make linear` the sparse
-factorisations with faer's: they take longer, or need what is not installed with asperity. [Contact
-solvers](solvers.md) has their numbers.
+factorisations with faer's: they take longer, or need what is not installed with asperity.
+`python benches/solver_steps.py` leaves out one step of the default solver after the other and says
+what each buys, in problems solved and in time. [Contact solvers](solvers.md) has their numbers.
 """
 
 

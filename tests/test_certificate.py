@@ -9,6 +9,7 @@ import pytest
 from asperity import Certificate, Status, problems
 from asperity.contact.grading import natural_map, proves_no_solution
 from asperity.errors import NoSolutionError
+from random_problems import chain
 from samples import BEAN, LAWS, identify, random_problem
 from scipy.linalg import block_diag
 from scipy.optimize import linprog
@@ -721,23 +722,6 @@ def test_a_start_that_was_no_solution_does_no_harm():
 def test_no_solution_error_needs_growth_not_only_an_approach():
     with pytest.raises(NoSolutionError):
         close_jaws(0.0, squeeze=1.0).solve(tolerance=1e-8)
-
-
-def chain(masses, closing, rng):
-    """Return particles of these masses in a row between two walls, one of which comes nearer."""
-    count = len(masses)
-    directions = np.zeros((3 * count, 3 * (count + 1)))
-    for body in range(count):
-        own = slice(3 * body, 3 * body + 3)
-        directions[own, own] = np.eye(3)
-        directions[own, 3 * body + 3 : 3 * body + 6] = -np.eye(3)
-    velocity = np.zeros((count, 3))
-    velocity[:, 0], velocity[:, 1] = rng.normal(size=count), 0.1
-    free = directions.T @ velocity.ravel()
-    free[-3] -= closing
-    return asp.ContactProblem.from_bodies(
-        np.diag(np.repeat(masses, 3)), directions=directions, free_velocity=free, laws=LAW
-    )
 
 
 @pytest.mark.parametrize("count", [2, 5, 11, 23, 40])

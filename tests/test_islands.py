@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from asperity import Status, problems
 from asperity.contact.grading import proves_no_solution
+from random_problems import shuffled, side_by_side
 from scipy.sparse import block_diag, csr_array
 
 DISK = asp.FrictionLaw.isotropic(0.5)
@@ -17,36 +18,6 @@ PARADOX = asp.ContactProblem(
     free_velocity=[-1.0, 5.0],
     laws=asp.FrictionLaw.isotropic(1.0, dimension=1),
 )
-
-
-def side_by_side(parts):
-    """Return one problem of several: bodies where all parts have them, else their operators."""
-    free = np.concatenate([part.free_velocity for part in parts])
-    laws = [law for part in parts for law in part.laws]
-    options = {
-        "free_velocity": free,
-        "laws": laws,
-        "normal_force": [force for part in parts for force in part.normal_force],
-    }
-    if all(part.mass is not None for part in parts):
-        mass = block_diag([part.mass for part in parts], format="csr")
-        directions = block_diag([part.directions for part in parts], format="csr")
-        return asp.ContactProblem.from_bodies(mass, directions=directions, **options)
-    operators = [csr_array(part.delassus) for part in parts]
-    return asp.ContactProblem(block_diag(operators, format="csr"), **options)
-
-
-def shuffled(problem, order):
-    """Return a problem with its contacts in another order, and the rows in that order."""
-    sizes = [3 if force is None else 2 for force in problem.normal_force]
-    first = np.concatenate([[0], np.cumsum(sizes)])
-    rows = np.concatenate([np.arange(first[i], first[i] + sizes[i]) for i in order])
-    operator = problem.delassus.tocsr()[rows][:, rows]
-    force = [problem.normal_force[i] for i in order]
-    laws = [problem.laws[i] for i in order]
-    free = problem.free_velocity[rows]
-    shuffled = asp.ContactProblem(operator, free_velocity=free, laws=laws, normal_force=force)
-    return shuffled, rows
 
 
 def scenes():

@@ -6,10 +6,10 @@ import pytest
 from asperity import problems
 from asperity.contact.grading import natural_map
 from asperity.errors import ParameterError
-from samples import CORNERED_LAWS, LINE_LAWS, PLANE_LAWS, SPACE_LAWS, identify
-from scipy.sparse import block_diag, csr_array
+from random_problems import LAWS, pile
+from samples import identify
+from scipy.sparse import csr_array
 
-LAWS = [*PLANE_LAWS, *CORNERED_LAWS, *LINE_LAWS, *SPACE_LAWS]
 ASSOCIATED = [law for law in LAWS if law.is_associated]
 PLANAR = [law for law in ASSOCIATED if law.dimension < 3]
 ELLIPTIC = [
@@ -18,66 +18,6 @@ ELLIPTIC = [
     asp.FrictionLaw.isotropic(0.3, dimension=3),
 ]
 TOLERANCE = 1e-8
-GRAVITY = np.array([0.0, 0.0, -9.81, 0.0, 0.0, 0.0])
-
-
-def rotation(rng, tilt):
-    """Frame (n, t₁, t₂) whose normal is at most `tilt` from e₃."""
-    angle, turn = tilt * rng.random(), 2 * np.pi * rng.random()
-    normal = np.array([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.cos(angle)])
-    first = np.cross(normal, rng.normal(size=3))
-    first /= np.linalg.norm(first)
-    return np.array([normal, first, np.cross(normal, first)])
-
-
-def rows_of_contact(frame, lever, p, unilateral):
-    """Rows of Wᵀ for a body: relative velocity of its point, with the spin for p = 3."""
-    arm = np.array([[0, lever[2], -lever[1]], [-lever[2], 0, lever[0]], [lever[1], -lever[0], 0]])
-    point = np.hstack([frame, frame @ arm])
-    spin = np.hstack([np.zeros(3), 0.05 * frame[0]])
-    rows = [point[1], point[2], spin][:p]
-    return np.array([point[0], *rows] if unilateral else rows)
-
-
-def pile(rng, laws, contacts, per_pair, unilateral=0.8):
-    """Bodies on the ground and on each other; every contact pushes its upper body upwards.
-
-    `per_pair` contacts act between the same two bodies: from three on they cannot be told apart.
-    Free velocities are those of bodies that fall and move, so that a solution exists.
-    """
-    bodies = -(-contacts // per_pair)
-    mass = rng.uniform(0.5, 2.0, size=bodies)
-    blocks = []
-    for m in mass:
-        root = rng.normal(size=(3, 3))
-        inertia = 0.02 * m * (root @ root.T + 2 * np.eye(3))
-        blocks.append(np.block([[m * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), inertia]]))
-    chosen, forces, rows = [], [], []
-    for k in range(contacts):
-        upper = k // per_pair
-        lower = int(rng.integers(-1, upper)) if rng.random() < 0.5 else -1
-        law = laws[int(rng.integers(len(laws)))]
-        closed = bool(rng.random() < unilateral)
-        frame = rotation(rng, tilt=0.3)
-        chosen.append(law)
-        forces.append(None if closed else float(rng.uniform(0.01, 0.1)))
-        for body, sign in ((upper, 1.0), (lower, -1.0)):
-            lever = rng.uniform(-0.3, 0.3, size=3) - sign * np.array([0.0, 0.0, 0.2])
-            part = sign * rows_of_contact(frame, lever, law.dimension, closed)
-            if sign > 0.0:
-                block = np.zeros((len(part), 6 * bodies))
-            if body >= 0:
-                block[:, 6 * body : 6 * body + 6] += part
-        rows.append(block)
-    directions = csr_array(np.vstack(rows).T)
-    velocity = np.tile(0.01 * GRAVITY, bodies) + 0.05 * rng.normal(size=6 * bodies)
-    return asp.ContactProblem.from_bodies(
-        block_diag([csr_array(block) for block in blocks], format="csr"),
-        directions=directions,
-        free_velocity=directions.T @ velocity,
-        laws=chosen,
-        normal_force=forces,
-    )
 
 
 def with_decimals(problem, decimals):
