@@ -6,19 +6,50 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 11] = [
+const SOLVER: [(&str, &[&str]); 13] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasible", &["measure", "one_contact"]),
     ("newton_matrix", &[]),
     ("report", &["measure"]),
-    ("method", &["measure", "one_contact", "infeasible", "newton_matrix", "report"]),
-    ("findings", &["measure", "infeasible", "report", "method"]),
-    ("neighbourhood", &["measure", "report", "method"]),
-    ("auto", &["measure", "infeasible", "newton_matrix", "report", "method", "neighbourhood"]),
-    ("islands", &["measure", "infeasible", "report", "method"]),
-    // What users call stands above the solver.
-    ("solution", &["measure", "infeasible", "islands", "report", "Solver", "Workspace"]),
+    ("gauss_seidel", &["measure", "one_contact", "infeasible", "newton_matrix", "report"]),
+    (
+        "method",
+        &["measure", "one_contact", "infeasible", "newton_matrix", "report", "gauss_seidel"],
+    ),
+    ("settings", &["method"]),
+    ("findings", &["measure", "infeasible", "report", "gauss_seidel"]),
+    (
+        "cascade",
+        &["infeasible", "newton_matrix", "report", "gauss_seidel", "method", "settings"],
+    ),
+    (
+        "island",
+        &[
+            "measure",
+            "infeasible",
+            "report",
+            "gauss_seidel",
+            "method",
+            "settings",
+            "findings",
+            "cascade",
+        ],
+    ),
+    (
+        "solve",
+        &[
+            "measure",
+            "one_contact",
+            "infeasible",
+            "report",
+            "gauss_seidel",
+            "method",
+            "settings",
+            "island",
+        ],
+    ),
+    ("solution", &["measure", "infeasible", "island", "report", "settings", "solve"]),
 ];
 
 /// The rooms of the event-driven integrator; each may use those before it.

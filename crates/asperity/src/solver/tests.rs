@@ -4,36 +4,10 @@ use std::cell::Cell;
 
 use nalgebra::DMatrix;
 
+use super::measure::natural_residual::Measured;
 use super::*;
-use crate::contact::NormalForce;
+use crate::contact::{ContactProblem, NormalForce};
 use crate::law::FrictionLaw;
-
-/// Sweeps leave islands whose contacts share a load, unless they start from the solution.
-#[test]
-fn islands_that_sweeps_solve_are_forgotten_after_some_solves() {
-    let mut delassus = DMatrix::identity(4, 4);
-    for (i, j) in [(0, 2), (1, 3)] {
-        (delassus[(i, j)], delassus[(j, i)]) = (0.999, 0.999);
-    }
-    let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
-    let contacts = vec![(law.into(), NormalForce::Prescribed(2.0)); 4];
-    let problem = ContactProblem::new(delassus, vec![0.3, 0.2, 0.3, 0.2], contacts).unwrap();
-    for measure in [Measure::Contact, Measure::Global] {
-        let (mut workspace, mut memory) = (Workspace::default(), Memory::default());
-        let stop = Stop::default().with_measure(measure);
-        let mut solve = |memory: &mut Memory| {
-            let report = Solver::default().solve(&problem, stop, memory, &mut workspace);
-            assert_eq!(report.status, Status::Converged);
-            workspace.parts.kept()
-        };
-        assert_eq!(solve(&mut memory), 2);
-        let kept: Vec<usize> = (0..40).map(|_| solve(&mut memory)).collect();
-        let last = 32;
-        assert_eq!(kept[..last], vec![2; last]);
-        assert_eq!(kept[last..], [0; 8]);
-        assert_eq!(solve(&mut Memory::default()), 2);
-    }
-}
 
 /// Whenever time ends, also between two measures, what is said is the measure of the percussions that are returned.
 #[test]
