@@ -31,11 +31,6 @@ impl Threads {
         Self(pool::of_this_process(count.min(available.max(4))))
     }
 
-    /// Number of threads that work at the same time.
-    pub(crate) fn count(&self) -> usize {
-        self.0.as_ref().map_or(1, pool::count)
-    }
-
     /// The pool for work that others would wait for, if it is free: calls that share it would wait for each other.
     pub(crate) fn claim(&self) -> Option<Claim<'_>> {
         let busy = pool::busy(self.0.as_ref()?);
@@ -115,10 +110,6 @@ mod pool {
     pub(super) struct Shared {
         pool: ThreadPool,
         busy: AtomicBool,
-    }
-
-    pub(super) fn count(pool: &Pool) -> usize {
-        pool.pool.current_num_threads()
     }
 
     pub(super) fn busy(pool: &Pool) -> &AtomicBool {

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 13] = [
+const SOLVER: [(&str, &[&str]); 14] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasible", &["measure", "one_contact"]),
@@ -19,10 +19,7 @@ const SOLVER: [(&str, &[&str]); 13] = [
     ),
     ("settings", &["method"]),
     ("findings", &["measure", "infeasible", "report", "gauss_seidel"]),
-    (
-        "cascade",
-        &["infeasible", "newton_matrix", "report", "gauss_seidel", "method", "settings"],
-    ),
+    ("cascade", &["infeasible", "newton_matrix", "report", "gauss_seidel", "method", "settings"]),
     (
         "island",
         &[
@@ -36,6 +33,7 @@ const SOLVER: [(&str, &[&str]); 13] = [
             "cascade",
         ],
     ),
+    ("list", &["measure", "report", "gauss_seidel", "settings", "island"]),
     (
         "solve",
         &[
@@ -47,6 +45,7 @@ const SOLVER: [(&str, &[&str]); 13] = [
             "method",
             "settings",
             "island",
+            "list",
         ],
     ),
     ("solution", &["measure", "infeasible", "island", "report", "settings", "solve"]),

@@ -9,7 +9,7 @@
 use std::time::Instant;
 
 use super::gauss_seidel::{
-    Cost, Iterate, Past, Rate, Reached, Sweeper, TRIAL_SWEEPS, Task, UNTIMED, untimed_visits,
+    Cost, Iterate, Past, Rate, Reached, Sweeper, TRIAL_SWEEPS, Task, untimed_visits,
 };
 use super::infeasible::prove_one_contact;
 use super::method::{
@@ -20,12 +20,12 @@ use super::newton_matrix::NewtonMatrix;
 use super::report::{Ended, Method};
 use super::settings::{Step, Steps};
 use crate::contact::{ContactProblem, ContactState, Phase};
+use crate::threads::LEAF;
 
 /// Sweeps that a factorisation takes as long as from which on it is expensive: piles and columns take twice as long where
 /// accelerated sweeps come after factorisations from 32 on, and stored problems where they come first at 2.
 const EXPENSIVE: f64 = 8.0;
-/// Factorisations whose operations accelerated sweeps may take in all, and until they have halved the natural map.
-const WORTH: f64 = 60.0;
+/// Factorisations whose operations accelerated sweeps may take until they have halved the natural map.
 const HALVING: f64 = 20.0;
 /// Natural map from which on Newton's method ends what accelerated sweeps have begun.
 const NEAR: f64 = 1e-4;
@@ -34,8 +34,8 @@ const NEWTON: usize = 20;
 const SHORT: usize = 8;
 /// Iterations of the interior point method, twice as many as most problems need.
 const INTERIOR: usize = 40;
-/// Natural map at which the digits of the interior point method end.
-const INTERIOR_GOAL: f64 = 1e-7;
+/// Natural map from which on the digits of the interior point method may end.
+const DIGITS: f64 = 1e-7;
 /// Outer steps of the proximal point iteration, which a limit of time ends before where there is one.
 const OUTER: usize = 5000;
 /// Fewest contacts of bodies at rest that are worth a factorisation of their own: Newton's method solves fewer as soon.
@@ -145,7 +145,7 @@ impl Methods {
         }
         sweeps.record(progress);
         if !progress.is_over() && !sweeps.leave_time_for(progress, 2.0 * island.factorization) {
-            return self.anderson.iterate(progress, usize::MAX, usize::MAX);
+            return self.anderson.iterate(progress, usize::MAX);
         }
         if !progress.is_over()
             && let Some(contact) = progress.stuck()
@@ -176,9 +176,7 @@ impl Methods {
             }
             Stage::Acceleration => {
                 if island.is_expensive() {
-                    let sweeps =
-                        |factorizations: f64| (factorizations * island.factorization) as usize;
-                    anderson.iterate(progress, sweeps(WORTH), sweeps(HALVING));
+                    anderson.iterate(progress, (HALVING * island.factorization) as usize);
                 }
             }
             Stage::Newton => {
@@ -206,8 +204,7 @@ impl Methods {
             Stage::MatchedNewton => proximal.attempt_matched(progress, matrix),
             Stage::InteriorPoint => {
                 if island.resting.is_none() && cones.read(progress.task.problem) {
-                    let course =
-                        Course { max_iterations: INTERIOR, goal: INTERIOR_GOAL, expected: 0.0 };
+                    let course = Course { max_iterations: INTERIOR, goal: DIGITS, expected: 0.0 };
                     interior.iterate(progress, cones, matrix, course);
                 }
             }
@@ -231,7 +228,7 @@ impl Methods {
             && !progress.is_over()
             && cones.read(progress.task.problem)
         {
-            let course = Course { max_iterations: INTERIOR, goal: 0.0, expected };
+            let course = Course { max_iterations: INTERIOR, goal: DIGITS, expected };
             interior.iterate(progress, cones, matrix, course);
         }
     }
@@ -338,7 +335,7 @@ impl Sweeps {
     /// In place of something that takes as long as so many sweeps.
     fn new(problem: &ContactProblem, instead: f64) -> Self {
         let visits = untimed_visits(problem, 0..problem.contacts().len());
-        Self { rate: Rate::new(instead), count: 0, visits, untimed: UNTIMED, began: Instant::now() }
+        Self { rate: Rate::new(instead), count: 0, visits, untimed: LEAF, began: Instant::now() }
     }
 
     /// Records what was done, if it was anything.
@@ -367,7 +364,7 @@ impl Sweeps {
     /// Whether the stop says, when it is asked, that nobody waits any longer.
     fn is_late(&mut self, task: Task<'_>) -> bool {
         self.untimed += self.visits;
-        if self.untimed < UNTIMED {
+        if self.untimed < LEAF {
             return false;
         }
         self.untimed = 0;

@@ -11,7 +11,7 @@
 //! | [`Solver::InteriorPoint`] | `method/interior.rs` | primal-dual, elliptic laws |
 //! | [`Solver::Admm`] | `method/admm.rs` | few factorisations, elliptic laws |
 //!
-//! A problem is a list of islands, contacts that influence each other and no others; `solve.rs` solves them one by one, each
+//! A problem is a list of islands, contacts that influence each other and no others; `list.rs` solves them one by one, each
 //! as a problem of its own. `incumbent.rs` keeps the best percussions of an island. The measures in `measure/` belong to no
 //! solver and grade them all; `infeasible/` proves that there is no solution.
 
@@ -20,6 +20,7 @@ mod findings;
 mod gauss_seidel;
 mod infeasible;
 mod island;
+mod list;
 mod measure;
 mod method;
 mod newton_matrix;

@@ -3,32 +3,28 @@
 use crate::contact::ContactProblem;
 use crate::solver::newton_matrix::NewtonMatrix;
 
-/// Operations on floating-point numbers in the time that is spent on a contact besides those on entries of `G`, in a sweep
-/// and in a step of Newton's method.
+/// Operations on floating-point numbers in the time that a sweep spends on a contact besides those on entries of `G`, and per
+/// entry.
 const VISIT: f64 = 400.0;
-const JET: f64 = 800.0;
-/// The same per entry of `G`, of which a step takes several products.
 const PRODUCT: f64 = 2.0;
-const STEP: f64 = 8.0;
-/// Contacts from which on an island is large, since its data do not stay in the cache of the processor, and most entries of a
-/// row of `G` there: thirty other contacts; bricks and spheres have ten.
+/// Contacts from which on an island is large: its data do not stay in the cache of the processor.
 const LARGE: f64 = 1000.0;
-const SPARSE: f64 = 100.0;
-/// Steps that an attempt by Newton's method is expected to take.
+/// Steps that an attempt by Newton's method is expected to take, and sweeps in the time of one without its factorisation.
 const STEPS: f64 = 6.0;
+const STEP: f64 = 3.0;
 
 /// Costs of a problem, or of one of its islands, in operations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cost {
     contacts: f64,
     rows: usize,
-    entries: f64,
     sweep: f64,
-    /// A step of Newton's method without its factorisation.
-    step: f64,
 }
 
 impl Cost {
+    /// Sweeps in the time in which a pattern is analysed: between 10 and 40.
+    pub(crate) const ANALYSIS: f64 = 20.0;
+
     /// Of some contacts that influence no others.
     pub(crate) fn of(problem: &ContactProblem, contacts: impl Iterator<Item = usize>) -> Self {
         let blocks = problem.delassus().blocks();
@@ -38,17 +34,12 @@ impl Cost {
             rows += blocks.size(i);
             entries += blocks.entries_of(i);
         }
-        let entries = entries as f64;
-        let (sweep, step) = (PRODUCT * entries + VISIT * count, STEP * entries + JET * count);
-        Self { contacts: count, rows, entries, sweep, step }
+        Self { contacts: count, rows, sweep: PRODUCT * entries as f64 + VISIT * count }
     }
 
-    /// Sweeps in the time in which a pattern is analysed: between 10 and 40.
-    pub(crate) const ANALYSIS: f64 = 20.0;
-
-    /// Whether many contacts influence few others each, so that the pattern is soon analysed.
+    /// Whether sweeps wait for memory, and factorisations do not.
     pub(crate) fn is_large(&self) -> bool {
-        self.contacts >= LARGE && self.entries <= SPARSE * self.rows as f64
+        self.contacts >= LARGE
     }
 
     /// Sweeps in the time of an attempt, as far as that is known before the pattern is analysed; its analysis counts, whether
@@ -62,7 +53,7 @@ impl Cost {
 
     /// Sweeps in the time of an attempt with so many operations per factorisation.
     pub(crate) fn attempt(&self, factorization: f64) -> f64 {
-        self.sweeps(STEPS * (factorization + self.step))
+        STEPS * (self.sweeps(factorization) + STEP)
     }
 
     /// Sweeps with as many operations.

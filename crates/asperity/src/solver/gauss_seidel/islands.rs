@@ -8,7 +8,7 @@ use super::cost::Cost;
 use super::rate::{LEAST_SWEEPS, MOST_SWEEPS, Rate};
 use super::swept::Swept;
 use super::task::{Iterate, Task};
-use super::visitor::{UNTIMED, Visitor, untimed_visits};
+use super::visitor::{Visitor, untimed_visits};
 use crate::contact::{ContactProblem, Members};
 use crate::solver::measure::approach::Approach;
 use crate::solver::measure::natural_map::map_of;
@@ -18,6 +18,7 @@ use crate::solver::measure::phase::phase_of;
 use crate::solver::measure::stop::{Measure, Stop};
 use crate::solver::one_contact::solve::Policy;
 use crate::solver::report::Ended;
+use crate::threads::LEAF;
 
 /// How islands are swept.
 #[derive(Debug, Clone, Copy)]
@@ -50,18 +51,19 @@ impl Plan {
 }
 
 impl Visitor<'_> {
-    /// Sweeps islands in this order; `put` receives what each has come to, the last of them where the stop has ended it
-    /// early.
-    pub(super) fn solve_in_turn(
+    /// Sweeps islands one after the other; `swept` receives what each has come to, the last of them where the stop has ended
+    /// it early.
+    pub(super) fn solve_islands(
         &mut self,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         plan: Plan,
-        (islands, numbers): (&Members, impl Iterator<Item = usize>),
-        mut put: impl FnMut(Swept),
+        islands: &Members,
+        swept: &mut Vec<Swept>,
     ) {
-        let mut visited = UNTIMED;
-        for members in numbers.map(|island| islands.of(island)) {
+        swept.clear();
+        let mut visited = LEAF;
+        for members in (0..islands.count()).map(|island| islands.of(island)) {
             let mut own = self.solve_island(task, iterate, plan, (members, &mut visited));
             let is_left = plan.leaves(&own, task.stop.tolerance);
             let is_early = own.ended == Ended::TimeLimit;
@@ -79,7 +81,7 @@ impl Visitor<'_> {
                 let hides = approach.hides(own.residual().value, tolerance);
                 own.may_grow = hides || approach.flaw().is_some();
             }
-            put(own);
+            swept.push(own);
             if is_early {
                 break;
             }
@@ -147,7 +149,7 @@ impl Visitor<'_> {
             }
             let all = || untimed_visits(task.problem, members.iter().copied());
             *visited += *visits.get_or_insert_with(all);
-            if *visited >= UNTIMED {
+            if *visited >= LEAF {
                 *visited = 0;
                 if task.stop.early() {
                     if !is_measured {

@@ -1,9 +1,8 @@
-//! Block Gauss–Seidel: a sweep, island by island, one thread beside the other, and how long sweeps are worth going on with.
+//! Block Gauss–Seidel: a sweep, island by island, and how long sweeps are worth going on with.
 
 mod cost;
 mod islands;
 mod rate;
-mod side_by_side;
 mod sweep;
 mod swept;
 mod task;
@@ -15,4 +14,4 @@ pub(crate) use rate::{Rate, TRIAL_SWEEPS};
 pub(crate) use sweep::{Own, Sweeper, mark_ambiguous};
 pub(crate) use swept::Swept;
 pub(crate) use task::{Iterate, Past, Reached, Task};
-pub(crate) use visitor::{UNTIMED, untimed_visits};
+pub(crate) use visitor::untimed_visits;

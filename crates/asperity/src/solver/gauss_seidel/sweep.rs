@@ -8,7 +8,6 @@
 use std::ops::Range;
 
 use super::islands::Plan;
-use super::side_by_side::{Worker, solve_side_by_side};
 use super::swept::Swept;
 use super::task::{Iterate, Task};
 use super::visitor::{BATCH, Visitor, record};
@@ -30,7 +29,6 @@ pub(crate) struct Sweeper {
     /// Contacts that influence each other, directly or by others.
     islands: Members,
     pub(crate) candidates: Candidates,
-    workers: Vec<Worker>,
 }
 
 impl Sweeper {
@@ -101,18 +99,9 @@ impl Sweeper {
         plan: Plan,
         swept: &mut Vec<Swept>,
     ) {
-        swept.clear();
-        let Self { blocks, efforts, islands, candidates, workers, .. } = self;
+        let Self { blocks, efforts, islands, candidates, .. } = self;
         let mut visitor = Visitor { blocks, efforts, candidates };
-        // Whoever shares the pool with other calls would wait for them.
-        if task.threads.serve(task.problem.contacts().len())
-            && let Some(_claim) = task.threads.claim()
-        {
-            solve_side_by_side((workers, visitor), islands, task, iterate, plan, swept);
-        } else {
-            let all = (&*islands, 0..islands.count());
-            visitor.solve_in_turn(task, iterate, plan, all, |own| swept.push(own));
-        }
+        visitor.solve_islands(task, iterate, plan, islands, swept);
     }
 
     /// Solves and measures the only contact of a problem.

@@ -9,8 +9,6 @@ use crate::threads;
 
 /// Contacts between two looks at the clock, where all are gone through: some milliseconds at the most.
 pub(super) const BATCH: usize = 8 * threads::LEAF;
-/// Visits between two looks at the clock after the first sweep: a look takes as long as the visit of a contact that sticks.
-pub(crate) const UNTIMED: usize = threads::LEAF;
 
 /// What a sweep counts for between two looks at the clock: the number of its contacts, or as much as asks for a look where laws
 /// are not isotropic, of which a visit may take milliseconds.
@@ -20,7 +18,7 @@ pub(crate) fn untimed_visits(
 ) -> usize {
     let count = contacts.len();
     let is_quick = |i: usize| problem.contacts()[i].law.isotropic_coefficient().is_some();
-    if contacts.all(is_quick) { count } else { UNTIMED }
+    if contacts.all(is_quick) { count } else { threads::LEAF }
 }
 
 /// Who visits contacts: prepared blocks, and what is left of the work on each of them.

@@ -2,12 +2,12 @@
 //!
 //! In `x = T P` and `ξ̂ = K ξ`: `x ← (Ĝ + βS)⁻¹(βS(y − w) − b̂ − s)`, `y ← proj_S(x + w)`, `w ← w + x − y` with De
 //! Saxcé's shift `s_N = ‖ξ̂_T‖` (\[DeSaxceFeng1998\]) of the last iterate. One factorisation serves until the
-//! penalty `β` changes: the method of choice where a factorisation is too dear to be repeated.
+//! penalty `β` changes: the method of choice where a factorisation is too expensive to be repeated.
 //!
-//! Ways take turns ([`Way`]). Plain iterations whose penalty keeps primal and dual residuals of one size end most problems.
+//! Variants take turns ([`Variant`]). Plain iterations whose penalty keeps primal and dual residuals of one size end most problems.
 //! Iterations that are extrapolated by Nesterov's rule with restarts (\[GoldsteinODonoghueSetzerBaraniuk2014\]), at the
 //! penalty that the problem's own units give, end piles of spheres, where balance leads the penalty to where iterations
-//! circle at 1e-4. The shift makes the problem one that is not monotone: either way may circle, and which of them does
+//! circle at 1e-4. The shift makes the problem one that is not monotone: either variant may circle, and which of them does
 //! depends on where it begins.
 
 use super::cones::{Cones, own_rows};
@@ -21,17 +21,10 @@ use crate::solver::report::Method;
 
 type V = ContactVector;
 
-/// Iterations between two looks at the residuals; the penalty may change at each of them early in the run, later after
-/// more iterations. Of the first two half as many solve one stored problem of `auto.rs` more, twice as many make no
-/// difference; iterations change by at most two in a hundred. Of the last a quarter costs 1 % more iterations on
-/// 31 problems of that folder with up to 310 contacts, half costs none, double solves one problem more with as many, four
-/// times as many costs 7 %.
+/// Iterations between two looks at the residuals.
 const CHECK: usize = 10;
-const EARLY: usize = 100;
-const LATE: usize = 50;
-/// Iterations within which the lowest natural map must halve. On `problems.pile(8)` it falls to a fifth and less every
-/// hundred iterations where it ends, and does not halve any more where it circles. Slow tails of two stored problems need
-/// more, for which reason `ADMM` ends with a way that is not judged.
+/// Iterations within which the lowest natural map must halve; slow tails need more, and `ADMM` ends with a variant that is not
+/// judged.
 const STALLED: usize = 200;
 /// Part of the last change that a further step must stay below, else momentum is given up: the value of those who found
 /// the rule.
@@ -39,7 +32,7 @@ const RESTART: f64 = 0.999;
 
 /// Where iterations begin, and how they are scaled.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Way {
+pub(crate) struct Variant {
     /// From no percussions instead of the best ones.
     afresh: bool,
     /// Extrapolated by Nesterov's rule.
@@ -51,23 +44,18 @@ pub(crate) struct Way {
     unbalanced: f64,
 }
 
-/// The way of most problems. On the stored problems of `auto.rs` 92 factorisations come with 22 350 iterations within two
-/// seconds each; with half the ratio of residuals 130 with 24 100 and as many problems solved, with double 82 with 24 360
-/// and one problem fewer.
-const BALANCED: Way = Way { afresh: false, accelerated: false, power: 0.0, unbalanced: 10.0 };
-/// The way of piles: `problems.pile(5)` to `pile(8)` take 490, 390, 350 and 400 iterations. With ratios of residuals of 10
-/// and 30 the last one circles at 3e-4, with 1000 it takes as many as with 100. With a power of 0 it circles at 1e-4, with
-/// 0.5, 1.5 and 2 it takes 290, 580 and 700 iterations; with 2 and without momentum 3000 are not enough. From percussions
-/// that sweeps or the interior point method have left it circles at 1e-4, hence afresh.
-const AFRESH: Way = Way { afresh: true, accelerated: true, power: 1.0, unbalanced: 100.0 };
-const ACCELERATED: Way = Way { afresh: false, ..AFRESH };
+/// The variant of most problems.
+const BALANCED: Variant =
+    Variant { afresh: false, accelerated: false, power: 0.0, unbalanced: 10.0 };
+/// The variant of piles of spheres. From percussions that sweeps or the interior point method have left it circles, hence
+/// afresh; with a power of 0 or a penalty that changes sooner it circles, too.
+const AFRESH: Variant = Variant { afresh: true, accelerated: true, power: 1.0, unbalanced: 100.0 };
+const ACCELERATED: Variant = Variant { afresh: false, ..AFRESH };
 
-/// Ways of `ADMM`, in turn; the last one goes on to the limit of iterations.
-pub(crate) const ALONE: &[Way] = &[BALANCED, AFRESH, BALANCED];
-/// Ways beside other methods: where the first does not end, the second improves their best percussions. From those of the
-/// interior point method on `problems.pile(7, speed=0.3, seed=1)`, which neither of them solves, proximal points take 21
-/// factorisations after 2500 iterations on the second way, and 105 without them.
-pub(crate) const BESIDE: &[Way] = &[AFRESH, ACCELERATED];
+/// Variants of `ADMM`, in turn; the last one goes on to the limit of iterations.
+pub(crate) const ALONE: &[Variant] = &[BALANCED, AFRESH, BALANCED];
+/// Variants beside other methods: where the first does not end, the second improves their best percussions.
+pub(crate) const BESIDE: &[Variant] = &[AFRESH, ACCELERATED];
 
 /// Buffers.
 #[derive(Debug, Clone, Default)]
@@ -106,7 +94,7 @@ struct Residuals {
     change: f64,
 }
 
-/// Why iterations on one way ended.
+/// Why iterations on one variant ended.
 enum End {
     /// The natural map fell no more.
     Stalled,
@@ -115,7 +103,7 @@ enum End {
 }
 
 impl Admm {
-    /// Iterates on one way after the other until the problem is solved or the last way leads no further; `endless`: until the
+    /// Iterates on one variant after the other until the problem is solved or the last variant leads no further; `endless`: until the
     /// limit of iterations. Whether that limit ended it.
     pub(crate) fn iterate(
         &mut self,
@@ -123,14 +111,14 @@ impl Admm {
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         max_iterations: usize,
-        (ways, endless): (&[Way], bool),
+        (variants, endless): (&[Variant], bool),
     ) -> bool {
         let mut iterations = 0;
         self.factorizations = 0;
-        for (turn, way) in ways.iter().enumerate() {
-            let patience = if endless && turn + 1 == ways.len() { usize::MAX } else { STALLED };
+        for (turn, variant) in variants.iter().enumerate() {
+            let patience = if endless && turn + 1 == variants.len() { usize::MAX } else { STALLED };
             let limits = (max_iterations, patience);
-            let end = self.go(progress, cones, matrix, way, &mut iterations, limits);
+            let end = self.go(progress, cones, matrix, variant, &mut iterations, limits);
             if matches!(end, End::Over) {
                 break;
             }
@@ -139,22 +127,22 @@ impl Admm {
         iterations == max_iterations
     }
 
-    /// Iterates on one way, at most so many iterations in all, and so many without progress.
+    /// Iterates on one variant, at most so many iterations in all, and so many without progress.
     fn go(
         &mut self,
         progress: &mut Progress<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
-        way: &Way,
+        variant: &Variant,
         iterations: &mut usize,
         (max_iterations, patience): (usize, usize),
     ) -> End {
         let problem = progress.task.problem;
         progress.start_from_best(&mut self.percussion);
-        if way.afresh {
+        if variant.afresh {
             self.percussion.fill(0.0);
         }
-        self.start(problem, cones, way);
+        self.start(problem, cones, variant);
         if !self.factor(&progress.task, cones, matrix) {
             return End::Over;
         }
@@ -162,7 +150,7 @@ impl Admm {
         while *iterations < max_iterations && !progress.is_over() {
             (own, *iterations) = (own + 1, *iterations + 1);
             let residuals = self.update(problem, cones, matrix);
-            self.look_ahead(way, residuals.change);
+            self.look_ahead(variant, residuals.change);
             if own % CHECK != 0 && *iterations != max_iterations {
                 continue;
             }
@@ -177,8 +165,9 @@ impl Admm {
                 return End::Stalled;
             }
             let ratio = residuals.primal / residuals.dual;
-            let balanced = (1.0 / way.unbalanced..=way.unbalanced).contains(&ratio);
-            let due = own < EARLY || own % LATE == 0;
+            let balanced = (1.0 / variant.unbalanced..=variant.unbalanced).contains(&ratio);
+            // Ever more seldom: a change takes a factorisation.
+            let due = (own / CHECK).is_power_of_two();
             if due && !balanced && !self.change_penalty(&progress.task, cones, matrix, ratio) {
                 break;
             }
@@ -186,7 +175,7 @@ impl Admm {
         End::Over
     }
 
-    fn start(&mut self, problem: &ContactProblem, cones: &Cones, way: &Way) {
+    fn start(&mut self, problem: &ContactProblem, cones: &Cones, variant: &Variant) {
         let unit = problem.global_rho();
         (self.penalty, self.momentum, self.change) = (1.0 / unit, 1.0, f64::INFINITY);
         self.velocity.resize(problem.rows(), 0.0);
@@ -197,7 +186,7 @@ impl Admm {
         for (i, rows) in problem.contacts().iter().enumerate() {
             let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
             let xi = own(&self.velocity) + own(problem.restitution());
-            let weight = cones.t[i][(0, 0)].powf(-way.power);
+            let weight = cones.t[i][(0, 0)].powf(-variant.power);
             let mut v = cones.k[i] * xi;
             v[0] = (v[0].max(0.0) + v.rows(1, 3).norm()) / weight;
             let (y, w) = (cones.t[i] * own(&self.percussion), -v * unit);
@@ -275,8 +264,8 @@ impl Admm {
     }
 
     /// From where the next iteration starts.
-    fn look_ahead(&mut self, way: &Way, change: f64) {
-        if way.accelerated && change < RESTART * self.change {
+    fn look_ahead(&mut self, variant: &Variant, change: f64) {
+        if variant.accelerated && change < RESTART * self.change {
             let next = 0.5 * (1.0 + (1.0 + 4.0 * self.momentum * self.momentum).sqrt());
             self.extrapolate((self.momentum - 1.0) / next);
             (self.momentum, self.change) = (next, change);

@@ -43,14 +43,14 @@ pub(crate) struct Anderson {
 }
 
 impl Anderson {
-    /// From the best percussions, at most so many sweeps, and so many since the natural map was halved.
-    pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, most: usize, patience: usize) {
+    /// From the best percussions, at most so many sweeps since the natural map was halved.
+    pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, patience: usize) {
         let mut lowest = self.start(progress);
         let (mut halved, mut halved_at) = (lowest, 0);
         // Plain sweeps that are left, and those that follow the next time.
         let (mut plain, mut next_plain) = (0_usize, TRIAL_SWEEPS);
         let mut sweeps = 0;
-        while sweeps < most && !progress.task.stop.early() {
+        while !progress.task.stop.early() {
             progress.sweep();
             sweeps += 1;
             let accelerates = plain == 0;
@@ -61,7 +61,7 @@ impl Anderson {
                 if progress.best_grade() < 0.5 * halved {
                     (halved, halved_at) = (progress.best_grade(), sweeps);
                 }
-                if progress.is_over() || progress.is_hopeless() || sweeps - halved_at > patience {
+                if progress.is_over() || progress.is_hopeless() || sweeps - halved_at >= patience {
                     break;
                 }
                 if accelerates && !(grade <= ASTRAY * lowest) {

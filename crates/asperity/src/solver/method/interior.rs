@@ -16,33 +16,22 @@ use crate::solver::report::Method;
 
 type V = ContactVector;
 
-/// Start `x = z = START e`: near the boundary steps are short, far from it there are more of them. `InteriorPoint` takes
-/// 815 factorisations on the stored problems of `auto.rs`, of which it solves 29; half saves 60 of them, double costs
-/// eleven, and the same 29 are solved.
+/// Start `x = z = START e`: near the boundary steps are short, far from it there are more of them.
 const START: f64 = 10.0;
 /// Part of the way to the boundary of the cone: longer steps reduce more and come nearer to where the next one is short.
-/// With 0.99 one stored problem fewer is solved, with 997 factorisations, with 0.9975 too, with 904.
 const DAMPING: f64 = 0.995;
-
-/// Natural map below which digits end, and iterations without a better one after which they have ended, of what was expected
-/// to stand.
-const STALLING: f64 = 1e-7;
-const PATIENCE: usize = 2;
-/// Part of the way below which a step is short: the next one is centred more, and, of what was expected to stand, the step is
-/// refined. Percussions of vaults of 5·10⁴ contacts and more are so large beside the loads that rounding leaves no direction
-/// to go on in. Vaults of 5, 6 and 11·10⁴ contacts (`benches/many_contacts.py --scenes arch`) take 9, 17 and 71 factorisations
-/// without refinement, 7, 6 and 6 with it. If every step is refined they take 5 each, but those of 10² and 10⁴ contacts, which
-/// do not need it, 18 and 25 % more time.
+/// Part of the way below which a step is short: the next one is centred more, and, of bodies at rest, the step is refined, as
+/// percussions of large vaults leave hardly a digit of its direction.
 const SHORT: f64 = 0.1;
 
 /// How far the method goes, and from where.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Course {
     pub(crate) max_iterations: usize,
-    /// Natural map that will do.
+    /// Natural map from which on the method ends with the first iteration that brings no better percussions.
     pub(crate) goal: f64,
     /// Size of the percussions of a contact, if something is known of it, or zero: those of a vault of 10⁴ contacts are ten
-    /// thousand times the loads, and from `START` the method takes 31 iterations where it takes 6 from this.
+    /// thousand times the loads, which takes 31 iterations from `START`, and 6 from this.
     pub(crate) expected: f64,
 }
 
@@ -96,8 +85,7 @@ impl Units {
 }
 
 impl Interior {
-    /// Iterates until the natural map is below the goal, the problem is solved or the iterations are made; whether
-    /// these are what ended it.
+    /// Iterates until the problem is solved, digits end below the goal or the iterations are made; whether these ended it.
     pub(crate) fn iterate(
         &mut self,
         progress: &mut Progress<'_>,
@@ -109,18 +97,14 @@ impl Interior {
         let units = Units::of(problem);
         let Course { max_iterations, goal, expected } = course;
         self.start(problem, expected / (units.rho * units.velocity));
-        let (mut iterations, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
+        let (mut iterations, mut lowest) = (0, f64::INFINITY);
         while iterations < max_iterations && !progress.task.stop.early() {
             self.evaluate(problem, cones, units);
             self.restore(units);
-            let before = progress.best_grade();
             let grade = progress.grade(&self.trial);
-            // Percussions that were refused seem to run away: those of a tall stack do until hardly a defect is left.
-            if !(grade < before && progress.best_grade() > grade) && grade < lowest {
-                (lowest, lowest_at) = (grade, iterations);
-            }
-            let stalls = expected > 0.0 && lowest < STALLING && iterations > lowest_at + PATIENCE;
-            if progress.is_solved() || lowest <= goal || stalls || !grade.is_finite() {
+            let ends = lowest <= goal && !(grade < lowest);
+            lowest = lowest.min(grade);
+            if progress.is_solved() || ends || !grade.is_finite() {
                 break;
             }
             iterations += 1;
