@@ -37,7 +37,7 @@ pub use measure::natural_residual::{Residual, natural_residual};
 pub use measure::stop::{Measure, Stop};
 pub use method::ProxStep;
 pub use one_contact::solutions::{ContactSolution, solutions};
-pub(crate) use one_contact::{Rising, Uniqueness};
+pub(crate) use one_contact::{ImplicitRate, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use solution::Solution;
 
@@ -56,7 +56,7 @@ use method::{
 use neighbourhood::Neighbourhood;
 use newton_matrix::NewtonMatrix;
 use one_contact::block::Block;
-use one_contact::solve::{OneContact, Settled};
+use one_contact::solve::{ImplicitSolution, OneContact};
 use report::{Ended, Findings};
 
 /// A solver and its options.
@@ -453,7 +453,6 @@ impl Solver {
         if !once || by_islands {
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
-            sweeper.renew_efforts();
         }
         match *self {
             Self::Auto { interior_point, threads } if by_islands => {
@@ -630,20 +629,20 @@ pub(crate) fn grade(
 /// The solution of one contact with a factor of the speed at the end of the step that continues `state`, the
 /// percussions of the other contacts held; `None` where there is none, and with drilling friction.
 #[cold]
-pub(crate) fn settle(
+pub(crate) fn solve_implicit(
     problem: &ContactProblem,
     contact: usize,
     percussion: &[f64],
     state: &ContactState,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     workspace: &mut Workspace,
-) -> Option<Settled> {
+) -> Option<ImplicitSolution> {
     if problem.delassus().is_matrix_free() {
         return None;
     }
     let block = Block::new(problem, contact);
     let one = OneContact::new(problem, contact, &block, percussion);
-    one.settle(state, factor, &mut workspace.sweeper.candidates)
+    one.solve_implicit(state, factor, &mut workspace.sweeper.candidates)
 }
 
 /// Starts from zero where the percussions of before run away from an island: they might look like a solution; whether it does.

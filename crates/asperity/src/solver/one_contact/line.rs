@@ -2,6 +2,7 @@
 
 use asperity_set::{StarSet, Vector};
 
+use super::block::MARGIN;
 use super::local::{Local, LocalSolution, Selection};
 use crate::contact::{ContactState, Phase};
 
@@ -50,8 +51,7 @@ pub(crate) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Select
 
 /// Whether neither open nor stick nor slip is possible, with a margin: see `proves_no_solution` in `one_contact/solve.rs`.
 pub(crate) fn proves_no_solution(local: &Local<'_, 1>) -> bool {
-    const MARGIN: f64 = 1e-9;
-    if !local.excludes_open_and_stick(MARGIN) {
+    if !local.excludes_open_and_stick() {
         return false;
     }
     let (c0, a) = local.affine();

@@ -2,9 +2,8 @@
 
 use asperity_set::{Matrix, StarSet, Vector};
 
-use super::block::Block;
-use super::effort::Effort;
-use super::single::{self, Graded, Single};
+use super::block::{Block, MARGIN};
+use super::single::{self, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::{ContactVector, FrictionLaw};
 use crate::solver::measure::growth::UNRESOLVED;
@@ -38,27 +37,42 @@ pub(crate) struct LocalSolution<const P: usize> {
     pub degenerate: bool,
 }
 
-/// The percussions that stick needs, whether or not the contact can transmit them, and the gauge `k_C(−P_T/P_N)`.
+/// The percussions that stick needs, whether or not the contact can transmit them.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Stick<const P: usize> {
     normal: f64,
     tangent: Vector<P>,
-    /// `−P_T/P_N`.
-    pub(crate) load: Vector<P>,
-    pub(crate) gauge: f64,
 }
 
 impl<const P: usize> Stick<P> {
+    /// `−P_T/P_N`.
+    #[inline(always)]
+    pub(crate) fn load(&self) -> Vector<P> {
+        self.tangent * (-1.0 / self.normal)
+    }
+
+    /// `k_C(−P_T/P_N)`.
+    #[inline(always)]
+    pub(crate) fn gauge(&self, law: &FrictionLaw<P>) -> f64 {
+        law.reservoir().gauge(&self.load())
+    }
+
     /// Whether the contact can transmit them.
     #[inline(always)]
-    pub(crate) fn holds(&self) -> bool {
-        // The comparisons also turn away NaN.
-        self.normal > 0.0 && self.gauge <= 1.0 + 4.0 * f64::EPSILON
+    pub(crate) fn holds(&self, law: &FrictionLaw<P>) -> bool {
+        // The comparisons also turn away NaN. Isotropic friction needs neither root nor division.
+        let normal = self.normal * (1.0 + 4.0 * f64::EPSILON);
+        normal > 0.0
+            && match law.isotropic_coefficient() {
+                Some(mu) => self.tangent.norm_squared() <= (mu * normal).powi(2),
+                None => law.reservoir().gauge(&-self.tangent) <= normal,
+            }
     }
 
     /// The solution, where it holds.
     #[inline(always)]
     pub(crate) fn solution(&self) -> LocalSolution<P> {
-        let Self { normal, tangent, .. } = *self;
+        let Self { normal, tangent } = *self;
         let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
         LocalSolution { phase, normal, tangent, slip, degenerate }
     }
@@ -210,32 +224,20 @@ impl<'a, const P: usize> Local<'a, P> {
     #[inline]
     pub(crate) fn any_stick(&self) -> Option<LocalSolution<P>> {
         if !self.block.sound {
-            return self.stick_of_any_rank(&mut Effort::alone());
+            return self.stick_of_any_rank();
         }
-        let stick = self.stick_load();
-        stick.holds().then(|| stick.solution())
+        let stick = self.stick();
+        stick.holds(self.law).then(|| stick.solution())
     }
 
-    /// Normal and tangential percussion with `γ = 0`, with a sound block.
+    /// The percussions with `γ = 0`, with a sound block.
     #[inline(always)]
-    fn without_slip(&self) -> (f64, Vector<P>) {
+    pub(crate) fn stick(&self) -> Stick<P> {
         let block = self.block;
-        let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
-        let load = match self.prescribed {
-            Some(_) => self.b_t,
-            None => self.b_t - cut::<P>(&block.g_tn) * (self.b_n / block.g_nn),
-        };
-        let tangent = -(inverse * load);
-        let lifted = || -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn;
-        (self.prescribed.unwrap_or_else(lifted), tangent)
-    }
-
-    /// The percussion with `γ = 0`, with a sound block.
-    #[inline(always)]
-    pub(crate) fn stick_load(&self) -> Stick<P> {
-        let (normal, tangent) = self.without_slip();
-        let load = tangent * (-1.0 / normal);
-        Stick { normal, tangent, load, gauge: self.law.reservoir().gauge(&load) }
+        let load = self.b_t - cut::<P>(&block.g_tn) * (self.b_n * block.inverse_nn);
+        let tangent = -(cut_matrix::<P>(&block.schur_inverse) * load);
+        let lifted = || -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) * block.inverse_nn;
+        Stick { normal: self.prescribed.unwrap_or_else(lifted), tangent }
     }
 
     /// Stick with the force on the border of the reservoir, where rounding decides whether the force that stick needs
@@ -244,7 +246,8 @@ impl<'a, const P: usize> Local<'a, P> {
     #[cold]
     #[inline(never)]
     pub(crate) fn stick_on_border(&self) -> Option<LocalSolution<P>> {
-        let Stick { load, gauge, .. } = self.stick_load();
+        let stick = self.stick();
+        let (load, gauge) = (stick.load(), stick.gauge(self.law));
         // The comparison also turns away NaN.
         if !((gauge - 1.0).abs() <= NEAR) {
             return None;
@@ -262,29 +265,28 @@ impl<'a, const P: usize> Local<'a, P> {
     /// Whether the contact can neither open nor stick, with a relative margin. Blocks without a sound inverse
     /// prove nothing, and a contact with a prescribed normal percussion always has a solution: an affine map
     /// on a compact convex set that always points away from it.
-    pub(crate) fn excludes_open_and_stick(&self, margin: f64) -> bool {
+    pub(crate) fn excludes_open_and_stick(&self) -> bool {
         if self.prescribed.is_some() || !self.block.sound {
             return false;
         }
         let load = self.b_n.hypot(self.b_t.norm());
         // The comparisons also turn away NaN.
-        if !(self.b_n < -margin * load && load < f64::MAX) {
+        if !(self.b_n < -MARGIN * load && load < f64::MAX) {
             return false;
         }
-        let (normal, tangent) = self.without_slip();
+        let Stick { normal, tangent } = self.stick();
         let along = cut::<P>(&self.block.g_nt).dot(&tangent);
-        let size = (self.b_n.abs() + along.abs()) / self.block.g_nn;
+        let size = (self.b_n.abs() + along.abs()) * self.block.inverse_nn;
         let gauge = self.law.reservoir().gauge(&-tangent);
-        normal < -margin * size || normal > margin * size && gauge > normal * (1.0 + margin)
+        normal < -MARGIN * size || normal > MARGIN * size && gauge > normal * (1.0 + MARGIN)
     }
 
     /// Stick with a block that has no sound inverse.
     #[cold]
     #[inline(never)]
-    pub(crate) fn stick_of_any_rank(&self, effort: &mut Effort) -> Option<LocalSolution<P>> {
+    fn stick_of_any_rank(&self) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let found = single.stick(effort).filter(Graded::sticks)?;
-        Some(self.with_phase(&single, &found, Phase::Stick))
+        single.stick().map(|found| single.solution(&found, Phase::Stick))
     }
 
     /// The contact as a dense problem, for what closed forms do not reach.
@@ -315,33 +317,7 @@ impl<'a, const P: usize> Local<'a, P> {
         let near = (end.percussion - percussion).norm() <= NEAR * percussion.norm();
         let end = if near { end } else { start };
         let largest = if found.degenerate { 1e-7 } else { 1e-9 };
-        (end.defect <= largest).then(|| self.with_phase(&single, &end, found.phase))
-    }
-
-    /// Percussions of the dense problem as a solution.
-    fn with_phase(&self, single: &Single<'_, P>, found: &Graded, phase: Phase) -> LocalSolution<P> {
-        let p = &found.percussion;
-        let slip = match phase {
-            Phase::Stick => Vector::zeros(),
-            _ => single.tangent(&single.velocity(p)),
-        };
-        let (normal, tangent) = (single.normal(p), single.tangent(p));
-        LocalSolution { phase, normal, tangent, slip, degenerate: found.degenerate }
-    }
-
-    /// Slip found by Newton's method on all rows together, from sliding along a velocity.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn slip_from(
-        &self,
-        velocity: &Vector<P>,
-        effort: &mut Effort,
-    ) -> Option<LocalSolution<P>> {
-        let single = self.single();
-        let found = single.newton_from_slip(velocity, effort)?;
-        let slips =
-            found.defect <= single::FOUND && single.phase(&found.percussion).0 == Phase::Slip;
-        slips.then(|| self.with_phase(&single, &found, Phase::Slip))
+        (end.defect <= largest).then(|| single.solution(&end, found.phase))
     }
 
     /// The selection rule: the solution that continues the previous state.

@@ -3,13 +3,12 @@
 use asperity_set::Vector;
 
 use super::block::Block;
-use super::effort::Effort;
 use super::local::{Local, LocalSolution, Selection};
-use super::plane::{self, Rising};
-use super::single::Single;
-use super::{line, space};
+use super::plane::{self, ImplicitRate};
+use super::single::{ROUNDING, Single};
+use super::line;
 use crate::contact::{ContactProblem, ContactState, Phase};
-use crate::law::Law;
+use crate::law::{ContactVector, Law};
 use crate::vectors::largest;
 
 /// What is asked of the solution of a contact.
@@ -123,7 +122,6 @@ impl<'a> OneContact<'a> {
         start: Start<'_>,
         percussion: &mut [f64],
         candidates: &mut Candidates,
-        effort: &mut Effort,
     ) -> Option<Found> {
         let history = start.history;
         by_dimension!(self,
@@ -139,13 +137,33 @@ impl<'a> OneContact<'a> {
                     let found = plane::select_among_all(*local, history, buffer)?;
                     return Some(keep(&found, percussion));
                 }
-                let solution = plane::first_found(local, history, guess, buffer, effort)?;
+                let solution = plane::first_found(local, history, guess, buffer)?;
                 Some(keep(&Selection { solution, ambiguous: false }, percussion))
             },
-            Space(single) => {
-                Some(keep(&space::solve(single, percussion, history, effort)?, percussion))
-            }
+            Space(single) => Some(keep(&self.in_space(single, history, percussion)?, percussion))
         )
+    }
+
+    /// The solution with sliding and drilling friction that continues `state`, as far as a search finds it, whose failure
+    /// proves nothing. Several solutions are neither listed nor recognised.
+    #[inline(never)]
+    fn in_space(
+        &self,
+        single: &Single<'_, 3>,
+        state: &ContactState,
+        percussion: &[f64],
+    ) -> Option<Selection<3>> {
+        if single.opens() {
+            let open = single.graded(ContactVector::zeros(), false);
+            let solution = single.solution(&open, Phase::Open);
+            return Some(Selection { solution, ambiguous: false });
+        }
+        let neighbours = self.problem.delassus().blocks().neighbours(self.contact);
+        let alone = neighbours.iter().all(|&other| other == self.contact);
+        let last = Vector::<3>::from_column_slice(&state.slip);
+        let ahead = (last.amax() > 0.0).then_some(last);
+        let (solution, _) = single.solve(state, ahead, percussion, alone)?;
+        Some(Selection { solution, ambiguous: solution.degenerate })
     }
 
     /// Whether the contact has more than one solution, as far as that is known.
@@ -192,22 +210,22 @@ impl<'a> OneContact<'a> {
     /// The solution with a factor of the speed at the end of the step that continues `state`; `None` where there is
     /// none, and with drilling friction.
     #[cold]
-    pub(crate) fn settle(
+    pub(crate) fn solve_implicit(
         &self,
         state: &ContactState,
-        factor: &Rising<'_>,
+        factor: &ImplicitRate<'_>,
         candidates: &mut Candidates,
-    ) -> Option<Settled> {
+    ) -> Option<ImplicitSolution> {
         by_dimension!(self,
             Line(local) => {
                 let all = &mut candidates.linear;
                 plane::solutions_on_a_line(local, factor, all);
-                Settled::new(local, all, state, factor)
+                ImplicitSolution::new(local, all, state, factor)
             },
             Plane(local) => {
                 let all = &mut candidates.planar;
-                plane::rising_solutions(local, factor, all);
-                Settled::new(local, all, state, factor)
+                plane::implicit_solutions(local, factor, all);
+                ImplicitSolution::new(local, all, state, factor)
             },
             Space(_) => None
         )
@@ -235,9 +253,6 @@ impl<'a> OneContact<'a> {
     }
 }
 
-/// Velocities below this part of those without percussions are what rounding leaves of them.
-const ROUNDING: f64 = 1e-14;
-
 /// A start of Newton's method: a slip velocity, or the free velocity if the contact has never slipped.
 #[inline]
 fn guess(local: &Local<'_, 2>, slip: [f64; 3]) -> Vector<2> {
@@ -257,7 +272,7 @@ fn keep<const P: usize>(found: &Selection<P>, percussion: &mut [f64]) -> Found {
 
 /// A solution of one contact in which speed and factor agree.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Settled {
+pub(crate) struct ImplicitSolution {
     pub(crate) factor: f64,
     pub(crate) state: ContactState,
     /// Normal percussion.
@@ -268,12 +283,12 @@ pub(crate) struct Settled {
     pub(crate) ambiguous: bool,
 }
 
-impl Settled {
+impl ImplicitSolution {
     fn new<const P: usize>(
         local: &Local<'_, P>,
         all: &[LocalSolution<P>],
         state: &ContactState,
-        factor: &Rising<'_>,
+        factor: &ImplicitRate<'_>,
     ) -> Option<Self> {
         let found = local.select(all, state)?;
         let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };

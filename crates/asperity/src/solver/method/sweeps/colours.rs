@@ -4,7 +4,6 @@
 use super::visitor::first_found;
 use crate::contact::{ContactProblem, ContactState, Members};
 use crate::solver::one_contact::block::Block;
-use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact};
 use crate::threads;
 
@@ -20,17 +19,10 @@ pub(super) struct Colours {
 }
 
 /// What a visit to a contact has come to.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Visited {
     percussion: [f64; 4],
-    effort: Effort,
     found: Option<Found>,
-}
-
-impl Default for Visited {
-    fn default() -> Self {
-        Self { percussion: [0.0; 4], effort: Effort::in_sweeps(), found: None }
-    }
 }
 
 /// What is known before contacts are visited.
@@ -47,7 +39,6 @@ pub(super) struct Before<'a> {
 pub(super) struct Changed<'a> {
     pub(super) percussion: &'a mut [f64],
     pub(super) states: &'a mut [ContactState],
-    pub(super) efforts: &'a mut [Effort],
 }
 
 impl Colours {
@@ -96,17 +87,16 @@ impl Colours {
         changed: Changed<'_>,
     ) -> Option<usize> {
         let Self { contacts, visited } = self;
-        let Changed { percussion, states, efforts } = changed;
+        let Changed { percussion, states } = changed;
         let mut stuck = None;
         for colour in 0..contacts.count() {
             let contacts = contacts.of(colour);
             visited.clear();
             visited.resize(contacts.len(), Visited::default());
-            visit(before, (&*percussion, &*states, &*efforts), contacts, visited);
+            visit(before, (&*percussion, &*states), contacts, visited);
             for (&i, visited) in contacts.iter().zip(&*visited) {
                 let rows = before.problem.contacts()[i].rows();
                 percussion[rows.clone()].copy_from_slice(&visited.percussion[..rows.len()]);
-                efforts[i] = visited.effort;
                 match visited.found {
                     Some(found) => (states[i].phase, states[i].slip) = (found.phase, found.slip),
                     None => stuck = Some(i),
@@ -120,7 +110,7 @@ impl Colours {
 /// Visits contacts that do not influence each other, half of them in another thread where they are many.
 fn visit(
     before: Before<'_>,
-    now: (&[f64], &[ContactState], &[Effort]),
+    now: (&[f64], &[ContactState]),
     contacts: &[usize],
     visited: &mut [Visited],
 ) {
@@ -135,7 +125,7 @@ fn visit(
         return;
     }
     let Before { problem, history, blocks, first } = before;
-    let (percussion, states, efforts) = now;
+    let (percussion, states) = now;
     let mut candidates = Candidates::default();
     for (&i, visited) in contacts.iter().zip(visited) {
         let rows = problem.contacts()[i].rows();
@@ -143,9 +133,8 @@ fn visit(
         let contact = OneContact { problem, contact: i, block: &blocks[i], held };
         let own = &mut visited.percussion[..rows.len()];
         own.copy_from_slice(&percussion[rows]);
-        visited.effort = efforts[i];
         let state = (&history[i], &states[i], first);
-        visited.found = first_found(contact, state, own, &mut candidates, &mut visited.effort);
+        visited.found = first_found(contact, state, own, &mut candidates);
     }
 }
 

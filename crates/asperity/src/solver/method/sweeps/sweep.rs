@@ -16,7 +16,6 @@ use crate::contact::{Components, ContactProblem, ContactState, Members};
 use crate::solver::measure::own::{OwnMeasure, measure_alone};
 use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::block::Block;
-use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, OneContact, Policy, Start};
 use crate::solver::report::Ended;
 use crate::threads;
@@ -26,8 +25,6 @@ use crate::threads;
 pub(crate) struct Sweeper {
     /// Diagonal blocks of `G`.
     blocks: Vec<Block>,
-    /// What is left of the work on contacts in sweeps.
-    efforts: Vec<Effort>,
     /// Contacts that influence each other, directly or by others.
     islands: Members,
     pub(crate) candidates: Candidates,
@@ -42,7 +39,6 @@ impl Sweeper {
     /// Prepares the blocks of a problem.
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         let contacts = problem.contacts().len();
-        self.efforts.resize(contacts, Effort::in_sweeps());
         let mut connected = Components::default();
         connected.separate(contacts);
         for i in 0..contacts {
@@ -70,11 +66,6 @@ impl Sweeper {
         self.blocks.len()
     }
 
-    /// Begins a solve: all the work is left.
-    pub(crate) fn renew_efforts(&mut self) {
-        self.efforts.fill(Effort::in_sweeps());
-    }
-
     /// One sweep; the last contact that had no solution.
     ///
     /// The states before the step decide between several solutions; Newton's method starts from them in the first
@@ -86,8 +77,8 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
-        let Self { blocks, efforts, candidates, brought, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let Self { blocks, candidates, brought, .. } = self;
+        let mut visitor = Visitor { blocks, candidates, brought };
         visitor.visit_all(task, iterate, policy, first, 0..task.problem.contacts().len())
     }
 
@@ -100,15 +91,15 @@ impl Sweeper {
         free: bool,
     ) -> Option<usize> {
         let Task { problem, history, threads, .. } = *task;
-        let Self { blocks, efforts, candidates, brought, colours, .. } = self;
+        let Self { blocks, candidates, brought, colours, .. } = self;
         let colours = colours.get_or_insert_with(|| Colours::of(problem));
         if free && threads.serve(problem.contacts().len()) {
             let Iterate { percussion, states, .. } = iterate;
             let before = Before { problem, history, blocks, first };
-            let changed = Changed { percussion, states, efforts };
+            let changed = Changed { percussion, states };
             return threads.run(|| colours.sweep_side_by_side(before, changed));
         }
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let mut visitor = Visitor { blocks, candidates, brought };
         let in_turn =
             (0..colours.count()).flat_map(|colour| colours.contacts(colour).iter().copied());
         visitor.visit_all(task, iterate, Policy::FirstFound, first, in_turn)
@@ -131,8 +122,8 @@ impl Sweeper {
         swept: &mut Vec<Swept>,
     ) {
         swept.clear();
-        let Self { blocks, efforts, islands, candidates, brought, workers, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates, brought };
+        let Self { blocks, islands, candidates, brought, workers, .. } = self;
+        let mut visitor = Visitor { blocks, candidates, brought };
         // Whoever shares the pool with other calls would wait for them.
         if task.threads.serve(task.problem.contacts().len())
             && let Some(_claim) = task.threads.claim()
@@ -222,8 +213,8 @@ fn solve_alone(
     candidates: &mut Candidates,
 ) -> Swept {
     let Own { percussion, velocity, state, ambiguous } = own;
-    let (start, effort) = (Start { history, slip: None }, &mut Effort::alone());
-    let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
+    let start = Start { history, slip: None };
+    let found = contact.solve(Policy::Prove, start, percussion, candidates);
     record(found, history, state, ambiguous);
     let OneContact { problem, contact: number, .. } = contact;
     let OwnMeasure { defect, size, .. } = measure_alone(problem, number, percussion, velocity);

@@ -10,7 +10,6 @@ use crate::contact::{ContactProblem, ContactState, Members};
 use crate::solver::measure::stop::Stop;
 use crate::solver::method::task::{Iterate, Task};
 use crate::solver::one_contact::block::Block;
-use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::Candidates;
 use crate::threads::Threads;
 
@@ -21,7 +20,6 @@ pub(super) struct Worker {
     velocity: Vec<f64>,
     states: Vec<ContactState>,
     ambiguous: Vec<bool>,
-    efforts: Vec<Effort>,
     candidates: Candidates,
     brought: Vec<f64>,
     /// The islands that it has swept, and what they have come to.
@@ -39,11 +37,11 @@ pub(super) fn solve_side_by_side(
     plan: Plan,
     swept: &mut Vec<Swept>,
 ) {
-    let Visitor { blocks, efforts, .. } = visitor;
+    let Visitor { blocks, .. } = visitor;
     let Task { problem, stop, history, threads, past, within_another } = *task;
     let Stop { tolerance, measure, deadline, .. } = stop;
     workers.resize_with(threads.count(), Worker::default);
-    workers.iter_mut().for_each(|worker| worker.begin(iterate, efforts));
+    workers.iter_mut().for_each(|worker| worker.begin(iterate));
     let (next, given_up) = (AtomicUsize::new(0), AtomicBool::new(false));
     let work = |worker: &mut Worker| {
         let cancelled = || given_up.load(Ordering::Relaxed);
@@ -60,18 +58,17 @@ pub(super) fn solve_side_by_side(
     // Whoever takes an island says what has become of it: none is left out before the last one.
     swept.resize(next.into_inner().min(islands.count()), Swept::NOTHING);
     for worker in workers {
-        worker.end(problem, iterate, efforts, (islands, swept));
+        worker.end(problem, iterate, (islands, swept));
     }
 }
 
 impl Worker {
     /// Takes over where sweeps start from.
-    fn begin(&mut self, from: &Iterate<'_>, efforts: &[Effort]) {
+    fn begin(&mut self, from: &Iterate<'_>) {
         copy(from.percussion, &mut self.percussion);
         copy(from.velocity, &mut self.velocity);
         copy(from.states, &mut self.states);
         copy(from.ambiguous, &mut self.ambiguous);
-        copy(efforts, &mut self.efforts);
         self.islands.clear();
         self.swept.clear();
     }
@@ -84,7 +81,7 @@ impl Worker {
         blocks: &[Block],
         (members, next): (&Members, &AtomicUsize),
     ) {
-        let Self { percussion, velocity, states, ambiguous, efforts, .. } = self;
+        let Self { percussion, velocity, states, ambiguous, .. } = self;
         let Self { candidates, brought, islands, swept, .. } = self;
         let (stages, infeasibility) = (&mut Vec::new(), &mut None);
         let mut iterate =
@@ -97,7 +94,7 @@ impl Worker {
             Some(island)
         };
         let numbers = std::iter::from_fn(take);
-        Visitor { blocks, efforts, candidates, brought }.solve_in_turn(
+        Visitor { blocks, candidates, brought }.solve_in_turn(
             task,
             &mut iterate,
             plan,
@@ -111,7 +108,6 @@ impl Worker {
         &self,
         problem: &ContactProblem,
         iterate: &mut Iterate<'_>,
-        efforts: &mut [Effort],
         (members, swept): (&Members, &mut [Swept]),
     ) {
         for (&island, own) in self.islands.iter().zip(&self.swept) {
@@ -122,7 +118,6 @@ impl Worker {
                 iterate.velocity[rows.clone()].copy_from_slice(&self.velocity[rows]);
                 iterate.states[i] = self.states[i];
                 iterate.ambiguous[i] = self.ambiguous[i];
-                efforts[i] = self.efforts[i];
             }
         }
     }

@@ -35,7 +35,7 @@ const MOST: usize = 100;
 
 /// The factor of the friction of a contact.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rising<'a> {
+pub(crate) struct ImplicitRate<'a> {
     /// The law of the speed, of which the rising part counts.
     pub(crate) rate: &'a Stribeck,
     /// The falling part of the factor, at the speed before.
@@ -49,7 +49,7 @@ struct Equation<'a> {
     block: &'a Block,
     prescribed: Option<f64>,
     b_n: f64,
-    factor: &'a Rising<'a>,
+    factor: &'a ImplicitRate<'a>,
     /// `q`.
     load: V,
     /// `f₋`.
@@ -66,7 +66,7 @@ struct At {
 
 impl<'a> Equation<'a> {
     /// The contact, unless it opens or has no normal force; the block must be sound.
-    fn new<const P: usize>(local: &Local<'a, P>, factor: &'a Rising<'a>) -> Self {
+    fn new<const P: usize>(local: &Local<'a, P>, factor: &'a ImplicitRate<'a>) -> Self {
         let Local { block, prescribed, b_n, .. } = *local;
         let b_t = V::from_fn(|i, _| if i < P { local.b_t[i] } else { 0.0 });
         let beside = if prescribed.is_none() { b_n / block.g_nn } else { 0.0 };
@@ -115,7 +115,7 @@ impl<'a> Equation<'a> {
     }
 
     fn at(&self, n: &V, x: &V) -> At {
-        let Rising { rate, present, .. } = self.factor;
+        let ImplicitRate { rate, present, .. } = self.factor;
         let across = self.block.schur_inverse * n;
         let (drive, drag, give) = (n.dot(&self.load), n.dot(x), n.dot(&across));
         let end = |factor: f64, pull: f64| {
@@ -156,7 +156,7 @@ impl<'a> Equation<'a> {
 /// neither stick nor slip where the block of the contact is ill-conditioned, for which there is no `S⁻¹`.
 pub(crate) fn solutions(
     local: &Local<'_, 2>,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     out: &mut Vec<LocalSolution<2>>,
 ) {
     if without_friction(local, out) {
@@ -185,7 +185,7 @@ pub(crate) fn solutions(
 /// The same on a line.
 pub(crate) fn solutions_on_a_line(
     local: &Local<'_, 1>,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     out: &mut Vec<LocalSolution<1>>,
 ) {
     if without_friction(local, out) {
