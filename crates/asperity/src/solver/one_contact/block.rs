@@ -132,6 +132,7 @@ impl Shape {
     #[inline]
     pub(crate) fn new(a: &Matrix<2>, smallest_sine: f64) -> Self {
         let (along, across) = (0.5 * (a.m11 + a.m22), 0.5 * (a.m21 - a.m12));
+        let length = |x: f64, y: f64| (x * x + y * y).sqrt();
         let r = length(along, across);
         let d = length(0.5 * (a.m11 - a.m22), 0.5 * (a.m12 + a.m21));
         if !(along > 0.0 && d < r) {
@@ -150,11 +151,4 @@ impl Shape {
             Self::General
         }
     }
-}
-
-/// `√(x² + y²)`, by `hypot`, which takes longer, only where a square would be too large or too small for a number.
-#[inline(always)]
-fn length(x: f64, y: f64) -> f64 {
-    let square = x * x + y * y;
-    if (1e-280..1e280).contains(&square) { square.sqrt() } else { x.hypot(y) }
 }

@@ -3,8 +3,8 @@
 use asperity_set::{StarSet, Vector};
 
 use super::block::MARGIN;
-use super::local::{Local, LocalSolution, Selection};
-use crate::contact::{ContactState, Phase};
+use super::local::{Local, LocalSolution};
+use crate::contact::ContactState;
 
 /// All solutions: open, stick, backward slip, forward slip, as far as they exist.
 pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
@@ -35,18 +35,8 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
 }
 
 /// The solution that continues `state`.
-pub(crate) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Selection<1>> {
-    let all = solutions(local);
-    let blank = LocalSolution { phase: Phase::Unknown, ..local.open() };
-    let mut found = [blank; 4];
-    let mut count = 0;
-    for solution in all.into_iter().flatten() {
-        found[count] = solution;
-        count += 1;
-    }
-    let solution = local.select(&found[..count], state)?;
-    let continuum = found[..count].iter().any(|s| s.degenerate);
-    Some(Selection { solution, ambiguous: count > 1 || continuum })
+pub(crate) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<LocalSolution<1>> {
+    local.select(solutions(local).iter().flatten(), state)
 }
 
 /// Whether neither open nor stick nor slip is possible, with a margin: see `proves_no_solution` in `one_contact/solve.rs`.

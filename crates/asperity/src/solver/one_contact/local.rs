@@ -35,13 +35,15 @@ pub(crate) struct LocalSolution<const P: usize> {
     pub slip: Vector<P>,
     /// Not isolated, or a double root: perturbing the data may remove or split it.
     pub degenerate: bool,
+    /// Whether the contact is known to have others.
+    pub ambiguous: bool,
 }
 
 /// The percussions that stick needs, whether or not the contact can transmit them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stick<const P: usize> {
     normal: f64,
-    tangent: Vector<P>,
+    pub(crate) tangent: Vector<P>,
 }
 
 impl<const P: usize> Stick<P> {
@@ -57,11 +59,11 @@ impl<const P: usize> Stick<P> {
         law.reservoir().gauge(&self.load())
     }
 
-    /// Whether the contact can transmit them.
+    /// Whether the contact can transmit them, where friction has a factor.
     #[inline(always)]
-    pub(crate) fn holds(&self, law: &FrictionLaw<P>) -> bool {
+    pub(crate) fn holds(&self, law: &FrictionLaw<P>, factor: f64) -> bool {
         // The comparisons also turn away NaN. Isotropic friction needs neither root nor division.
-        let normal = self.normal * (1.0 + 4.0 * f64::EPSILON);
+        let normal = self.normal * (factor * (1.0 + 4.0 * f64::EPSILON));
         normal > 0.0
             && match law.isotropic_coefficient() {
                 Some(mu) => self.tangent.norm_squared() <= (mu * normal).powi(2),
@@ -73,18 +75,9 @@ impl<const P: usize> Stick<P> {
     #[inline(always)]
     pub(crate) fn solution(&self) -> LocalSolution<P> {
         let Self { normal, tangent } = *self;
-        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
-        LocalSolution { phase, normal, tangent, slip, degenerate }
+        let (slip, ambiguous) = (Vector::zeros(), false);
+        LocalSolution { phase: Phase::Stick, normal, tangent, slip, degenerate: false, ambiguous }
     }
-}
-
-/// A chosen solution, and whether there are others.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Selection<const P: usize> {
-    /// The solution.
-    pub solution: LocalSolution<P>,
-    /// Whether the contact has more than one solution.
-    pub ambiguous: bool,
 }
 
 impl<const P: usize> LocalSolution<P> {
@@ -109,22 +102,12 @@ impl<const P: usize> LocalSolution<P> {
 /// Vectors of R² cut to R^P.
 #[inline(always)]
 fn cut<const P: usize>(v: &Vector<2>) -> Vector<P> {
-    let mut out = Vector::zeros();
-    for i in 0..P {
-        out[i] = v[i];
-    }
-    out
+    Vector::from_fn(|i, _| v[i])
 }
 
 #[inline(always)]
 fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
-    let mut out = Matrix::<P>::zeros();
-    for j in 0..P {
-        for i in 0..P {
-            out[(i, j)] = m[(i, j)];
-        }
-    }
-    out
+    Matrix::from_fn(|i, j| m[(i, j)])
 }
 
 impl<'a, const P: usize> Local<'a, P> {
@@ -206,7 +189,7 @@ impl<'a, const P: usize> Local<'a, P> {
         let normal = self.prescribed.unwrap_or(self.b_n.abs() / denominator);
         let tangent = x * -normal;
         let slip = v * (1.0 / denominator);
-        LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }
+        LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate, ambiguous: false }
     }
 
     /// Whether the contact opens, or has no normal force.
@@ -216,8 +199,14 @@ impl<'a, const P: usize> Local<'a, P> {
 
     /// Open contact with the tangential velocity it then has.
     pub(crate) fn open(&self) -> LocalSolution<P> {
-        let (phase, tangent) = (Phase::Open, Vector::zeros());
-        LocalSolution { phase, normal: 0.0, tangent, slip: self.b_t, degenerate: false }
+        LocalSolution {
+            phase: Phase::Open,
+            normal: 0.0,
+            tangent: Vector::zeros(),
+            slip: self.b_t,
+            degenerate: false,
+            ambiguous: false,
+        }
     }
 
     /// The stick solution, if there is one, with a block of any rank.
@@ -227,7 +216,7 @@ impl<'a, const P: usize> Local<'a, P> {
             return self.stick_of_any_rank();
         }
         let stick = self.stick();
-        stick.holds(self.law).then(|| stick.solution())
+        stick.holds(self.law, 1.0).then(|| stick.solution())
     }
 
     /// The percussions with `γ = 0`, with a sound block.
@@ -325,24 +314,22 @@ impl<'a, const P: usize> Local<'a, P> {
     /// A contact that can open, opens. A slipping contact takes the slip solution whose direction is
     /// nearest to the last one, else it sticks. Any other contact sticks if it can, else it takes the
     /// slip solution nearest to the last direction, or to the free velocity if there is none.
-    pub(crate) fn select(
+    pub(crate) fn select<'s>(
         &self,
-        all: &[LocalSolution<P>],
+        all: impl Iterator<Item = &'s LocalSolution<P>> + Clone,
         state: &ContactState,
     ) -> Option<LocalSolution<P>> {
-        let of = |phase: Phase| all.iter().find(|s| s.phase == phase).copied();
+        let of = |phase: Phase| all.clone().find(|s| s.phase == phase);
         let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
         let aim = if last.amax() > 0.0 { last } else { self.b_t };
         let nearness = |s: &LocalSolution<P>| s.slip.normalize().dot(&aim);
-        let nearest = all
-            .iter()
-            .filter(|s| s.phase == Phase::Slip)
-            .max_by(|a, b| nearness(a).total_cmp(&nearness(b)))
-            .copied();
+        let slips = all.clone().filter(|s| s.phase == Phase::Slip);
+        let nearest = slips.max_by(|a, b| nearness(a).total_cmp(&nearness(b)));
         let closed = match state.phase {
             Phase::Slip => nearest.or_else(|| of(Phase::Stick)),
             _ => of(Phase::Stick).or(nearest),
         };
-        of(Phase::Open).or(closed)
+        let ambiguous = all.clone().count() > 1 || all.clone().any(|s| s.degenerate);
+        of(Phase::Open).or(closed).map(|found| LocalSolution { ambiguous, ..*found })
     }
 }

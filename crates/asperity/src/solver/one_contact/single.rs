@@ -11,15 +11,15 @@ use asperity_set::{StarSet, Vector};
 
 use super::local::LocalSolution;
 use super::singular::Factors;
-use crate::contact::{ContactProblem, ContactRows, ContactState, NormalForce, Phase};
+use crate::contact::{ContactState, NormalForce, Phase};
 use crate::law::{self, ContactMatrix, ContactPoint, ContactVector, Friction, FrictionLaw, Rho};
 use crate::solver::measure::growth::UNRESOLVED;
 pub(crate) use stick::VANISHING;
 
 type V = ContactVector;
 
-/// Newton iterations from one start.
-const ITERATIONS: usize = 40;
+/// Newton iterations from one start, proximal points, sweeps of rotations.
+pub(super) const ITERATIONS: usize = 40;
 /// Largest condition of a matrix that counts as regular.
 const REGULAR: f64 = 1e10;
 /// Relative defect that is nothing but rounding.
@@ -74,18 +74,7 @@ fn inverse(matrix: &ContactMatrix, condition: f64) -> Option<ContactMatrix> {
 }
 
 impl<'a, const P: usize> Single<'a, P> {
-    /// Contact `i` of a problem with the velocities `held` that the others leave it.
-    pub(crate) fn of(
-        problem: &ContactProblem,
-        i: usize,
-        law: &'a FrictionLaw<P>,
-        held: &[f64; 4],
-    ) -> Self {
-        let rows: &ContactRows = &problem.contacts()[i];
-        let entry = |a: usize, b: usize| problem.delassus().own(i, a, b);
-        Self::new(law, rows.normal, entry, |a| held[a])
-    }
-
+    /// The contact with the entries of its block and the velocities that the others leave it.
     pub(crate) fn new(
         law: &'a FrictionLaw<P>,
         normal: NormalForce,
@@ -136,26 +125,26 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Whether the reservoir holds the percussions.
-    pub(crate) fn holds(&self, p: &V) -> bool {
+    fn holds(&self, p: &V) -> bool {
         self.normal(p) > 0.0 && self.gauge(p) <= 1.0 + 4.0 * f64::EPSILON
     }
 
-    pub(crate) fn gauge(&self, p: &V) -> f64 {
+    fn gauge(&self, p: &V) -> f64 {
         self.law.reservoir().gauge(&(self.tangent(p) / -self.normal(p)))
     }
 
-    pub(crate) fn slips(&self, p: &V) -> bool {
+    fn slips(&self, p: &V) -> bool {
         self.normal(p) > 0.0 && self.gauge(p) >= 1.0 - 1e-9
     }
 
     /// What the contact does under percussions that solve it.
-    pub(crate) fn phase(&self, p: &V) -> (Phase, Vector<P>) {
+    fn phase(&self, p: &V) -> Phase {
         let slip = self.tangent(&self.velocity(p));
-        let still = slip.amax() <= 1e-12 * self.tangent(&self.b).amax();
+        let still = slip.amax() <= SOLUTION * self.tangent(&self.b).amax();
         match self.normal(p) > 0.0 {
-            false => (Phase::Open, slip),
-            true if still || !self.slips(p) => (Phase::Stick, Vector::zeros()),
-            true => (Phase::Slip, slip),
+            false => Phase::Open,
+            true if still || !self.slips(p) => Phase::Stick,
+            true => Phase::Slip,
         }
     }
 
@@ -205,37 +194,30 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Percussions of sliding along `v`, the normal one from its own row.
-    pub(crate) fn slipping(&self, v: &Vector<P>) -> V {
+    fn slipping(&self, v: &Vector<P>) -> V {
         let Some((unit, resistance)) = self.per_normal(v) else { return V::zeros() };
-        let pressed = || f64::max(0.0, -self.b[0] / resistance);
-        let normal = self.normal.prescribed().unwrap_or_else(pressed);
+        let active = || f64::max(0.0, -self.b[0] / resistance);
+        let normal = self.normal.prescribed().unwrap_or_else(active);
         if normal.is_finite() { unit * normal } else { V::zeros() }
     }
 
-    /// What the natural map is a function of.
-    fn point<'p>(&self, p: &'p V, xi: &'p V) -> ContactPoint<'p> {
+    /// The natural map `F`.
+    fn map(&self, p: &V, derivatives: Option<law::Derivatives<'_>>) -> V {
+        let (len, xi, mut f) = (self.len(), self.velocity(p), V::zeros());
+        let (percussion, xi) = (&p.as_slice()[..len], &xi.as_slice()[..len]);
         let prescribed = self.normal.prescribed();
-        let (percussion, xi) = (&p.as_slice()[..self.len()], &xi.as_slice()[..self.len()]);
-        ContactPoint { prescribed, rho: self.rho, percussion, xi }
+        let point = ContactPoint { prescribed, rho: self.rho, percussion, xi };
+        law::natural_map(self.law, point, &mut f.as_mut_slice()[..len], derivatives);
+        f
     }
 
     /// `F` and its Jacobian `A + B G`.
     fn linearized(&self, p: &V) -> (V, ContactMatrix) {
-        let (len, xi) = (self.len(), self.velocity(p));
-        let (mut f, mut a, mut b) = (V::zeros(), ContactMatrix::zeros(), ContactMatrix::zeros());
-        let out = &mut f.as_mut_slice()[..len];
-        let derivatives = law::Derivatives { a: &mut a, b: &mut b };
-        law::natural_map(self.law, self.point(p, &xi), out, Some(derivatives));
+        let (mut a, mut b) = (ContactMatrix::zeros(), ContactMatrix::zeros());
+        let f = self.map(p, Some(law::Derivatives { a: &mut a, b: &mut b }));
         let mut matrix = a + b * self.g;
-        (len..4).for_each(|i| matrix[(i, i)] = 1.0);
+        (self.len()..4).for_each(|i| matrix[(i, i)] = 1.0);
         (f, matrix)
-    }
-
-    fn map(&self, p: &V) -> V {
-        let (xi, mut f) = (self.velocity(p), V::zeros());
-        let out = &mut f.as_mut_slice()[..self.len()];
-        law::natural_map(self.law, self.point(p, &xi), out, None);
-        f
     }
 
     /// Damped Newton from `p`; `None` if it does not end in a zero of the natural map.
@@ -249,7 +231,7 @@ impl<'a, const P: usize> Single<'a, P> {
             let mut step = solution(&matrix, &-f)?;
             for _ in 0..=10 {
                 let next = p + step;
-                if self.map(&next).norm() < norm {
+                if self.map(&next, None).norm() < norm {
                     p = next;
                     (f, matrix) = self.linearized(&p);
                     continue 'newton;
@@ -280,21 +262,17 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// The solution that continues `state` as far as stick, Newton's method from sliding along a velocity and a search from
-    /// these percussions find it; what has the least defect, which may be large. Where the contact is not `alone`, the search
-    /// is short, since sweeps come back to it with other loads.
+    /// these percussions find it; with drilling friction what has the least defect, which may be large. Where the contact is
+    /// not `alone`, the search is short, since sweeps come back to it with other loads.
     pub(crate) fn solve(
         &self,
         state: &ContactState,
         velocity: Option<Vector<P>>,
         percussion: &[f64],
         alone: bool,
-    ) -> Option<(LocalSolution<P>, f64)> {
-        let selected = |found: Graded| {
-            let solution = self.solution(&found, self.phase(&found.percussion).0);
-            Some((solution, found.defect))
-        };
+    ) -> Option<LocalSolution<P>> {
         let stick = self.stick();
-        let sticks = stick.map(|found| (self.solution(&found, Phase::Stick), found.defect));
+        let sticks = stick.map(|found| self.solution(&found, Phase::Stick));
         if state.phase != Phase::Slip && stick.is_some() {
             return sticks;
         }
@@ -303,15 +281,17 @@ impl<'a, const P: usize> Single<'a, P> {
             .and_then(|velocity| self.newton(self.slipping(&velocity)))
             .map(|p| self.refined(self.graded(p, false)))
             .filter(|found| stick.is_none() || self.slips(&found.percussion));
-        if let Some(found) = slides.filter(|found| found.defect <= FOUND) {
-            return selected(found);
+        let mut best = slides;
+        if !slides.is_some_and(|found| found.defect <= FOUND) {
+            if stick.is_some() {
+                return sticks;
+            }
+            let given = V::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
+            let found = self.search(given, alone).into_iter().chain(slides);
+            best = found.min_by(|a, b| a.defect.total_cmp(&b.defect));
         }
-        if stick.is_some() {
-            return sticks;
-        }
-        let given = V::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
-        let found = self.search(given, alone).into_iter().chain(slides);
-        selected(found.min_by(|a, b| a.defect.total_cmp(&b.defect))?)
+        let best = best.filter(|found| P == 3 || found.defect <= FOUND)?;
+        Some(self.solution(&best, self.phase(&best.percussion)))
     }
 
     /// Percussions as a solution in which the contact does this.
@@ -322,7 +302,7 @@ impl<'a, const P: usize> Single<'a, P> {
             _ => self.tangent(&self.velocity(&percussion)),
         };
         let (normal, tangent) = (self.normal(&percussion), self.tangent(&percussion));
-        LocalSolution { phase, normal, tangent, slip, degenerate }
+        LocalSolution { phase, normal, tangent, slip, degenerate, ambiguous: degenerate }
     }
 
     /// Percussions with the least defect that Newton's method finds from three starts, else, for a contact `alone`, from the

@@ -3,7 +3,7 @@
 use asperity_set::Vector;
 
 use super::block::Block;
-use super::local::{Local, LocalSolution, Selection};
+use super::local::{Local, LocalSolution};
 use super::plane::{self, ImplicitRate};
 use super::single::{ROUNDING, Single};
 use super::line;
@@ -70,7 +70,8 @@ macro_rules! by_dimension {
                 $in_plane
             }
             Law::Three(law) => {
-                let $space = &Single::<3>::of(problem, contact, law, &held);
+                let entry = |i, j| problem.delassus().own(contact, i, j);
+                let $space = &Single::<3>::new(law, rows.normal, entry, |i| held[i]);
                 $in_space
             }
         }
@@ -129,16 +130,13 @@ impl<'a> OneContact<'a> {
             Plane(local) => {
                 let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
                 let buffer = &mut candidates.planar;
-                if policy == Policy::Prove {
-                    // Most contacts end here.
-                    if let Some(solution) = plane::fast(local, guess) {
-                        return Some(keep(&Selection { solution, ambiguous: false }, percussion));
-                    }
-                    let found = plane::select_among_all(*local, history, buffer)?;
-                    return Some(keep(&found, percussion));
-                }
-                let solution = plane::first_found(local, history, guess, buffer)?;
-                Some(keep(&Selection { solution, ambiguous: false }, percussion))
+                let found = match policy {
+                    // Most contacts end with the first one.
+                    Policy::Prove => plane::fast(local, guess)
+                        .or_else(|| plane::select_among_all(*local, history, buffer)),
+                    Policy::FirstFound => plane::first_found(local, history, guess, buffer),
+                };
+                Some(keep(&found?, percussion))
             },
             Space(single) => Some(keep(&self.in_space(single, history, percussion)?, percussion))
         )
@@ -152,18 +150,18 @@ impl<'a> OneContact<'a> {
         single: &Single<'_, 3>,
         state: &ContactState,
         percussion: &[f64],
-    ) -> Option<Selection<3>> {
+    ) -> Option<LocalSolution<3>> {
         if single.opens() {
             let open = single.graded(ContactVector::zeros(), false);
-            let solution = single.solution(&open, Phase::Open);
-            return Some(Selection { solution, ambiguous: false });
+            return Some(single.solution(&open, Phase::Open));
         }
-        let neighbours = self.problem.delassus().blocks().neighbours(self.contact);
+        let delassus = self.problem.delassus();
+        let neighbours = delassus.blocks().neighbours(self.contact);
         let alone = neighbours.iter().all(|&other| other == self.contact);
+        let alone = alone && !delassus.is_matrix_free();
         let last = Vector::<3>::from_column_slice(&state.slip);
         let ahead = (last.amax() > 0.0).then_some(last);
-        let (solution, _) = single.solve(state, ahead, percussion, alone)?;
-        Some(Selection { solution, ambiguous: solution.degenerate })
+        single.solve(state, ahead, percussion, alone)
     }
 
     /// Whether the contact has more than one solution, as far as that is known.
@@ -196,6 +194,7 @@ impl<'a> OneContact<'a> {
                     tangent: Vector::<2>::new(s.tangent[0], 0.0),
                     slip: Vector::<2>::new(s.slip[0], 0.0),
                     degenerate: s.degenerate,
+                    ambiguous: s.ambiguous,
                 };
                 out.extend(line::solutions(local).into_iter().flatten().map(planar));
             },
@@ -262,12 +261,11 @@ fn guess(local: &Local<'_, 2>, slip: [f64; 3]) -> Vector<2> {
 
 /// Writes the percussions of a solution to the contact's rows.
 #[inline(always)]
-fn keep<const P: usize>(found: &Selection<P>, percussion: &mut [f64]) -> Found {
-    let Selection { solution, ambiguous } = found;
-    solution.store(percussion);
+fn keep<const P: usize>(found: &LocalSolution<P>, percussion: &mut [f64]) -> Found {
+    found.store(percussion);
     let mut slip = [0.0; 3];
-    slip[..P].copy_from_slice(solution.slip.as_slice());
-    Found { phase: solution.phase, slip, ambiguous: *ambiguous }
+    slip[..P].copy_from_slice(found.slip.as_slice());
+    Found { phase: found.phase, slip, ambiguous: found.ambiguous }
 }
 
 /// A solution of one contact in which speed and factor agree.
@@ -290,7 +288,7 @@ impl ImplicitSolution {
         state: &ContactState,
         factor: &ImplicitRate<'_>,
     ) -> Option<Self> {
-        let found = local.select(all, state)?;
+        let found = local.select(all.iter(), state)?;
         let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
         let (mut tangent, mut slip) = ([0.0; 2], [0.0; 3]);
         tangent[..P].copy_from_slice(found.tangent.as_slice());
@@ -300,7 +298,7 @@ impl ImplicitSolution {
             state: ContactState::new(found.phase, slip),
             normal: found.normal,
             tangent,
-            ambiguous: all.len() > 1,
+            ambiguous: found.ambiguous,
         })
     }
 }

@@ -88,17 +88,20 @@ impl<'a, 'b> Slip<'a, 'b> {
         degenerate: bool,
     ) -> Option<LocalSolution<2>> {
         let x = self.on_reservoir(point);
-        let v = self.velocity(&x);
-        let outward = point.normal.dot(&v) > 0.0;
-        let active = self.local.denominator(&x) > self.local.vanishing_denominator(x.norm());
-        (outward && active).then(|| self.local.slip(&x, &v, degenerate))
+        let least = self.local.vanishing_denominator(x.norm());
+        let found = self.admit_above(least, &point.normal, &x, &self.velocity(&x))?;
+        Some(LocalSolution { degenerate, ..found })
     }
 
     /// The same for a root that Newton's method has found, if it has kept its digits.
     #[inline(always)]
     pub(super) fn admit_root(&self, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
-        let outward = n.dot(v) > 0.0;
-        let active = self.local.denominator(x) > self.least;
-        (outward && active).then(|| self.local.slip(x, v, false))
+        self.admit_above(self.least, n, x, v)
+    }
+
+    #[inline(always)]
+    fn admit_above(&self, least: f64, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
+        let slips = n.dot(v) > 0.0 && self.local.denominator(x) > least;
+        slips.then(|| self.local.slip(x, v, false))
     }
 }

@@ -14,8 +14,7 @@ mod search;
 mod tests;
 
 use super::block::Shape;
-use super::local::{Local, LocalSolution, Selection, Stick};
-use super::single::FOUND;
+use super::local::{Local, LocalSolution, Stick};
 use crate::contact::{ContactState, Phase};
 pub(crate) use all::solutions;
 use equation::{Slip, V};
@@ -35,15 +34,19 @@ pub(crate) fn first_found(
     guess: impl Fn() -> V,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<LocalSolution<2>> {
-    match opens(local) {
-        Some(None) if local.block.sound => {}
-        Some(Some(open)) => return Some(open),
-        _ if !local.block.sound => return ill_conditioned(*local, state, guess()),
-        _ => return select_among_all(*local, state, buffer).map(|s| s.solution),
+    let pulled = may_be_pulled(local);
+    if !pulled && local.opens() {
+        return Some(local.open());
+    }
+    if !local.block.sound {
+        return ill_conditioned(*local, state, guess());
+    }
+    let mut others = || select_among_all(*local, state, buffer);
+    if pulled {
+        return others();
     }
     let stick = local.stick();
-    let mut others = || select_among_all(*local, state, buffer).map(|s| s.solution);
-    match stick.holds(local.law) {
+    match stick.holds(local.law, 1.0) {
         true if state.phase != Phase::Slip || has_one_solution(local, &stick) => {
             Some(stick.solution())
         }
@@ -64,8 +67,7 @@ fn ill_conditioned(
     if local.opens() {
         return Some(local.open());
     }
-    let (found, defect) = local.single().solve(state, Some(guess), &[], false)?;
-    (defect <= FOUND).then_some(found)
+    local.single().solve(state, Some(guess), &[], false)
 }
 
 /// The solution that continues `state`, from all that there are.
@@ -75,18 +77,16 @@ pub(crate) fn select_among_all(
     local: Local<'_, 2>,
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
-) -> Option<Selection<2>> {
+) -> Option<LocalSolution<2>> {
     let complete = solutions(&local, buffer);
-    let solution = local.select(buffer, state)?;
-    let continuum = buffer.iter().any(|s| s.degenerate);
-    Some(Selection { solution, ambiguous: buffer.len() > 1 || continuum || !complete })
+    let found = local.select(buffer.iter(), state)?;
+    Some(LocalSolution { ambiguous: found.ambiguous || !complete, ..found })
 }
 
 /// The solution, if it is found quickly and certainly the only one.
 #[inline(always)]
 pub(crate) fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
-    // Friction may pull the contact towards the surface.
-    if local.prescribed.is_none() && !local.block.normal_dominates {
+    if may_be_pulled(local) {
         return None;
     }
     if local.opens() {
@@ -99,14 +99,14 @@ pub(crate) fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalS
     if !certain {
         let stick = local.stick();
         certain = has_one_solution(local, &stick);
-        if stick.holds(local.law) {
+        if stick.holds(local.law, 1.0) {
             let unique = stick.gauge(local.law) < 1.0 - 1e-12 && (certain || is_only(local));
             return unique.then(|| stick.solution());
         }
     }
     let slip = Slip::new(local);
     let found = newton(&slip, &guess());
-    found.filter(|_| certain || has_one_root(local, &slip))
+    found.filter(|_| certain || Scan::has_one_root(&slip, local.law.walk().table))
 }
 
 /// Whether there is no slip beside stick.
@@ -115,20 +115,10 @@ fn is_only(local: &Local<'_, 2>) -> bool {
     Scan::new(&Slip::new(local), local.law.walk().table).open().next().is_none()
 }
 
-/// Whether there is one slip only.
-#[inline(never)]
-fn has_one_root(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
-    let table = local.law.walk().table;
-    Scan::new(slip, table).has_one_root(slip, table)
-}
-
-/// The open contact, if it opens; `None` where friction may pull it towards the surface.
+/// Whether friction may pull the contact towards the surface.
 #[inline(always)]
-fn opens(local: &Local<'_, 2>) -> Option<Option<LocalSolution<2>>> {
-    if local.prescribed.is_some() {
-        return Some((local.prescribed == Some(0.0)).then(|| local.open()));
-    }
-    local.block.normal_dominates.then(|| (local.b_n >= 0.0).then(|| local.open()))
+fn may_be_pulled(local: &Local<'_, 2>) -> bool {
+    local.prescribed.is_none() && !local.block.normal_dominates
 }
 
 /// Whether the contact certainly has one solution only, a slip.

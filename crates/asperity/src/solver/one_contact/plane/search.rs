@@ -12,8 +12,6 @@ const DEEPEST: usize = 24;
 /// Pieces that are looked at in one search, which take some milliseconds. An ordinary cell has one piece; next to the
 /// cusp of a caustic, three roots within 10⁻⁴ rad take some thousand.
 const PATIENCE: usize = 20_000;
-/// Roots beyond which those of an ill-conditioned block are rounding.
-const MANY: usize = 64;
 /// Change of `F` against its distance from the chord from which on `F` is monotone: 4 is enough where the
 /// second derivative is constant, and it varies little in a cell.
 pub(super) const MONOTONE: f64 = 8.0;
@@ -121,9 +119,7 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
     fn piece(&mut self, a: &End, b: &End, bounds: Bounds, depth: usize) {
         self.pieces += 1;
         let slip = self.slip;
-        let ends = self.proves && !self.complete;
-        if ends || self.out.len() >= MANY && !slip.local.block.sound {
-            self.complete = false;
+        if self.proves && !self.complete {
             return;
         }
         if !self.proves && (b.x - a.x).norm() <= 4.0 * f64::EPSILON * a.x.norm() {

@@ -355,7 +355,7 @@ fn the_scan_excludes_what_holds_no_root() {
                 }
             }
         }
-        let one = scan.has_one_root(&slip, table);
+        let one = Scan::has_one_root(&slip, table);
         assert!(!one || roots.len() == 1, "{roots:?}");
         single += usize::from(roots.len() == 1);
         known += usize::from(one);
@@ -468,7 +468,8 @@ fn defects_of_one_contact_are_its_natural_residual() {
     let mut seed = 21_u64;
     each_contact(300, &mut |problem, local| {
         let Law::Two(law) = &problem.contacts()[0].law else { panic!("the law is planar") };
-        let single = Single::of(problem, 0, law, &problem.load(0));
+        let own = |i, j| problem.delassus().own(0, i, j);
+        let single = Single::new(law, problem.contacts()[0].normal, own, |i| problem.load(0)[i]);
         let rows = problem.rows();
         let percussion: Vec<f64> = (0..rows).map(|_| crate::random::random(&mut seed)).collect();
         let p =
@@ -667,10 +668,9 @@ fn slips_beside_cusps_are_never_called_the_only_ones() {
                 let mut found = Vec::new();
                 solutions(&local, &mut found);
                 let slip = Slip::new(&local);
-                let scan = Scan::new(&slip, table);
                 let slips = found.iter().filter(|found| found.phase == Phase::Slip).count();
                 several += usize::from(slips > 1);
-                let one = scan.has_one_root(&slip, table);
+                let one = Scan::has_one_root(&slip, table);
                 assert!(!one || slips == 1, "{cusp} {k}: {found:?}");
                 assert!(fast(&local, || local.b_t).is_none() || found.len() == 1, "{cusp} {k}");
             }

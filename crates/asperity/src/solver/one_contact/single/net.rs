@@ -8,8 +8,10 @@ use asperity_set::{ConvexSet, Vector};
 
 use super::{Single, V};
 
-/// Pieces of every edge of an octahedron, whose faces are divided into triangles.
-const PIECES: usize = 8;
+/// How often the faces of an octahedron are divided into four, and how often cells that may hold a slip are: beside cusps of
+/// *C* Newton's method needs a near start.
+const DIVISIONS: usize = 3;
+const DEEPEST: usize = 10;
 
 /// Sliding along one direction of the net: percussions and what is left of the slip, both times the denominator.
 #[derive(Clone, Copy)]
@@ -34,39 +36,44 @@ impl<const P: usize> Single<'_, P> {
             let direction = self.law.direction();
             0.5 * (direction.support(&axis) + direction.support(&-axis))
         });
-        (0..if P == 3 { 8 } else { 0 }).any(|octant| self.over_face(octant, &sizes, ends))
+        let corner = |octant: usize, axis: usize| {
+            let sign = if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
+            self.sliding(&Vector::<3>::from_fn(|i, _| if i == axis { sign } else { 0.0 }), &sizes)
+        };
+        P == 3
+            && (0..8).any(|octant| {
+                let face = [0, 1, 2].map(|axis| corner(octant, axis));
+                self.over_cell(face, &sizes, 0, ends)
+            })
     }
 
-    /// The same over one face of the octahedron, between whose corners `i + j + k` = `PIECES`.
-    fn over_face(
+    /// The same over a cell, divided so often.
+    fn over_cell(
         &self,
-        octant: usize,
+        cell: [Option<Sliding>; 3],
         sizes: &Vector<3>,
+        divided: usize,
         ends: &mut dyn FnMut(V) -> bool,
     ) -> bool {
-        let sign = |axis: usize| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
-        let at = |i: usize, j: usize| {
-            let corner = [i as f64, j as f64, (PIECES - i - j) as f64];
-            let w = Vector::<3>::from_fn(|axis, _| sign(axis) * corner[axis]).normalize();
-            self.sliding(&w, sizes)
-        };
-        let mut last: [Option<Sliding>; PIECES + 1] = std::array::from_fn(|j| at(0, j));
-        for i in 1..=PIECES {
-            let mut next = last;
-            for j in 0..=PIECES - i {
-                next[j] = at(i, j);
-                let below = [last[j], last[j + 1], next[j]];
-                let above = if j == 0 { [None; 3] } else { [last[j], next[j - 1], next[j]] };
-                for cell in [below, above] {
-                    let [Some(a), Some(b), Some(c)] = cell else { continue };
-                    if self.between([a, b, c]).is_some_and(&mut *ends) {
-                        return true;
-                    }
-                }
-            }
-            last = next;
+        let [Some(a), Some(b), Some(c)] = cell else { return false };
+        let (weights, percussion) = self.between([a, b, c]);
+        // The comparisons also turn away NaN.
+        let above = |least: f64| weights.iter().all(|weight| *weight >= least);
+        if above(0.0) && percussion.iter().all(|p| p.is_finite()) && ends(percussion) {
+            return true;
         }
-        false
+        // Slips that vary strongly may vanish in the next cell.
+        if divided == DEEPEST || divided >= DIVISIONS && !above(-0.5) {
+            return false;
+        }
+        let middle = |a: Sliding, b: Sliding| {
+            self.sliding(&(a.direction + b.direction).normalize(), sizes)
+        };
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        let [a, b, c] = cell;
+        [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            .into_iter()
+            .any(|cell| self.over_cell(cell, sizes, divided + 1, ends))
     }
 
     /// Sliding along `w`, whose components are in units of the inverse half widths of *D*. With `P_N = −b_N/denominator` the
@@ -81,22 +88,18 @@ impl<const P: usize> Single<'_, P> {
         Some(Sliding { direction: *w, percussion, denominator, across })
     }
 
-    /// The percussions with which no slip is left across the directions of a cell, by interpolation; `None` without such.
-    fn between(&self, corners: [Sliding; 3]) -> Option<V> {
+    /// The percussions with which no slip is left across the directions of a cell, by interpolation with these weights,
+    /// of which some are negative where the place is outside of the cell.
+    fn between(&self, corners: [Sliding; 3]) -> ([f64; 3], V) {
         let [a, b, c] = corners.map(|corner| corner.across);
         let outwards: Vector<3> = corners.iter().map(|corner| corner.direction).sum();
         let weights = [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| area.dot(&outwards));
-        let sum: f64 = weights.iter().sum();
-        // The comparisons also turn away NaN.
-        if !weights.iter().all(|weight| weight * sum >= 0.0) || !(sum.abs() > 0.0) {
-            return None;
-        }
+        let weights = weights.map(|weight| weight / weights.iter().sum::<f64>());
         let (mut percussion, mut denominator) = (V::zeros(), 0.0);
         for (corner, weight) in corners.iter().zip(weights) {
-            percussion += corner.percussion * (weight / sum);
-            denominator += corner.denominator * (weight / sum);
+            percussion += corner.percussion * weight;
+            denominator += corner.denominator * weight;
         }
-        let percussion = percussion / denominator;
-        percussion.iter().all(|p| p.is_finite()).then_some(percussion)
+        (weights, percussion / denominator)
     }
 }

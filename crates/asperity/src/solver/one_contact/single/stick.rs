@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::block::SOUND;
 use super::super::singular::Factors;
-use super::{ContactMatrix, Graded, ROUNDING, SOLUTION, Single, V, inverse};
+use super::{ContactMatrix, Graded, ITERATIONS, ROUNDING, SOLUTION, Single, V, inverse};
 use crate::contact::NormalForce;
 
 /// Largest relative defect of stick in a continuum, whose loads are what rounding leaves of larger velocities: with a tenth
@@ -16,8 +16,6 @@ const CONTINUUM: f64 = 1e-10;
 const SMALL: f64 = 1e-6;
 /// Singular values, and slip velocities, below this part of the largest are rounding.
 pub(crate) const VANISHING: f64 = 1e-13;
-/// Steps of the ellipsoid method; a line takes some 50, and the volume of a ball falls to a half with every third.
-const STEPS: usize = 600;
 
 impl<const P: usize> Single<'_, P> {
     /// The percussions of a stick solution, `GP + b = 0` with `−P_T ∈ P_N C`, whatever the rank of the block.
@@ -108,7 +106,8 @@ impl<const P: usize> Single<'_, P> {
     /// `k_C(−P_T) − P_N`, which is convex if *C* is, from a ball of a thousand times the size of the kernel's vectors.
     fn within(&self, p: &V, kernel: &[V; 3]) -> Option<V> {
         let (mut s, mut shape) = (Vector3::<f64>::zeros(), Matrix3::<f64>::identity() * 1e6);
-        for _ in 0..STEPS {
+        // The size of the ellipsoid falls to a tenth with some ten steps on a line and some forty in space.
+        for _ in 0..15 * ITERATIONS {
             let here = kernel.iter().zip(s.iter()).fold(*p, |p, (axis, s)| p + axis * *s);
             if self.holds(&here) {
                 return Some(here);
