@@ -359,7 +359,9 @@ impl Factors {
             let rows = contact.tangential_rows();
             let present = self.rows[rows.start];
             let rising = ImplicitRate { rate, falling: self.falling[i].max(SMALLEST), present };
-            let Some(found) = solve_implicit(problem, i, percussion, &before[i], &rising, workspace) else {
+            let Some(found) =
+                solve_implicit(problem, i, percussion, &before[i], &rising, workspace)
+            else {
                 continue;
             };
             self.several |= found.ambiguous;

@@ -3,10 +3,10 @@
 use asperity_set::Vector;
 
 use super::block::Block;
+use super::line;
 use super::local::{Local, LocalSolution};
 use super::plane::{self, ImplicitRate};
 use super::single::{ROUNDING, Single};
-use super::line;
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::law::{ContactVector, Law};
 use crate::vectors::largest;
@@ -130,13 +130,7 @@ impl<'a> OneContact<'a> {
             Plane(local) => {
                 let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
                 let buffer = &mut candidates.planar;
-                let found = match policy {
-                    // Most contacts end with the first one.
-                    Policy::Prove => plane::fast(local, guess)
-                        .or_else(|| plane::select_among_all(*local, history, buffer)),
-                    Policy::FirstFound => plane::first_found(local, history, guess, buffer),
-                };
-                Some(keep(&found?, percussion))
+                Some(keep(&plane::solve(local, history, guess, policy, buffer)?, percussion))
             },
             Space(single) => Some(keep(&self.in_space(single, history, percussion)?, percussion))
         )
@@ -175,35 +169,32 @@ impl<'a> OneContact<'a> {
             Line(local) => line::solve(local, state).is_some_and(|s| s.ambiguous),
             Plane(local) => {
                 let guess = || guess(local, state.ahead());
-                plane::fast(local, guess).is_none()
-                    && plane::select_among_all(*local, state, &mut candidates.planar)
-                        .is_some_and(|s| s.ambiguous)
+                plane::solve(local, state, guess, Policy::Prove, &mut candidates.planar)
+                    .is_some_and(|s| s.ambiguous)
             },
             Space(_) => false
         )
     }
 
-    /// All solutions, on a line with a zero second component; with drilling friction none are listed.
-    pub(crate) fn all_solutions(&self) -> Vec<LocalSolution<2>> {
-        let mut out = Vec::new();
+    /// All solutions as percussions of the contact's rows; with drilling friction none are listed.
+    pub(crate) fn visit_all(&self, visit: &mut dyn FnMut(Phase, &[f64], bool)) {
+        let mut percussion = [0.0; 3];
+        let own = &mut percussion[..self.problem.contacts()[self.contact].rows().len().min(3)];
         by_dimension!(self,
-            Line(local) => {
-                let planar = |s: LocalSolution<1>| LocalSolution {
-                    phase: s.phase,
-                    normal: s.normal,
-                    tangent: Vector::<2>::new(s.tangent[0], 0.0),
-                    slip: Vector::<2>::new(s.slip[0], 0.0),
-                    degenerate: s.degenerate,
-                    ambiguous: s.ambiguous,
-                };
-                out.extend(line::solutions(local).into_iter().flatten().map(planar));
-            },
+            Line(local) => line::solutions(local).iter().flatten().for_each(|found| {
+                found.store(own);
+                visit(found.phase, own, found.degenerate);
+            }),
             Plane(local) => {
-                plane::solutions(local, &mut out);
+                let mut all = Vec::new();
+                plane::solutions(local, &mut all);
+                all.iter().for_each(|found| {
+                    found.store(own);
+                    visit(found.phase, own, found.degenerate);
+                });
             },
             Space(_) => {}
         );
-        out
     }
 
     /// The solution with a factor of the speed at the end of the step that continues `state`; `None` where there is

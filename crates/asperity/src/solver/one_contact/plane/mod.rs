@@ -15,6 +15,7 @@ mod tests;
 
 use super::block::Shape;
 use super::local::{Local, LocalSolution, Stick};
+use super::solve::Policy;
 use crate::contact::{ContactState, Phase};
 pub(crate) use all::solutions;
 use equation::{Slip, V};
@@ -25,38 +26,24 @@ use newton::newton;
 use scan::Scan;
 pub(crate) use search::proves_no_solution;
 
-/// A solution for sweeps that will come back to the contact: the one that continues `state` as far as the
-/// stick solution and Newton's method from the last direction show, without a proof that there is no other.
+/// The solution that continues `state`; for [`Policy::FirstFound`] as far as the stick solution and Newton's method from
+/// the last direction show, without a proof that there is no other.
 #[inline(always)]
-pub(crate) fn first_found(
+pub(crate) fn solve(
     local: &Local<'_, 2>,
     state: &ContactState,
     guess: impl Fn() -> V,
+    policy: Policy,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<LocalSolution<2>> {
-    let pulled = may_be_pulled(local);
-    if !pulled && local.opens() {
-        return Some(local.open());
-    }
-    if !local.block.sound {
+    if policy == Policy::FirstFound && !local.block.sound {
         return ill_conditioned(*local, state, guess());
     }
-    let mut others = || select_among_all(*local, state, buffer);
-    if pulled {
-        return others();
-    }
-    let stick = local.stick();
-    match stick.holds(local.law, 1.0) {
-        true if state.phase != Phase::Slip || has_one_solution(local, &stick) => {
-            Some(stick.solution())
-        }
-        // Where several are possible, the rule decides between all of them.
-        true => others(),
-        false => newton(&Slip::new(local), &guess()).or_else(others),
-    }
+    // Most contacts end with the first one.
+    without_search(local, state, guess, policy).or_else(|| select_among_all(*local, state, buffer))
 }
 
-/// The same where the closed forms divide by small pivots: by Newton's method on all rows.
+/// A solution where closed forms divide by small pivots: by Newton's method on all rows.
 #[cold]
 #[inline(never)]
 fn ill_conditioned(
@@ -64,16 +51,14 @@ fn ill_conditioned(
     state: &ContactState,
     guess: V,
 ) -> Option<LocalSolution<2>> {
-    if local.opens() {
-        return Some(local.open());
-    }
-    local.single().solve(state, Some(guess), &[], false)
+    let open = local.opens().then(|| local.open());
+    open.or_else(|| local.single().solve(state, Some(guess), &[], false))
 }
 
 /// The solution that continues `state`, from all that there are.
 #[cold]
 #[inline(never)]
-pub(crate) fn select_among_all(
+fn select_among_all(
     local: Local<'_, 2>,
     state: &ContactState,
     buffer: &mut Vec<LocalSolution<2>>,
@@ -83,10 +68,16 @@ pub(crate) fn select_among_all(
     Some(LocalSolution { ambiguous: found.ambiguous || !complete, ..found })
 }
 
-/// The solution, if it is found quickly and certainly the only one.
+/// A solution that is found quickly, which for [`Policy::Prove`] is certainly the only one.
 #[inline(always)]
-pub(crate) fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalSolution<2>> {
-    if may_be_pulled(local) {
+fn without_search(
+    local: &Local<'_, 2>,
+    state: &ContactState,
+    guess: impl Fn() -> V,
+    policy: Policy,
+) -> Option<LocalSolution<2>> {
+    // Friction may pull the contact towards the surface.
+    if local.prescribed.is_none() && !local.block.normal_dominates {
         return None;
     }
     if local.opens() {
@@ -95,30 +86,31 @@ pub(crate) fn fast(local: &Local<'_, 2>, guess: impl Fn() -> V) -> Option<LocalS
     if !local.block.sound {
         return None;
     }
-    let mut certain = certainly_slips(local);
+    let first = policy == Policy::FirstFound;
+    let mut certain = !first && certainly_slips(local);
     if !certain {
         let stick = local.stick();
-        certain = has_one_solution(local, &stick);
+        certain = !first && has_one_solution(local, &stick);
         if stick.holds(local.law, 1.0) {
-            let unique = stick.gauge(local.law) < 1.0 - 1e-12 && (certain || is_only(local));
-            return unique.then(|| stick.solution());
+            // Where several are possible, the rule decides between all of them.
+            let takes = match policy {
+                Policy::FirstFound => state.phase != Phase::Slip || has_one_solution(local, &stick),
+                Policy::Prove => {
+                    stick.gauge(local.law) < 1.0 - 1e-12 && (certain || is_only(local))
+                }
+            };
+            return takes.then(|| stick.solution());
         }
     }
     let slip = Slip::new(local);
-    let found = newton(&slip, &guess());
-    found.filter(|_| certain || Scan::has_one_root(&slip, local.law.walk().table))
+    let only = || first || certain || Scan::has_one_root(&slip, local.law.walk().table);
+    newton(&slip, &guess()).filter(|_| only())
 }
 
 /// Whether there is no slip beside stick.
 #[inline(never)]
 fn is_only(local: &Local<'_, 2>) -> bool {
     Scan::new(&Slip::new(local), local.law.walk().table).open().next().is_none()
-}
-
-/// Whether friction may pull the contact towards the surface.
-#[inline(always)]
-fn may_be_pulled(local: &Local<'_, 2>) -> bool {
-    local.prescribed.is_none() && !local.block.normal_dominates
 }
 
 /// Whether the contact certainly has one solution only, a slip.

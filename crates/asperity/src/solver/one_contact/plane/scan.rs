@@ -77,7 +77,11 @@ impl Scan {
             let (f, g) = (value(j), value(j + 1));
             let stray = slip.stray(&table.fine[j]);
             let change = (f >= 0.0) != (g >= 0.0);
-            let certain = if change { (f - g).abs() > MONOTONE * stray } else { f.abs().min(g.abs()) > stray };
+            let certain = if change {
+                (f - g).abs() > MONOTONE * stray
+            } else {
+                f.abs().min(g.abs()) > stray
+            };
             if !certain {
                 return false;
             }

@@ -66,9 +66,8 @@ impl<const P: usize> Single<'_, P> {
         if divided == DEEPEST || divided >= DIVISIONS && !above(-0.5) {
             return false;
         }
-        let middle = |a: Sliding, b: Sliding| {
-            self.sliding(&(a.direction + b.direction).normalize(), sizes)
-        };
+        let middle =
+            |a: Sliding, b: Sliding| self.sliding(&(a.direction + b.direction).normalize(), sizes);
         let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
         let [a, b, c] = cell;
         [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
@@ -79,8 +78,7 @@ impl<const P: usize> Single<'_, P> {
     /// Sliding along `w`, whose components are in units of the inverse half widths of *D*. With `P_N = −b_N/denominator` the
     /// product has no pole where the denominator vanishes, as in `plane/`.
     fn sliding(&self, w: &Vector<3>, sizes: &Vector<3>) -> Option<Sliding> {
-        let (unit, denominator) =
-            self.per_normal(&Vector::<P>::from_fn(|i, _| w[i] / sizes[i]))?;
+        let (unit, denominator) = self.per_normal(&Vector::<P>::from_fn(|i, _| w[i] / sizes[i]))?;
         let percussion = unit * self.normal.prescribed().unwrap_or(-self.b[0]);
         let slip = self.tangent(&(self.b * denominator + self.g * percussion));
         let slip = Vector::<3>::from_fn(|i, _| slip[i] * sizes[i]);

@@ -70,7 +70,12 @@ impl<const P: usize> Single<'_, P> {
                 false => V::zeros(),
             });
             let shortest = back(&shortest);
-            let Some(inside) = self.within(&shortest, &kernel) else { continue };
+            let inside = match n - rank {
+                _ if self.holds(&shortest) => Some(shortest),
+                1 => self.within_line(&shortest, &kernel[0]),
+                _ => self.within_space(&shortest, &kernel),
+            };
+            let Some(inside) = inside else { continue };
             for end in [whole, shortest] {
                 let Some(found) = stops(self.towards(&inside, &end), known < n) else { continue };
                 let lowest = end == shortest && found.defect <= ROUNDING;
@@ -102,11 +107,39 @@ impl<const P: usize> Single<'_, P> {
         })
     }
 
-    /// A point of `P + span(kernel)` that the reservoir holds: the ellipsoid method (\[Shor1977\]) for the excess
-    /// `k_C(−P_T) − P_N`, which is convex if *C* is, from a ball of a thousand times the size of the kernel's vectors.
-    fn within(&self, p: &V, kernel: &[V; 3]) -> Option<V> {
+    /// A point of `P + span(K)` that the reservoir holds, by the least excess `k_C(−P_T) − P_N` over the angle θ of
+    /// `P cos θ + K sin θ`, which reaches the far ends of the line; of sets that are not convex it may have several minima.
+    fn within_line(&self, p: &V, axis: &V) -> Option<V> {
+        let at = |theta: f64| p + axis * theta.tan();
+        let excess = |theta: f64| {
+            let (here, cosine) = (at(theta), theta.cos());
+            cosine * (self.law.reservoir().gauge(&-self.tangent(&here)) - self.normal(&here))
+        };
+        let end = std::f64::consts::FRAC_PI_2 * (1.0 - 1e-9);
+        let step = end / 32.0;
+        let angles = (-32..32).map(|k| (f64::from(k) + 0.5) * step);
+        let least =
+            angles.map(|theta| (excess(theta), theta)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (mut low, mut high) = ((least.1 - step).max(-end), (least.1 + step).min(end));
+        for _ in 0..2 * ITERATIONS {
+            let third = (high - low) / 3.0;
+            match excess(low + third) <= excess(high - third) {
+                true => high -= third,
+                false => low += third,
+            }
+            let middle = at(0.5 * (low + high));
+            if self.holds(&middle) {
+                return Some(middle);
+            }
+        }
+        None
+    }
+
+    /// A point of `P + span(K)` that the reservoir holds: the ellipsoid method (\[Shor1977\]) for the excess, which is
+    /// convex if *C* is, from a ball of a thousand times the size of the kernel's vectors.
+    fn within_space(&self, p: &V, kernel: &[V; 3]) -> Option<V> {
         let (mut s, mut shape) = (Vector3::<f64>::zeros(), Matrix3::<f64>::identity() * 1e6);
-        // The size of the ellipsoid falls to a tenth with some ten steps on a line and some forty in space.
+        // The size of the ellipsoid falls to a tenth with some forty steps.
         for _ in 0..15 * ITERATIONS {
             let here = kernel.iter().zip(s.iter()).fold(*p, |p, (axis, s)| p + axis * *s);
             if self.holds(&here) {
@@ -145,8 +178,8 @@ impl<const P: usize> Single<'_, P> {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            let side = if self.holds(&(inside + (end - inside) * middle)) { &mut low } else { &mut high };
-            *side = middle;
+            let held = self.holds(&(inside + (end - inside) * middle));
+            *if held { &mut low } else { &mut high } = middle;
         }
         inside + (end - inside) * low
     }
