@@ -22,7 +22,7 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
             direction * v[0] > 0.0 && local.denominator(&x) > local.vanishing_denominator(x.amax());
         // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
         let loaded = local.prescribed.is_some() || local.b_n != 0.0;
-        let solution = local.slip(&x, &v, false);
+        let solution = local.slip(&x, &v);
         // On the boundary of the reservoir slip with vanishing velocity is stick.
         let distinct = stick.is_none() || solution.slip[0].abs() > 1e-12 * local.b_t[0].abs();
         (admissible && loaded && distinct).then_some(solution)

@@ -5,7 +5,7 @@ use asperity_set::{Matrix, StarSet, Vector};
 use super::block::{Block, MARGIN};
 use super::single::{self, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
-use crate::law::{ContactVector, FrictionLaw};
+use crate::law::FrictionLaw;
 use crate::solver::measure::growth::UNRESOLVED;
 
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
@@ -74,13 +74,17 @@ impl<const P: usize> Stick<P> {
     /// The solution, where it holds.
     #[inline(always)]
     pub(crate) fn solution(&self) -> LocalSolution<P> {
-        let Self { normal, tangent } = *self;
-        let (slip, ambiguous) = (Vector::zeros(), false);
-        LocalSolution { phase: Phase::Stick, normal, tangent, slip, degenerate: false, ambiguous }
+        LocalSolution::new(Phase::Stick, self.normal, self.tangent, Vector::zeros())
     }
 }
 
 impl<const P: usize> LocalSolution<P> {
+    /// A solution that is isolated, beside which no other is known.
+    #[inline(always)]
+    pub(crate) fn new(phase: Phase, normal: f64, tangent: Vector<P>, slip: Vector<P>) -> Self {
+        Self { phase, normal, tangent, slip, degenerate: false, ambiguous: false }
+    }
+
     /// Writes the percussions to the contact's own rows, of which the first may be a normal one.
     #[inline(always)]
     pub(crate) fn store(&self, percussion: &mut [f64]) {
@@ -184,12 +188,10 @@ impl<'a, const P: usize> Local<'a, P> {
 
     /// The slip solution with `−P_T = P_N x`.
     #[inline(always)]
-    pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
+    pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>) -> LocalSolution<P> {
         let denominator = self.denominator(x);
         let normal = self.prescribed.unwrap_or(self.b_n.abs() / denominator);
-        let tangent = x * -normal;
-        let slip = v * (1.0 / denominator);
-        LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate, ambiguous: false }
+        LocalSolution::new(Phase::Slip, normal, x * -normal, v * (1.0 / denominator))
     }
 
     /// Whether the contact opens, or has no normal force.
@@ -199,21 +201,15 @@ impl<'a, const P: usize> Local<'a, P> {
 
     /// Open contact with the tangential velocity it then has.
     pub(crate) fn open(&self) -> LocalSolution<P> {
-        LocalSolution {
-            phase: Phase::Open,
-            normal: 0.0,
-            tangent: Vector::zeros(),
-            slip: self.b_t,
-            degenerate: false,
-            ambiguous: false,
-        }
+        LocalSolution::new(Phase::Open, 0.0, Vector::zeros(), self.b_t)
     }
 
     /// The stick solution, if there is one, with a block of any rank.
     #[inline]
     pub(crate) fn any_stick(&self) -> Option<LocalSolution<P>> {
         if !self.block.sound {
-            return self.stick_of_any_rank();
+            let single = self.single();
+            return single.stick().map(|found| single.solution(&found, Phase::Stick));
         }
         let stick = self.stick();
         stick.holds(self.law, 1.0).then(|| stick.solution())
@@ -242,11 +238,9 @@ impl<'a, const P: usize> Local<'a, P> {
             return None;
         }
         let x = load / gauge;
-        let stick = self.slip(&x, &Vector::zeros(), false);
+        let stick = self.slip(&x, &Vector::zeros());
         let single = self.single();
-        let mut percussion = ContactVector::zeros();
-        stick.store(&mut percussion.as_mut_slice()[..single.first() + P]);
-        let found = single.graded(percussion, false);
+        let found = single.graded(single.percussion(&stick), false);
         (stick.normal > 0.0 && found.defect <= single::SOLUTION)
             .then_some(LocalSolution { phase: Phase::Stick, ..stick })
     }
@@ -270,15 +264,9 @@ impl<'a, const P: usize> Local<'a, P> {
         normal < -MARGIN * size || normal > MARGIN * size && gauge > normal * (1.0 + MARGIN)
     }
 
-    /// Stick with a block that has no sound inverse.
+    /// The contact as a dense problem, for what closed forms do not reach.
     #[cold]
     #[inline(never)]
-    fn stick_of_any_rank(&self) -> Option<LocalSolution<P>> {
-        let single = self.single();
-        single.stick().map(|found| single.solution(&found, Phase::Stick))
-    }
-
-    /// The contact as a dense problem, for what closed forms do not reach.
     pub(crate) fn single(&self) -> Single<'a, P> {
         let block = self.block;
         let first = usize::from(self.prescribed.is_none());
@@ -296,8 +284,7 @@ impl<'a, const P: usize> Local<'a, P> {
     /// like a solution.
     pub(crate) fn refined(&self, found: &LocalSolution<P>) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let mut percussion = ContactVector::zeros();
-        found.store(&mut percussion.as_mut_slice()[..single.first() + P]);
+        let percussion = single.percussion(found);
         let start = single.graded(percussion, found.degenerate);
         if start.defect <= single::ROUNDING {
             return Some(*found);

@@ -97,7 +97,7 @@ impl<'a, const P: usize> Single<'a, P> {
     }
 
     /// Number of normal rows.
-    pub(crate) fn first(&self) -> usize {
+    fn first(&self) -> usize {
         usize::from(self.normal == NormalForce::Unilateral)
     }
 
@@ -292,6 +292,13 @@ impl<'a, const P: usize> Single<'a, P> {
         }
         let best = best.filter(|found| P == 3 || found.defect <= FOUND)?;
         Some(self.solution(&best, self.phase(&best.percussion)))
+    }
+
+    /// The percussions of a solution.
+    pub(crate) fn percussion(&self, solution: &LocalSolution<P>) -> V {
+        let mut percussion = V::zeros();
+        solution.store(&mut percussion.as_mut_slice()[..self.len()]);
+        percussion
     }
 
     /// Percussions as a solution in which the contact does this.

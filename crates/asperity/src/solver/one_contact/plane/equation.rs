@@ -102,6 +102,6 @@ impl<'a, 'b> Slip<'a, 'b> {
     #[inline(always)]
     fn admit_above(&self, least: f64, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
         let slips = n.dot(v) > 0.0 && self.local.denominator(x) > least;
-        slips.then(|| self.local.slip(x, v, false))
+        slips.then(|| self.local.slip(x, v))
     }
 }

@@ -88,14 +88,9 @@ impl<'a> Equation<'a> {
     fn slip<const P: usize>(&self, n: &V, x: &V) -> Option<LocalSolution<P>> {
         let At { factor, speed, .. } = self.at(n, x);
         let normal = self.pull(x, factor)?.0 / factor;
-        (speed > 0.0).then(|| LocalSolution {
-            phase: Phase::Slip,
-            normal,
-            tangent: Vector::from_fn(|i, _| -normal * x[i]),
-            slip: Vector::from_fn(|i, _| speed * n[i]),
-            degenerate: false,
-            ambiguous: false,
-        })
+        let tangent = Vector::from_fn(|i, _| -normal * x[i]);
+        let slip = Vector::from_fn(|i, _| speed * n[i]);
+        (speed > 0.0).then(|| LocalSolution::new(Phase::Slip, normal, tangent, slip))
     }
 
     /// `P_N φ`, and its slope; `None` where no finite normal force presses.
