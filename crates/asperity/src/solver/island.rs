@@ -147,7 +147,6 @@ impl Buffers {
             }
             _ => {
                 iterate.states.copy_from_slice(task.history);
-                self.sweeper.renew_efforts();
                 let reached = self.run(solver, &task, &mut iterate);
                 iterate.states.copy_from_slice(task.history);
                 iterate.classify(problem);

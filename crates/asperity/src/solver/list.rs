@@ -97,7 +97,8 @@ impl List {
                     continue;
                 }
                 let contacts = buffers.sweeper.islands().of(island);
-                for &i in contacts {
+                // Contacts that were not looked at keep their states.
+                for &i in contacts.iter().filter(|_| island < self.swept.len()) {
                     let (phase, slip) = phase_of(&measured, i);
                     states[i] = task.history[i].after(phase, slip);
                 }
@@ -184,8 +185,10 @@ impl List {
         iterations: usize,
     ) -> SolveReport {
         let Task { problem, stop, .. } = *task;
-        let mut worst = self.reports[0];
-        let mut residual = Residual { value: f64::NEG_INFINITY, worst_contact: 0 };
+        let nothing = Residual { value: 0.0, worst_contact: 0 };
+        let solved = SolveReport::new(Ended::Done, 0, nothing, Findings::default(), 0.0);
+        let mut worst = self.reports.first().copied().unwrap_or(solved);
+        let mut residual = Residual { value: worst.residual, worst_contact: worst.worst_contact };
         for report in &self.reports {
             if is_graver(report.status, worst.status) {
                 worst = *report;

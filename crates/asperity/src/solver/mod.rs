@@ -38,12 +38,12 @@ pub use measure::natural_residual::{Residual, natural_residual};
 pub use measure::stop::{Measure, Stop};
 pub use method::ProxStep;
 pub use one_contact::solutions::{ContactSolution, solutions};
-pub(crate) use one_contact::{Rising, Uniqueness};
+pub(crate) use one_contact::{ImplicitRate, Uniqueness};
 pub use report::{Method, SolveReport, Stage, Status};
 pub use settings::{Solver, Steps};
 pub use solution::{Solution, SolvedContact};
 pub use solve::Workspace;
-pub(crate) use solve::{grade, settle};
+pub(crate) use solve::{grade, solve_implicit};
 
 #[cfg(test)]
 mod tests;

@@ -14,9 +14,9 @@ use super::measure::approach::{Approach, Flaw};
 use super::measure::natural_residual::{Measured, Residual};
 use super::measure::stop::{Measure, Stop};
 use super::method::ProxStep;
-use super::one_contact::Rising;
+use super::one_contact::ImplicitRate;
 use super::one_contact::block::Block;
-use super::one_contact::solve::{OneContact, Settled};
+use super::one_contact::solve::{ImplicitSolution, OneContact};
 use super::report::{Ended, Findings, Method, SolveReport, Stage, Status};
 use super::settings::Solver;
 use crate::contact::{ContactProblem, ContactState, Members, Memory};
@@ -274,10 +274,9 @@ impl Solver {
             }
         } else {
             forget_runaways(&task, &mut iterate, buffers.sweeper.islands());
+            // What sweeps find depends on the memory, not on what the workspace has seen before.
+            iterate.states.copy_from_slice(task.history);
         }
-        // What sweeps find depends on the memory, not on what the workspace has seen before.
-        iterate.states.copy_from_slice(task.history);
-        buffers.sweeper.renew_efforts();
         let mut whole = list.solve(self, &task, &mut iterate, buffers);
         for round in 1..=ROUNDS {
             let solved = list.reports.iter().all(|own| own.status == Status::Converged);
@@ -339,20 +338,20 @@ pub(crate) fn grade(
 /// The solution of one contact with a factor of the speed at the end of the step that continues `state`, the
 /// percussions of the other contacts held; `None` where there is none, and with drilling friction.
 #[cold]
-pub(crate) fn settle(
+pub(crate) fn solve_implicit(
     problem: &ContactProblem,
     contact: usize,
     percussion: &[f64],
     state: &ContactState,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     workspace: &mut Workspace,
-) -> Option<Settled> {
+) -> Option<ImplicitSolution> {
     if problem.delassus().is_matrix_free() {
         return None;
     }
     let block = Block::new(problem, contact);
     let one = OneContact::new(problem, contact, &block, percussion);
-    one.settle(state, factor, &mut workspace.buffers.sweeper.candidates)
+    one.solve_implicit(state, factor, &mut workspace.buffers.sweeper.candidates)
 }
 
 /// Starts from zero where the percussions of before run away from an island: they might look like a solution; whether it does.

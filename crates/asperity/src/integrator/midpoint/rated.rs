@@ -43,7 +43,7 @@ use asperity_set::Vector;
 use super::linear_solve::LinearSolver;
 use crate::contact::{ContactProblem, ContactRows, ContactState, Memory, Phase};
 use crate::law::Stribeck;
-use crate::solver::{Rising, Stop, Workspace, settle};
+use crate::solver::{ImplicitRate, Stop, Workspace, solve_implicit};
 
 /// Factors below this one count as it.
 const SMALLEST: f64 = 1e-12;
@@ -358,8 +358,10 @@ impl Factors {
             let Some(rate) = contact.law.rate().filter(|rate| rate.rises()) else { continue };
             let rows = contact.tangential_rows();
             let present = self.rows[rows.start];
-            let rising = Rising { rate, falling: self.falling[i].max(SMALLEST), present };
-            let Some(found) = settle(problem, i, percussion, &before[i], &rising, workspace) else {
+            let rising = ImplicitRate { rate, falling: self.falling[i].max(SMALLEST), present };
+            let Some(found) =
+                solve_implicit(problem, i, percussion, &before[i], &rising, workspace)
+            else {
                 continue;
             };
             self.several |= found.ambiguous;

@@ -14,7 +14,6 @@ use super::visitor::{BATCH, Visitor, record};
 use crate::contact::{Components, ContactProblem, ContactState, Members};
 use crate::solver::measure::own::{OwnMeasure, measure_alone};
 use crate::solver::one_contact::block::Block;
-use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, OneContact, Policy, Start};
 use crate::solver::report::Ended;
 use crate::threads;
@@ -24,8 +23,6 @@ use crate::threads;
 pub(crate) struct Sweeper {
     /// Diagonal blocks of `G`.
     blocks: Vec<Block>,
-    /// What is left of the work on contacts in sweeps.
-    efforts: Vec<Effort>,
     /// Contacts that influence each other, directly or by others.
     islands: Members,
     pub(crate) candidates: Candidates,
@@ -35,7 +32,6 @@ impl Sweeper {
     /// Prepares the blocks of a problem.
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         let contacts = problem.contacts().len();
-        self.efforts.resize(contacts, Effort::in_sweeps());
         let mut connected = Components::default();
         connected.separate(contacts);
         for i in 0..contacts {
@@ -62,11 +58,6 @@ impl Sweeper {
         self.blocks.len()
     }
 
-    /// Begins a solve: all the work is left.
-    pub(crate) fn renew_efforts(&mut self) {
-        self.efforts.fill(Effort::in_sweeps());
-    }
-
     /// One sweep; the last contact that had no solution.
     ///
     /// The states before the step decide between several solutions; Newton's method starts from them in the first
@@ -78,8 +69,8 @@ impl Sweeper {
         policy: Policy,
         first: bool,
     ) -> Option<usize> {
-        let Self { blocks, efforts, candidates, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates };
+        let Self { blocks, candidates, .. } = self;
+        let mut visitor = Visitor { blocks, candidates };
         visitor.visit_all(task, iterate, policy, first, 0..task.problem.contacts().len())
     }
 
@@ -99,8 +90,8 @@ impl Sweeper {
         plan: Plan,
         swept: &mut Vec<Swept>,
     ) {
-        let Self { blocks, efforts, islands, candidates, .. } = self;
-        let mut visitor = Visitor { blocks, efforts, candidates };
+        let Self { blocks, islands, candidates, .. } = self;
+        let mut visitor = Visitor { blocks, candidates };
         visitor.solve_islands(task, iterate, plan, islands, swept);
     }
 
@@ -158,8 +149,8 @@ fn solve_alone(
     candidates: &mut Candidates,
 ) -> Swept {
     let Own { percussion, velocity, state, ambiguous } = own;
-    let (start, effort) = (Start { history, slip: None }, &mut Effort::alone());
-    let found = contact.solve(Policy::Prove, start, percussion, candidates, effort);
+    let start = Start { history, slip: None };
+    let found = contact.solve(Policy::Prove, start, percussion, candidates);
     record(found, history, state, ambiguous);
     let OneContact { problem, contact: number, .. } = contact;
     let OwnMeasure { defect, may_be_flawed, .. } =

@@ -3,7 +3,6 @@
 use super::task::{Iterate, Task};
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::solver::one_contact::block::Block;
-use crate::solver::one_contact::effort::Effort;
 use crate::solver::one_contact::solve::{Candidates, Found, OneContact, Policy, Start};
 use crate::threads;
 
@@ -21,10 +20,9 @@ pub(crate) fn untimed_visits(
     if contacts.all(is_quick) { count } else { threads::LEAF }
 }
 
-/// Who visits contacts: prepared blocks, and what is left of the work on each of them.
+/// Who visits contacts: prepared blocks and buffers.
 pub(super) struct Visitor<'a> {
     pub(super) blocks: &'a [Block],
-    pub(super) efforts: &'a mut [Effort],
     pub(super) candidates: &'a mut Candidates,
 }
 
@@ -57,14 +55,14 @@ impl Visitor<'_> {
         let held = problem.contact_velocity(i, iterate.percussion, false);
         let percussion = &mut iterate.percussion[problem.contacts()[i].rows()];
         let contact = OneContact { problem, contact: i, block, held };
-        let (candidates, effort) = (&mut *self.candidates, &mut self.efforts[i]);
+        let candidates = &mut *self.candidates;
         if policy == Policy::Prove {
             let start = Start { history, slip: (!first).then_some(state.slip) };
-            let found = contact.solve(policy, start, percussion, candidates, effort);
+            let found = contact.solve(policy, start, percussion, candidates);
             record(found, history, state, &mut iterate.ambiguous[i]);
             return found.is_some();
         }
-        let found = first_found(contact, (history, state, first), percussion, candidates, effort);
+        let found = first_found(contact, (history, state, first), percussion, candidates);
         if let Some(found) = found {
             (state.phase, state.slip) = (found.phase, found.slip);
         }
@@ -122,14 +120,13 @@ pub(super) fn first_found(
     (history, last, first): (&ContactState, &ContactState, bool),
     percussion: &mut [f64],
     candidates: &mut Candidates,
-    effort: &mut Effort,
 ) -> Option<Found> {
-    if contact.block.pressed && contact.held[0] >= 0.0 {
+    if contact.block.normal_dominates && contact.held[0] >= 0.0 {
         percussion.fill(0.0);
         return Some(Found { phase: Phase::Open, slip: last.slip, ambiguous: false });
     }
     let start = Start { history, slip: (!first).then_some(last.slip) };
-    contact.solve(Policy::FirstFound, start, percussion, candidates, effort)
+    contact.solve(Policy::FirstFound, start, percussion, candidates)
 }
 
 /// The state of a contact after its solution; the state before where there is none.

@@ -6,11 +6,11 @@ use crate::contact::ContactProblem;
 use crate::law::Bounds;
 
 /// Part of the square of its size that the determinant of a sound block has at least: the inverse then keeps
-/// twelve digits. Of the contacts that `mod.rs` names 22 that are solved end inexact with a quarter, and with four times as
-/// much 11 that end inexact are solved and one proof is lost.
-const SOUND: f64 = 1e-4;
-/// Part by which a slip must exceed the one from which on it is certain: far more than rounding.
-const MARGIN: f64 = 1e-6;
+/// twelve digits.
+pub(super) const SOUND: f64 = 1e-4;
+/// Relative margin of every inequality of a proof: what rounding, or data that are known to nine digits, could
+/// turn round proves nothing.
+pub(super) const MARGIN: f64 = 1e-9;
 
 /// The diagonal block of `G` for one contact, unused components zero.
 #[derive(Debug, Clone, Copy)]
@@ -27,13 +27,13 @@ pub(crate) struct Block {
     /// Whether the inverse keeps its digits. Stick with any other block is found from its singular values.
     pub(crate) sound: bool,
     /// Whether the contact is unilateral and no friction force can pull it towards the surface.
-    pub(crate) pressed: bool,
+    pub(crate) normal_dominates: bool,
     /// What is known of the slip equation before the loads are: only where the normal force is
     /// prescribed is its matrix `A` a multiple of `G_TT`.
     pub(crate) shape: Shape,
     /// Free slip velocity, per approach velocity `−b_N` or prescribed percussion, beyond which the contact has one
-    /// solution, see [`least_certain_slip`](Self::least_certain_slip).
-    pub(crate) certain_slip: f64,
+    /// solution, see [`least_slip`](Self::least_slip).
+    pub(crate) slip_certificate: f64,
 }
 
 impl Block {
@@ -64,7 +64,7 @@ impl Block {
             (_, true) => schur.try_inverse().unwrap_or_default(),
         };
         let inverse_nn = if unilateral { 1.0 / g_nn } else { 0.0 };
-        let (pressed, shape, certain_slip) = (false, Shape::General, f64::INFINITY);
+        let (normal_dominates, shape, slip_certificate) = (false, Shape::General, f64::INFINITY);
         let mut block = Self {
             g_nn,
             inverse_nn,
@@ -73,20 +73,20 @@ impl Block {
             g_tt,
             schur_inverse,
             sound,
-            pressed,
+            normal_dominates,
             shape,
-            certain_slip,
+            slip_certificate,
         };
         // A contact with drilling friction opens before anything else is asked.
         if let Some(bounds) = rows.law.bounds() {
             let resistance =
                 if unilateral { g_nn - g_nt.norm() * bounds.largest_radius } else { 1.0 };
-            block.pressed = unilateral && resistance > 0.0;
+            block.normal_dominates = unilateral && resistance > 0.0;
             if !unilateral && p == 2 {
                 block.shape = Shape::new(&g_tt, bounds.smallest_sine);
             }
             if resistance > 0.0 {
-                block.certain_slip = block.least_certain_slip(&bounds, resistance);
+                block.slip_certificate = block.least_slip(&bounds, resistance);
             }
         }
         block
@@ -103,7 +103,7 @@ impl Block {
     /// If `x` moves by at most `L` per angle of the normal `n` of *D*, `γ` turns by less than `n` all along the boundary
     /// where `P Λ L < ‖b_T‖ − P S`. The angle from `γ` to `n` then never falls, it grows by one turn, since `γ` does not
     /// vanish within, and it is zero once.
-    fn least_certain_slip(&self, bounds: &Bounds, resistance: f64) -> f64 {
+    fn least_slip(&self, bounds: &Bounds, resistance: f64) -> f64 {
         let Bounds { largest_radius, largest_advance, .. } = bounds;
         let tangential = self.g_tt.norm();
         let brought = self.g_tn.norm() + tangential * largest_radius;
@@ -132,6 +132,7 @@ impl Shape {
     #[inline]
     pub(crate) fn new(a: &Matrix<2>, smallest_sine: f64) -> Self {
         let (along, across) = (0.5 * (a.m11 + a.m22), 0.5 * (a.m21 - a.m12));
+        let length = |x: f64, y: f64| (x * x + y * y).sqrt();
         let r = length(along, across);
         let d = length(0.5 * (a.m11 - a.m22), 0.5 * (a.m12 + a.m21));
         if !(along > 0.0 && d < r) {
@@ -142,7 +143,7 @@ impl Shape {
         let cosine_d = (1.0 - sine_d * sine_d).sqrt();
         let sine = sine_delta * cosine_d + cosine_delta * sine_d;
         let cosine = cosine_delta * cosine_d - sine_delta * sine_d;
-        if cosine > 0.0 && sine < smallest_sine - 1e-9 {
+        if cosine > 0.0 && sine < smallest_sine - MARGIN {
             Self::Monotone
         } else if sine_delta.max(sine_d) <= 1e-14 {
             Self::Scalar
@@ -150,11 +151,4 @@ impl Shape {
             Self::General
         }
     }
-}
-
-/// `√(x² + y²)`, by `hypot`, which takes longer, only where a square would be too large or too small for a number.
-#[inline(always)]
-fn length(x: f64, y: f64) -> f64 {
-    let square = x * x + y * y;
-    if (1e-280..1e280).contains(&square) { square.sqrt() } else { x.hypot(y) }
 }

@@ -2,8 +2,9 @@
 
 use asperity_set::{StarSet, Vector};
 
-use super::local::{Local, LocalSolution, Selection};
-use crate::contact::{ContactState, Phase};
+use super::block::MARGIN;
+use super::local::{Local, LocalSolution};
+use crate::contact::ContactState;
 
 /// All solutions: open, stick, backward slip, forward slip, as far as they exist.
 pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
@@ -21,7 +22,7 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
             direction * v[0] > 0.0 && local.denominator(&x) > local.vanishing_denominator(x.amax());
         // With b_N = 0 the normal percussion of a slip solution vanishes: the contact is open.
         let loaded = local.prescribed.is_some() || local.b_n != 0.0;
-        let solution = local.slip(&x, &v, false);
+        let solution = local.slip(&x, &v);
         // On the boundary of the reservoir slip with vanishing velocity is stick.
         let distinct = stick.is_none() || solution.slip[0].abs() > 1e-12 * local.b_t[0].abs();
         (admissible && loaded && distinct).then_some(solution)
@@ -34,24 +35,13 @@ pub(crate) fn solutions(local: &Local<'_, 1>) -> [Option<LocalSolution<1>>; 4] {
 }
 
 /// The solution that continues `state`.
-pub(crate) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<Selection<1>> {
-    let all = solutions(local);
-    let blank = LocalSolution { phase: Phase::Unknown, ..local.open() };
-    let mut found = [blank; 4];
-    let mut count = 0;
-    for solution in all.into_iter().flatten() {
-        found[count] = solution;
-        count += 1;
-    }
-    let solution = local.select(&found[..count], state)?;
-    let continuum = found[..count].iter().any(|s| s.degenerate);
-    Some(Selection { solution, ambiguous: count > 1 || continuum })
+pub(crate) fn solve(local: &Local<'_, 1>, state: &ContactState) -> Option<LocalSolution<1>> {
+    local.select(solutions(local).iter().flatten(), state)
 }
 
 /// Whether neither open nor stick nor slip is possible, with a margin: see `proves_no_solution` in `one_contact/solve.rs`.
 pub(crate) fn proves_no_solution(local: &Local<'_, 1>) -> bool {
-    const MARGIN: f64 = 1e-9;
-    if !local.excludes_open_and_stick(MARGIN) {
+    if !local.excludes_open_and_stick() {
         return false;
     }
     let (c0, a) = local.affine();

@@ -2,11 +2,10 @@
 
 use asperity_set::{Matrix, StarSet, Vector};
 
-use super::block::Block;
-use super::effort::Effort;
-use super::single::{self, Graded, Single};
+use super::block::{Block, MARGIN};
+use super::single::{self, Single};
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
-use crate::law::{ContactVector, FrictionLaw};
+use crate::law::FrictionLaw;
 use crate::solver::measure::approach::UNRESOLVED;
 
 /// Part of the percussions by which refinement may change them; more would lead to another solution.
@@ -36,44 +35,56 @@ pub(crate) struct LocalSolution<const P: usize> {
     pub slip: Vector<P>,
     /// Not isolated, or a double root: perturbing the data may remove or split it.
     pub degenerate: bool,
+    /// Whether the contact is known to have others.
+    pub ambiguous: bool,
 }
 
-/// The percussions that stick needs, whether or not the contact can transmit them, and the gauge `k_C(−P_T/P_N)`.
+/// The percussions that stick needs, whether or not the contact can transmit them.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Stick<const P: usize> {
     normal: f64,
-    tangent: Vector<P>,
-    /// `−P_T/P_N`.
-    pub(crate) load: Vector<P>,
-    pub(crate) gauge: f64,
+    pub(crate) tangent: Vector<P>,
 }
 
 impl<const P: usize> Stick<P> {
-    /// Whether the contact can transmit them.
+    /// `−P_T/P_N`.
     #[inline(always)]
-    pub(crate) fn holds(&self) -> bool {
-        // The comparisons also turn away NaN.
-        self.normal > 0.0 && self.gauge <= 1.0 + 4.0 * f64::EPSILON
+    pub(crate) fn load(&self) -> Vector<P> {
+        self.tangent * (-1.0 / self.normal)
+    }
+
+    /// `k_C(−P_T/P_N)`.
+    #[inline(always)]
+    pub(crate) fn gauge(&self, law: &FrictionLaw<P>) -> f64 {
+        law.reservoir().gauge(&self.load())
+    }
+
+    /// Whether the contact can transmit them, where friction has a factor.
+    #[inline(always)]
+    pub(crate) fn holds(&self, law: &FrictionLaw<P>, factor: f64) -> bool {
+        // The comparisons also turn away NaN. Isotropic friction needs neither root nor division.
+        let normal = self.normal * (factor * (1.0 + 4.0 * f64::EPSILON));
+        normal > 0.0
+            && match law.isotropic_coefficient() {
+                Some(mu) => self.tangent.norm_squared() <= (mu * normal).powi(2),
+                None => law.reservoir().gauge(&-self.tangent) <= normal,
+            }
     }
 
     /// The solution, where it holds.
     #[inline(always)]
     pub(crate) fn solution(&self) -> LocalSolution<P> {
-        let Self { normal, tangent, .. } = *self;
-        let (phase, slip, degenerate) = (Phase::Stick, Vector::zeros(), false);
-        LocalSolution { phase, normal, tangent, slip, degenerate }
+        LocalSolution::new(Phase::Stick, self.normal, self.tangent, Vector::zeros())
     }
 }
 
-/// A chosen solution, and whether there are others.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Selection<const P: usize> {
-    /// The solution.
-    pub solution: LocalSolution<P>,
-    /// Whether the contact has more than one solution.
-    pub ambiguous: bool,
-}
-
 impl<const P: usize> LocalSolution<P> {
+    /// A solution that is isolated, beside which no other is known.
+    #[inline(always)]
+    pub(crate) fn new(phase: Phase, normal: f64, tangent: Vector<P>, slip: Vector<P>) -> Self {
+        Self { phase, normal, tangent, slip, degenerate: false, ambiguous: false }
+    }
+
     /// Writes the percussions to the contact's own rows, of which the first may be a normal one.
     #[inline(always)]
     pub(crate) fn store(&self, percussion: &mut [f64]) {
@@ -95,22 +106,12 @@ impl<const P: usize> LocalSolution<P> {
 /// Vectors of R² cut to R^P.
 #[inline(always)]
 fn cut<const P: usize>(v: &Vector<2>) -> Vector<P> {
-    let mut out = Vector::zeros();
-    for i in 0..P {
-        out[i] = v[i];
-    }
-    out
+    Vector::from_fn(|i, _| v[i])
 }
 
 #[inline(always)]
 fn cut_matrix<const P: usize>(m: &Matrix<2>) -> Matrix<P> {
-    let mut out = Matrix::<P>::zeros();
-    for j in 0..P {
-        for i in 0..P {
-            out[(i, j)] = m[(i, j)];
-        }
-    }
-    out
+    Matrix::from_fn(|i, j| m[(i, j)])
 }
 
 impl<'a, const P: usize> Local<'a, P> {
@@ -187,12 +188,10 @@ impl<'a, const P: usize> Local<'a, P> {
 
     /// The slip solution with `−P_T = P_N x`.
     #[inline(always)]
-    pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>, degenerate: bool) -> LocalSolution<P> {
+    pub(crate) fn slip(&self, x: &Vector<P>, v: &Vector<P>) -> LocalSolution<P> {
         let denominator = self.denominator(x);
         let normal = self.prescribed.unwrap_or(self.b_n.abs() / denominator);
-        let tangent = x * -normal;
-        let slip = v * (1.0 / denominator);
-        LocalSolution { phase: Phase::Slip, normal, tangent, slip, degenerate }
+        LocalSolution::new(Phase::Slip, normal, x * -normal, v * (1.0 / denominator))
     }
 
     /// Whether the contact opens, or has no normal force.
@@ -202,40 +201,28 @@ impl<'a, const P: usize> Local<'a, P> {
 
     /// Open contact with the tangential velocity it then has.
     pub(crate) fn open(&self) -> LocalSolution<P> {
-        let (phase, tangent) = (Phase::Open, Vector::zeros());
-        LocalSolution { phase, normal: 0.0, tangent, slip: self.b_t, degenerate: false }
+        LocalSolution::new(Phase::Open, 0.0, Vector::zeros(), self.b_t)
     }
 
     /// The stick solution, if there is one, with a block of any rank.
     #[inline]
     pub(crate) fn any_stick(&self) -> Option<LocalSolution<P>> {
         if !self.block.sound {
-            return self.stick_of_any_rank(&mut Effort::alone());
+            let single = self.single();
+            return single.stick().map(|found| single.solution(&found, Phase::Stick));
         }
-        let stick = self.stick_load();
-        stick.holds().then(|| stick.solution())
+        let stick = self.stick();
+        stick.holds(self.law, 1.0).then(|| stick.solution())
     }
 
-    /// Normal and tangential percussion with `γ = 0`, with a sound block.
+    /// The percussions with `γ = 0`, with a sound block.
     #[inline(always)]
-    fn without_slip(&self) -> (f64, Vector<P>) {
+    pub(crate) fn stick(&self) -> Stick<P> {
         let block = self.block;
-        let inverse: Matrix<P> = cut_matrix(&block.schur_inverse);
-        let load = match self.prescribed {
-            Some(_) => self.b_t,
-            None => self.b_t - cut::<P>(&block.g_tn) * (self.b_n / block.g_nn),
-        };
-        let tangent = -(inverse * load);
-        let lifted = || -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) / block.g_nn;
-        (self.prescribed.unwrap_or_else(lifted), tangent)
-    }
-
-    /// The percussion with `γ = 0`, with a sound block.
-    #[inline(always)]
-    pub(crate) fn stick_load(&self) -> Stick<P> {
-        let (normal, tangent) = self.without_slip();
-        let load = tangent * (-1.0 / normal);
-        Stick { normal, tangent, load, gauge: self.law.reservoir().gauge(&load) }
+        let load = self.b_t - cut::<P>(&block.g_tn) * (self.b_n * block.inverse_nn);
+        let tangent = -(cut_matrix::<P>(&block.schur_inverse) * load);
+        let lifted = || -(self.b_n + cut::<P>(&block.g_nt).dot(&tangent)) * block.inverse_nn;
+        Stick { normal: self.prescribed.unwrap_or_else(lifted), tangent }
     }
 
     /// Stick with the force on the border of the reservoir, where rounding decides whether the force that stick needs
@@ -244,17 +231,16 @@ impl<'a, const P: usize> Local<'a, P> {
     #[cold]
     #[inline(never)]
     pub(crate) fn stick_on_border(&self) -> Option<LocalSolution<P>> {
-        let Stick { load, gauge, .. } = self.stick_load();
+        let stick = self.stick();
+        let (load, gauge) = (stick.load(), stick.gauge(self.law));
         // The comparison also turns away NaN.
         if !((gauge - 1.0).abs() <= NEAR) {
             return None;
         }
         let x = load / gauge;
-        let stick = self.slip(&x, &Vector::zeros(), false);
+        let stick = self.slip(&x, &Vector::zeros());
         let single = self.single();
-        let mut percussion = ContactVector::zeros();
-        stick.store(&mut percussion.as_mut_slice()[..single.first() + P]);
-        let found = single.graded(percussion, false);
+        let found = single.graded(single.percussion(&stick), false);
         (stick.normal > 0.0 && found.defect <= single::SOLUTION)
             .then_some(LocalSolution { phase: Phase::Stick, ..stick })
     }
@@ -262,32 +248,25 @@ impl<'a, const P: usize> Local<'a, P> {
     /// Whether the contact can neither open nor stick, with a relative margin. Blocks without a sound inverse
     /// prove nothing, and a contact with a prescribed normal percussion always has a solution: an affine map
     /// on a compact convex set that always points away from it.
-    pub(crate) fn excludes_open_and_stick(&self, margin: f64) -> bool {
+    pub(crate) fn excludes_open_and_stick(&self) -> bool {
         if self.prescribed.is_some() || !self.block.sound {
             return false;
         }
         let load = self.b_n.hypot(self.b_t.norm());
         // The comparisons also turn away NaN.
-        if !(self.b_n < -margin * load && load < f64::MAX) {
+        if !(self.b_n < -MARGIN * load && load < f64::MAX) {
             return false;
         }
-        let (normal, tangent) = self.without_slip();
+        let Stick { normal, tangent } = self.stick();
         let along = cut::<P>(&self.block.g_nt).dot(&tangent);
-        let size = (self.b_n.abs() + along.abs()) / self.block.g_nn;
+        let size = (self.b_n.abs() + along.abs()) * self.block.inverse_nn;
         let gauge = self.law.reservoir().gauge(&-tangent);
-        normal < -margin * size || normal > margin * size && gauge > normal * (1.0 + margin)
-    }
-
-    /// Stick with a block that has no sound inverse.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn stick_of_any_rank(&self, effort: &mut Effort) -> Option<LocalSolution<P>> {
-        let single = self.single();
-        let found = single.stick(effort).filter(Graded::sticks)?;
-        Some(self.with_phase(&single, &found, Phase::Stick))
+        normal < -MARGIN * size || normal > MARGIN * size && gauge > normal * (1.0 + MARGIN)
     }
 
     /// The contact as a dense problem, for what closed forms do not reach.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn single(&self) -> Single<'a, P> {
         let block = self.block;
         let first = usize::from(self.prescribed.is_none());
@@ -305,8 +284,7 @@ impl<'a, const P: usize> Local<'a, P> {
     /// like a solution.
     pub(crate) fn refined(&self, found: &LocalSolution<P>) -> Option<LocalSolution<P>> {
         let single = self.single();
-        let mut percussion = ContactVector::zeros();
-        found.store(&mut percussion.as_mut_slice()[..single.first() + P]);
+        let percussion = single.percussion(found);
         let start = single.graded(percussion, found.degenerate);
         if start.defect <= single::ROUNDING {
             return Some(*found);
@@ -315,33 +293,7 @@ impl<'a, const P: usize> Local<'a, P> {
         let near = (end.percussion - percussion).norm() <= NEAR * percussion.norm();
         let end = if near { end } else { start };
         let largest = if found.degenerate { 1e-7 } else { 1e-9 };
-        (end.defect <= largest).then(|| self.with_phase(&single, &end, found.phase))
-    }
-
-    /// Percussions of the dense problem as a solution.
-    fn with_phase(&self, single: &Single<'_, P>, found: &Graded, phase: Phase) -> LocalSolution<P> {
-        let p = &found.percussion;
-        let slip = match phase {
-            Phase::Stick => Vector::zeros(),
-            _ => single.tangent(&single.velocity(p)),
-        };
-        let (normal, tangent) = (single.normal(p), single.tangent(p));
-        LocalSolution { phase, normal, tangent, slip, degenerate: found.degenerate }
-    }
-
-    /// Slip found by Newton's method on all rows together, from sliding along a velocity.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn slip_from(
-        &self,
-        velocity: &Vector<P>,
-        effort: &mut Effort,
-    ) -> Option<LocalSolution<P>> {
-        let single = self.single();
-        let found = single.newton_from_slip(velocity, effort)?;
-        let slips =
-            found.defect <= single::FOUND && single.phase(&found.percussion).0 == Phase::Slip;
-        slips.then(|| self.with_phase(&single, &found, Phase::Slip))
+        (end.defect <= largest).then(|| single.solution(&end, found.phase))
     }
 
     /// The selection rule: the solution that continues the previous state.
@@ -349,24 +301,22 @@ impl<'a, const P: usize> Local<'a, P> {
     /// A contact that can open, opens. A slipping contact takes the slip solution whose direction is
     /// nearest to the last one, else it sticks. Any other contact sticks if it can, else it takes the
     /// slip solution nearest to the last direction, or to the free velocity if there is none.
-    pub(crate) fn select(
+    pub(crate) fn select<'s>(
         &self,
-        all: &[LocalSolution<P>],
+        all: impl Iterator<Item = &'s LocalSolution<P>> + Clone,
         state: &ContactState,
     ) -> Option<LocalSolution<P>> {
-        let of = |phase: Phase| all.iter().find(|s| s.phase == phase).copied();
+        let of = |phase: Phase| all.clone().find(|s| s.phase == phase);
         let last = Vector::<P>::from_fn(|i, _| state.slip[i]);
         let aim = if last.amax() > 0.0 { last } else { self.b_t };
         let nearness = |s: &LocalSolution<P>| s.slip.normalize().dot(&aim);
-        let nearest = all
-            .iter()
-            .filter(|s| s.phase == Phase::Slip)
-            .max_by(|a, b| nearness(a).total_cmp(&nearness(b)))
-            .copied();
+        let slips = all.clone().filter(|s| s.phase == Phase::Slip);
+        let nearest = slips.max_by(|a, b| nearness(a).total_cmp(&nearness(b)));
         let closed = match state.phase {
             Phase::Slip => nearest.or_else(|| of(Phase::Stick)),
             _ => of(Phase::Stick).or(nearest),
         };
-        of(Phase::Open).or(closed)
+        let ambiguous = all.clone().count() > 1 || all.clone().any(|s| s.degenerate);
+        of(Phase::Open).or(closed).map(|found| LocalSolution { ambiguous, ..*found })
     }
 }

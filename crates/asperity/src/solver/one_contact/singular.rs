@@ -1,9 +1,7 @@
 //! Singular values of a small matrix that may have any rank.
 
+use super::single::ITERATIONS;
 use crate::law::{ContactMatrix, ContactVector};
-
-/// Sweeps of rotations; three or four are the rule.
-const SWEEPS: usize = 40;
 
 /// `G = U Σ Vᵀ` by one-sided rotations, which keep the digits of small singular values
 /// (\[DemmelVeselic1992\]).
@@ -20,7 +18,8 @@ impl Factors {
     /// The factors of the first `n` rows and columns; the others must vanish.
     pub(crate) fn new(matrix: &ContactMatrix, n: usize) -> Self {
         let (mut left, mut right) = (*matrix, ContactMatrix::identity());
-        for _ in 0..SWEEPS {
+        // Three or four sweeps are the rule.
+        for _ in 0..ITERATIONS {
             let mut rotated = false;
             for p in 0..n {
                 for q in p + 1..n {

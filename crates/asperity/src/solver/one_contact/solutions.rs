@@ -1,7 +1,6 @@
 //! All solutions of one contact, the others held.
 
 use super::block::Block;
-use super::local::LocalSolution;
 use super::solve::OneContact;
 use crate::argument::{ArgumentError, refuse};
 use crate::contact::{ContactProblem, Phase};
@@ -45,24 +44,14 @@ pub fn solutions(
     problem.check_rows("percussion", percussion)?;
     let own = rows.rows();
     let mut all = percussion.to_vec();
-    let velocity = |all: &[f64]| {
-        let xi = problem.contact_velocity(contact, all, true);
-        own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution()[row]).collect()
-    };
-    let mut complete = |local: &LocalSolution<2>| {
-        if rows.normal_rows() == 1 {
-            all[rows.offset] = local.normal;
-        }
-        let tangent = &mut all[rows.tangent()..own.end];
-        tangent.copy_from_slice(&local.tangent.as_slice()[..rows.law.dimension()]);
-        ContactSolution {
-            phase: local.phase,
-            percussion: all[own.clone()].to_vec(),
-            velocity: velocity(&all),
-            degenerate: local.degenerate,
-        }
-    };
     let block = Block::new(problem, contact);
-    let one = OneContact::new(problem, contact, &block, percussion);
-    Ok(one.all_solutions().iter().map(&mut complete).collect())
+    let mut found = Vec::new();
+    OneContact::new(problem, contact, &block, percussion).visit_all(&mut |phase, p, degenerate| {
+        all[own.clone()].copy_from_slice(p);
+        let xi = problem.contact_velocity(contact, &all, true);
+        let velocity = own.clone().zip(xi).map(|(row, xi)| xi - problem.restitution()[row]);
+        let velocity = velocity.collect();
+        found.push(ContactSolution { phase, percussion: p.to_vec(), velocity, degenerate });
+    });
+    Ok(found)
 }

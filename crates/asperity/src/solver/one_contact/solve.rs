@@ -3,13 +3,12 @@
 use asperity_set::Vector;
 
 use super::block::Block;
-use super::effort::Effort;
-use super::local::{Local, LocalSolution, Selection};
-use super::plane::{self, Rising};
-use super::single::Single;
-use super::{line, space};
+use super::line;
+use super::local::{Local, LocalSolution};
+use super::plane::{self, ImplicitRate};
+use super::single::{ROUNDING, Single};
 use crate::contact::{ContactProblem, ContactState, Phase};
-use crate::law::Law;
+use crate::law::{ContactVector, Law};
 use crate::vectors::largest;
 
 /// What is asked of the solution of a contact.
@@ -71,7 +70,8 @@ macro_rules! by_dimension {
                 $in_plane
             }
             Law::Three(law) => {
-                let $space = &Single::<3>::of(problem, contact, law, &held);
+                let entry = |i, j| problem.delassus().own(contact, i, j);
+                let $space = &Single::<3>::new(law, rows.normal, entry, |i| held[i]);
                 $in_space
             }
         }
@@ -123,7 +123,6 @@ impl<'a> OneContact<'a> {
         start: Start<'_>,
         percussion: &mut [f64],
         candidates: &mut Candidates,
-        effort: &mut Effort,
     ) -> Option<Found> {
         let history = start.history;
         by_dimension!(self,
@@ -131,21 +130,32 @@ impl<'a> OneContact<'a> {
             Plane(local) => {
                 let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
                 let buffer = &mut candidates.planar;
-                if policy == Policy::Prove {
-                    // Most contacts end here.
-                    if let Some(solution) = plane::fast(local, guess) {
-                        return Some(keep(&Selection { solution, ambiguous: false }, percussion));
-                    }
-                    let found = plane::select_among_all(*local, history, buffer)?;
-                    return Some(keep(&found, percussion));
-                }
-                let solution = plane::first_found(local, history, guess, buffer, effort)?;
-                Some(keep(&Selection { solution, ambiguous: false }, percussion))
+                Some(keep(&plane::solve(local, history, guess, policy, buffer)?, percussion))
             },
-            Space(single) => {
-                Some(keep(&space::solve(single, percussion, history, effort)?, percussion))
-            }
+            Space(single) => Some(keep(&self.in_space(single, history, percussion)?, percussion))
         )
+    }
+
+    /// The solution with sliding and drilling friction that continues `state`, as far as a search finds it, whose failure
+    /// proves nothing. Several solutions are neither listed nor recognised.
+    #[inline(never)]
+    fn in_space(
+        &self,
+        single: &Single<'_, 3>,
+        state: &ContactState,
+        percussion: &[f64],
+    ) -> Option<LocalSolution<3>> {
+        if single.opens() {
+            let open = single.graded(ContactVector::zeros(), false);
+            return Some(single.solution(&open, Phase::Open));
+        }
+        let delassus = self.problem.delassus();
+        let neighbours = delassus.blocks().neighbours(self.contact);
+        let alone = neighbours.iter().all(|&other| other == self.contact);
+        let alone = alone && !delassus.is_matrix_free();
+        let last = Vector::<3>::from_column_slice(&state.slip);
+        let ahead = (last.amax() > 0.0).then_some(last);
+        single.solve(state, ahead, percussion, alone)
     }
 
     /// Whether the contact has more than one solution, as far as that is known.
@@ -159,55 +169,53 @@ impl<'a> OneContact<'a> {
             Line(local) => line::solve(local, state).is_some_and(|s| s.ambiguous),
             Plane(local) => {
                 let guess = || guess(local, state.ahead());
-                plane::fast(local, guess).is_none()
-                    && plane::select_among_all(*local, state, &mut candidates.planar)
-                        .is_some_and(|s| s.ambiguous)
+                plane::solve(local, state, guess, Policy::Prove, &mut candidates.planar)
+                    .is_some_and(|s| s.ambiguous)
             },
             Space(_) => false
         )
     }
 
-    /// All solutions, on a line with a zero second component; with drilling friction none are listed.
-    pub(crate) fn all_solutions(&self) -> Vec<LocalSolution<2>> {
-        let mut out = Vec::new();
+    /// All solutions as percussions of the contact's rows; with drilling friction none are listed.
+    pub(crate) fn visit_all(&self, visit: &mut dyn FnMut(Phase, &[f64], bool)) {
+        let mut percussion = [0.0; 3];
+        let own = &mut percussion[..self.problem.contacts()[self.contact].rows().len().min(3)];
         by_dimension!(self,
-            Line(local) => {
-                let planar = |s: LocalSolution<1>| LocalSolution {
-                    phase: s.phase,
-                    normal: s.normal,
-                    tangent: Vector::<2>::new(s.tangent[0], 0.0),
-                    slip: Vector::<2>::new(s.slip[0], 0.0),
-                    degenerate: s.degenerate,
-                };
-                out.extend(line::solutions(local).into_iter().flatten().map(planar));
-            },
+            Line(local) => line::solutions(local).iter().flatten().for_each(|found| {
+                found.store(own);
+                visit(found.phase, own, found.degenerate);
+            }),
             Plane(local) => {
-                plane::solutions(local, &mut out);
+                let mut all = Vec::new();
+                plane::solutions(local, &mut all);
+                all.iter().for_each(|found| {
+                    found.store(own);
+                    visit(found.phase, own, found.degenerate);
+                });
             },
             Space(_) => {}
         );
-        out
     }
 
     /// The solution with a factor of the speed at the end of the step that continues `state`; `None` where there is
     /// none, and with drilling friction.
     #[cold]
-    pub(crate) fn settle(
+    pub(crate) fn solve_implicit(
         &self,
         state: &ContactState,
-        factor: &Rising<'_>,
+        factor: &ImplicitRate<'_>,
         candidates: &mut Candidates,
-    ) -> Option<Settled> {
+    ) -> Option<ImplicitSolution> {
         by_dimension!(self,
             Line(local) => {
                 let all = &mut candidates.linear;
                 plane::solutions_on_a_line(local, factor, all);
-                Settled::new(local, all, state, factor)
+                ImplicitSolution::new(local, all, state, factor)
             },
             Plane(local) => {
                 let all = &mut candidates.planar;
-                plane::rising_solutions(local, factor, all);
-                Settled::new(local, all, state, factor)
+                plane::implicit_solutions(local, factor, all);
+                ImplicitSolution::new(local, all, state, factor)
             },
             Space(_) => None
         )
@@ -235,9 +243,6 @@ impl<'a> OneContact<'a> {
     }
 }
 
-/// Velocities below this part of those without percussions are what rounding leaves of them.
-const ROUNDING: f64 = 1e-14;
-
 /// A start of Newton's method: a slip velocity, or the free velocity if the contact has never slipped.
 #[inline]
 fn guess(local: &Local<'_, 2>, slip: [f64; 3]) -> Vector<2> {
@@ -247,17 +252,16 @@ fn guess(local: &Local<'_, 2>, slip: [f64; 3]) -> Vector<2> {
 
 /// Writes the percussions of a solution to the contact's rows.
 #[inline(always)]
-fn keep<const P: usize>(found: &Selection<P>, percussion: &mut [f64]) -> Found {
-    let Selection { solution, ambiguous } = found;
-    solution.store(percussion);
+fn keep<const P: usize>(found: &LocalSolution<P>, percussion: &mut [f64]) -> Found {
+    found.store(percussion);
     let mut slip = [0.0; 3];
-    slip[..P].copy_from_slice(solution.slip.as_slice());
-    Found { phase: solution.phase, slip, ambiguous: *ambiguous }
+    slip[..P].copy_from_slice(found.slip.as_slice());
+    Found { phase: found.phase, slip, ambiguous: found.ambiguous }
 }
 
 /// A solution of one contact in which speed and factor agree.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Settled {
+pub(crate) struct ImplicitSolution {
     pub(crate) factor: f64,
     pub(crate) state: ContactState,
     /// Normal percussion.
@@ -268,14 +272,14 @@ pub(crate) struct Settled {
     pub(crate) ambiguous: bool,
 }
 
-impl Settled {
+impl ImplicitSolution {
     fn new<const P: usize>(
         local: &Local<'_, P>,
         all: &[LocalSolution<P>],
         state: &ContactState,
-        factor: &Rising<'_>,
+        factor: &ImplicitRate<'_>,
     ) -> Option<Self> {
-        let found = local.select(all, state)?;
+        let found = local.select(all.iter(), state)?;
         let speed = if found.phase == Phase::Slip { found.slip.norm() } else { 0.0 };
         let (mut tangent, mut slip) = ([0.0; 2], [0.0; 3]);
         tangent[..P].copy_from_slice(found.tangent.as_slice());
@@ -285,7 +289,7 @@ impl Settled {
             state: ContactState::new(found.phase, slip),
             normal: found.normal,
             tangent,
-            ambiguous: all.len() > 1,
+            ambiguous: found.ambiguous,
         })
     }
 }

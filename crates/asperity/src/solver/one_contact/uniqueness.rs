@@ -29,7 +29,7 @@ impl<'a> Uniqueness<'a> {
         let largest = (to_disk * block.schur_inverse).norm();
         let doubtful = match block.shape {
             Shape::Monotone => (f64::INFINITY, f64::NEG_INFINITY),
-            _ => (f64::NEG_INFINITY, block.certain_slip * largest),
+            _ => (f64::NEG_INFINITY, block.slip_certificate * largest),
         };
         let by_direction = block.shape == Shape::Scalar;
         block.sound.then_some(Self { law, doubtful, by_direction })

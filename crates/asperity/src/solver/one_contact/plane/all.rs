@@ -1,14 +1,12 @@
 //! All solutions of one contact.
 
 use super::super::local::{Local, LocalSolution};
+use super::super::single::VANISHING;
 use super::equation::Slip;
 use super::scan::Scan;
-use super::search::{End, Search};
+use super::search::Search;
 use crate::contact::Phase;
 use crate::law::Walk;
-
-/// Slip velocities below this part of what cancels in them are rounding, as singular values are in `single.rs`.
-const VANISHING: f64 = 1e-13;
 
 /// All solutions, in the order open, stick, slips counter-clockwise along bdry *D*; false if a cell was given
 /// up in which there may be more.
@@ -25,7 +23,7 @@ pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -
         return true;
     }
     let Walk { table, direction } = local.law.walk();
-    let slip = Slip::new(local, local.law.bounds().largest_radius);
+    let slip = Slip::new(local);
     // What is not a number would be searched for in vain.
     if !(slip.norm_c + slip.norm_a).is_finite() {
         return false;
@@ -37,17 +35,16 @@ pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -
     let mut search = Search::new(&slip, direction, out);
     for i in scan.open() {
         for j in i * table.fine_per_coarse..(i + 1) * table.fine_per_coarse {
-            let (first, last) = (&table.nodes[j], &table.nodes[j + 1]);
-            if !slip.excluded_between(first, last, slip.stray(&table.fine[j])) {
-                let ends = [first, last].map(|node| End::new(&slip, node.point));
-                search.cell(&ends[0], &ends[1], slip.bounds(&table.fine[j]));
-            }
+            search.cell(&table.nodes[j], &table.nodes[j + 1], slip.bounds(&table.fine[j]));
         }
     }
     let complete = search.complete;
-    // Neighbours that are one root need not be refined one by one.
-    merge(local, out);
-    refine(local, out);
+    #[cfg(test)]
+    super::tests::count(search.pieces);
+    out.retain_mut(|found| {
+        let refined = if found.phase == Phase::Slip { local.refined(found) } else { Some(*found) };
+        refined.map(|refined| *found = refined).is_some()
+    });
     merge(local, out);
     if out.is_empty() {
         out.extend(local.stick_on_border());
@@ -67,45 +64,36 @@ fn moves_nothing(local: &Local<'_, 2>, slip: &Slip<'_, '_>) -> bool {
         && slip.norm_a <= VANISHING * linear
 }
 
-/// Slip solutions to the last digits, without what only looked like one.
-fn refine(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
-    let mut kept = 0;
-    for i in 0..out.len() {
-        let found = out[i];
-        let refined = if found.phase == Phase::Slip { local.refined(&found) } else { Some(found) };
-        if let Some(refined) = refined {
-            out[kept] = refined;
-            kept += 1;
-        }
-    }
-    out.truncate(kept);
-}
-
 /// Removes slip solutions that are stick on the boundary of *C*, and neighbours that are one root.
 fn merge(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) {
-    let sticks = out.iter().any(|s| s.phase == Phase::Stick);
     let scale = local.b_t.norm();
-    out.retain(|s| s.phase != Phase::Slip || !sticks || s.slip.norm() > 1e-12 * scale);
-    let first = out.iter().position(|s| s.phase == Phase::Slip).unwrap_or(out.len());
-    let mut kept = first;
-    for i in first..out.len() {
-        let candidate = out[i];
-        match out[first..kept].iter().position(|s| same_root(s, &candidate, scale)) {
-            // A root at the end of a cell is seen from the next cell as a double root.
-            Some(place) if out[first + place].degenerate => out[first + place] = candidate,
-            Some(_) => {}
-            None => {
-                out[kept] = candidate;
-                kept += 1;
-            }
+    let slips = |s: &LocalSolution<2>| s.phase == Phase::Slip;
+    let sticks = out.iter().any(|s| s.phase == Phase::Stick);
+    out.retain(|s| !slips(s) || !sticks || s.slip.norm() > 1e-12 * scale);
+    // Double roots are located to the size of the last bisection.
+    let same = |a: &LocalSolution<2>, b: &LocalSolution<2>| {
+        let tolerance = if a.degenerate || b.degenerate { 1e-7 } else { 1e-12 };
+        slips(a)
+            && slips(b)
+            && (a.tangent - b.tangent).norm() <= tolerance * a.tangent.norm()
+            && (a.slip - b.slip).norm() <= tolerance * scale
+    };
+    // A root at the end of a cell is seen from the next cell as a double root.
+    out.dedup_by(|next, kept| {
+        let one = same(kept, next);
+        if one && kept.degenerate {
+            *kept = *next;
         }
+        one
+    });
+    let first = out.iter().position(slips).unwrap_or(0);
+    if let [.., last] = out[first..]
+        && out.len() > first + 1
+        && same(&out[first], &last)
+    {
+        if out[first].degenerate {
+            out[first] = last;
+        }
+        out.pop();
     }
-    out.truncate(kept);
-}
-
-/// Whether two slip solutions are one; double roots are located to the size of the last bisection.
-fn same_root(a: &LocalSolution<2>, b: &LocalSolution<2>, scale: f64) -> bool {
-    let tolerance = if a.degenerate || b.degenerate { 1e-7 } else { 1e-12 };
-    (a.tangent - b.tangent).norm() <= tolerance * a.tangent.norm()
-        && (a.slip - b.slip).norm() <= tolerance * scale
 }

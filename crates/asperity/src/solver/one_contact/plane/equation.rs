@@ -37,7 +37,8 @@ pub(super) struct Slip<'a, 'b> {
 }
 
 impl<'a, 'b> Slip<'a, 'b> {
-    pub(super) fn new(local: &'a Local<'b, 2>, largest_radius: f64) -> Self {
+    pub(super) fn new(local: &'a Local<'b, 2>) -> Self {
+        let largest_radius = local.law.bounds().largest_radius;
         let (c0, a) = local.affine();
         // Sums of magnitudes bound the norms and need no roots.
         let norm_c = c0.x.abs() + c0.y.abs();
@@ -80,16 +81,6 @@ impl<'a, 'b> Slip<'a, 'b> {
         self.norm_c * cell.normal + self.norm_a * self.scale * cell.product
     }
 
-    /// Whether `F` or `n·v` rules out a solution between two nodes.
-    pub(super) fn excluded_between(&self, first: &Node, last: &Node, stray: f64) -> bool {
-        let [(f, along_f), (g, along_g)] = [first, last].map(|node| {
-            let v = self.velocity_at(node);
-            (cross(&node.point.normal, &v), node.point.normal.dot(&v))
-        });
-        let no_root = (f >= 0.0) == (g >= 0.0) && f.abs().min(g.abs()) > stray;
-        no_root || along_f.max(along_g) < -stray
-    }
-
     /// The slip solution at a root, if it is one: `v` along `n` and the normal force positive.
     pub(super) fn admit(
         &self,
@@ -97,17 +88,20 @@ impl<'a, 'b> Slip<'a, 'b> {
         degenerate: bool,
     ) -> Option<LocalSolution<2>> {
         let x = self.on_reservoir(point);
-        let v = self.velocity(&x);
-        let outward = point.normal.dot(&v) > 0.0;
-        let pressed = self.local.denominator(&x) > self.local.vanishing_denominator(x.norm());
-        (outward && pressed).then(|| self.local.slip(&x, &v, degenerate))
+        let least = self.local.vanishing_denominator(x.norm());
+        let found = self.admit_above(least, &point.normal, &x, &self.velocity(&x))?;
+        Some(LocalSolution { degenerate, ..found })
     }
 
     /// The same for a root that Newton's method has found, if it has kept its digits.
     #[inline(always)]
     pub(super) fn admit_root(&self, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
-        let outward = n.dot(v) > 0.0;
-        let pressed = self.local.denominator(x) > self.least;
-        (outward && pressed).then(|| self.local.slip(x, v, false))
+        self.admit_above(self.least, n, x, v)
+    }
+
+    #[inline(always)]
+    fn admit_above(&self, least: f64, n: &V, x: &V, v: &V) -> Option<LocalSolution<2>> {
+        let slips = n.dot(v) > 0.0 && self.local.denominator(x) > least;
+        slips.then(|| self.local.slip(x, v))
     }
 }

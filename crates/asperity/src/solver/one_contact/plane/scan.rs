@@ -6,8 +6,6 @@ use crate::law::{COARSE, Columns, WalkTable};
 
 /// Which coarse cells may hold a solution.
 pub(super) struct Scan {
-    /// `F` at the coarse nodes, the first one repeated at the end.
-    value: [f64; COARSE + 1],
     /// How far a cell is from holding a solution; not positive where it may hold one.
     margin: [f64; COARSE],
 }
@@ -47,7 +45,7 @@ impl pulp::NullaryFnOnce for Evaluation<'_, '_, '_> {
             let apart = larger(smaller(f, g), smaller(-f, -g));
             margin[i] = larger(apart, smaller(against[i], against[i + 1])) - stray;
         }
-        Scan { value, margin }
+        Scan { margin }
     }
 }
 
@@ -63,35 +61,31 @@ impl Scan {
         self.margin.iter().enumerate().filter_map(|(i, &margin)| (!(margin > 0.0)).then_some(i))
     }
 
-    /// Whether exactly one cell is left, and that with a change of sign.
-    pub(super) fn has_one_root(&self, slip: &Slip<'_, '_>, table: &WalkTable) -> bool {
-        let mut open = self.open();
-        let Some(cell) = open.next() else { return false };
-        let changes = (self.value[cell] >= 0.0) != (self.value[cell + 1] >= 0.0);
-        // One change of sign may still be three roots unless F is monotone within its bound there.
-        changes && open.next().is_none() && self.monotone(slip, table, cell)
-    }
-
-    /// Whether one fine cell holds one root and the others none.
-    fn monotone(&self, slip: &Slip<'_, '_>, table: &WalkTable, cell: usize) -> bool {
-        let range = cell * table.fine_per_coarse..(cell + 1) * table.fine_per_coarse;
+    /// Whether there is one slip only: all coarse cells but one hold none, and all fine cells in there but one, in which
+    /// `F` changes its sign and is monotone within its bound.
+    #[inline(never)]
+    pub(super) fn has_one_root(slip: &Slip<'_, '_>, table: &WalkTable) -> bool {
+        let scan = Self::new(slip, table);
+        let mut open = scan.open();
+        let (Some(cell), None) = (open.next(), open.next()) else { return false };
         let value = |j: usize| {
             let node = &table.nodes[j];
             cross(&node.point.normal, &slip.velocity_at(node))
         };
         let mut changes = 0;
-        for j in range {
+        for j in cell * table.fine_per_coarse..(cell + 1) * table.fine_per_coarse {
             let (f, g) = (value(j), value(j + 1));
             let stray = slip.stray(&table.fine[j]);
-            if (f >= 0.0) != (g >= 0.0) {
-                // A cell with a change of sign holds one root only if F is monotone in it.
-                if (f - g).abs() <= MONOTONE * stray {
-                    return false;
-                }
-                changes += 1;
-            } else if f.abs().min(g.abs()) <= stray {
+            let change = (f >= 0.0) != (g >= 0.0);
+            let certain = if change {
+                (f - g).abs() > MONOTONE * stray
+            } else {
+                f.abs().min(g.abs()) > stray
+            };
+            if !certain {
                 return false;
             }
+            changes += usize::from(change);
         }
         changes == 1
     }

@@ -2,18 +2,16 @@
 
 use asperity_set::{Arc, BoundaryPoint, Convex};
 
-use super::super::local::LocalSolution;
+use super::super::block::MARGIN;
+use super::super::local::{Local, LocalSolution};
 use super::equation::{Bounds, Slip, V};
+use crate::law::{Node, Walk};
 
 /// Halvings of a fine cell: roots nearer to each other than about `10⁻⁹` rad are one.
 const DEEPEST: usize = 24;
-/// Pieces of a fine cell that are looked at before it is given up, and pieces of all cells together, which take
-/// some milliseconds: longer, no search can keep anybody waiting. An ordinary cell has one piece; next to the
+/// Pieces that are looked at in one search, which take some milliseconds. An ordinary cell has one piece; next to the
 /// cusp of a caustic, three roots within 10⁻⁴ rad take some thousand.
-const PATIENCE: usize = 4000;
-const MOST: usize = 20_000;
-/// Roots beyond which those of an ill-conditioned block are rounding, of which some are enough.
-const MANY: usize = 64;
+const PATIENCE: usize = 20_000;
 /// Change of `F` against its distance from the chord from which on `F` is monotone: 4 is enough where the
 /// second derivative is constant, and it varies little in a cell.
 pub(super) const MONOTONE: f64 = 8.0;
@@ -64,14 +62,39 @@ pub(super) fn halved(bounds: &Bounds, a: &End, middle: &End, b: &End) -> Bounds 
     }
 }
 
+/// Whether neither open nor stick nor slip is possible, with a margin: see `proves_no_solution` in `one_contact/solve.rs`.
+pub(crate) fn proves_no_solution(local: &Local<'_, 2>) -> bool {
+    if !local.excludes_open_and_stick() {
+        return false;
+    }
+    let Walk { table, direction } = local.law.walk();
+    let slip = Slip::new(local);
+    let radius = local.law.bounds().largest_radius;
+    let mut roots = Vec::new();
+    let mut search = Search {
+        velocity: MARGIN * (slip.norm_c + slip.norm_a * radius),
+        resistance: MARGIN * (local.block.g_nn + local.block.g_nt.norm() * radius),
+        proves: true,
+        ..Search::new(&slip, direction, &mut roots)
+    };
+    table.nodes.windows(2).zip(&table.fine).all(|(pair, cell)| {
+        search.cell(&pair[0], &pair[1], slip.bounds(cell));
+        search.complete
+    })
+}
+
 /// The search of cells for roots, which become solutions.
 pub(super) struct Search<'a, 'b, 'c> {
     slip: &'a Slip<'b, 'c>,
     direction: &'a Convex<2>,
     out: &'a mut Vec<LocalSolution<2>>,
-    /// Pieces looked at in this cell, and pieces that all others may still have.
-    pieces: usize,
-    left: usize,
+    /// Velocities and denominators that count as zero.
+    velocity: f64,
+    resistance: f64,
+    /// Whether the search ends, incomplete, where there may be a root.
+    proves: bool,
+    /// Pieces looked at.
+    pub(super) pieces: usize,
     /// Whether no cell was given up.
     pub(super) complete: bool,
 }
@@ -82,59 +105,52 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
         direction: &'a Convex<2>,
         out: &'a mut Vec<LocalSolution<2>>,
     ) -> Self {
-        Self { slip, direction, out, pieces: 0, left: MOST, complete: true }
+        let (velocity, resistance, proves) = (slip.rounding, 0.0, false);
+        let (pieces, complete) = (0, true);
+        Self { slip, direction, out, velocity, resistance, proves, pieces, complete }
     }
 
-    /// All roots of `F` in a cell.
-    pub(super) fn cell(&mut self, first: &End, last: &End, bounds: Bounds) {
-        self.pieces = 0;
-        self.piece(first, last, bounds, 0);
-        self.left = self.left.saturating_sub(self.pieces);
-        #[cfg(test)]
-        super::tests::count(self.pieces);
+    /// All roots of `F` between two nodes of the table.
+    pub(super) fn cell(&mut self, first: &Node, last: &Node, bounds: Bounds) {
+        let [first, last] = [first, last].map(|node| End::new(self.slip, node.point));
+        self.piece(&first, &last, bounds, 0);
     }
 
     fn piece(&mut self, a: &End, b: &End, bounds: Bounds, depth: usize) {
         self.pieces += 1;
-        if self.out.len() >= MANY && !self.slip.local.block.sound {
-            self.complete = false;
+        let slip = self.slip;
+        if self.proves && !self.complete {
             return;
         }
-        let slip = self.slip;
-        if (b.x - a.x).norm() <= 4.0 * f64::EPSILON * a.x.norm() {
+        if !self.proves && (b.x - a.x).norm() <= 4.0 * f64::EPSILON * a.x.norm() {
             self.corner(a, b);
             return;
         }
-        let stray = stray(slip, a, b, &bounds) + slip.rounding;
+        let stray = stray(slip, a, b, &bounds) + self.velocity;
         let changes = (a.value >= 0.0) != (b.value >= 0.0);
-        let no_root = !changes && a.value.abs().min(b.value.abs()) > stray;
-        if no_root || a.along.max(b.along) < -stray {
+        if self.holds_none(a, b, stray, bounds.position) {
             return;
         }
         let arc = Arc { start: a.point, end: b.point };
         let single = (b.value - a.value).abs() > MONOTONE * stray;
-        let mut root = || {
-            let root = arc.root(self.direction, slip.rounding, |point| slip.value(point));
-            self.out.extend(slip.admit(&root, false));
-        };
-        if single {
+        if single && !self.proves {
             if changes {
-                root();
+                self.root(&arc);
             }
             return;
         }
         let middle = End::new(slip, arc.middle(self.direction));
         let largest = middle.value.abs().max(a.value.abs()).max(b.value.abs());
-        if largest <= slip.rounding {
+        if largest <= slip.rounding && !self.proves {
             // A continuum of solutions is represented by its ends.
             self.out.extend([a, b].iter().filter_map(|end| slip.admit(&end.point, true)));
             return;
         }
         let deepest = depth == DEEPEST;
-        if deepest || self.pieces >= PATIENCE.min(self.left) {
-            self.complete &= deepest;
+        if deepest || self.pieces >= PATIENCE {
+            self.complete &= deepest && !self.proves;
             if changes {
-                root();
+                self.root(&arc);
             } else if deepest {
                 // A double root.
                 self.out.extend(slip.admit(&a.point, true));
@@ -144,6 +160,25 @@ impl<'a, 'b, 'c> Search<'a, 'b, 'c> {
         let half = halved(&bounds, a, &middle, b);
         self.piece(a, &middle, half, depth + 1);
         self.piece(&middle, b, half, depth + 1);
+    }
+
+    /// Whether no slip lies between two points: `F` keeps its sign, or `n·v` or the denominator is negative.
+    fn holds_none(&self, a: &End, b: &End, stray: f64, position: f64) -> bool {
+        let local = self.slip.local;
+        let same = (a.value >= 0.0) == (b.value >= 0.0);
+        let resists = || {
+            let largest = local.denominator(&a.x).max(local.denominator(&b.x));
+            largest >= -(local.block.g_nt.norm() * position + self.resistance)
+        };
+        same && a.value.abs().min(b.value.abs()) > stray
+            || a.along.max(b.along) < -stray
+            || !resists()
+    }
+
+    fn root(&mut self, arc: &Arc) {
+        let slip = self.slip;
+        let root = arc.root(self.direction, slip.rounding, |point| slip.value(point));
+        self.out.extend(slip.admit(&root, false));
     }
 
     /// At a corner of *D* the slip velocity is the same for all normals, and the root is the normal along it.

@@ -8,16 +8,24 @@ use nalgebra::DMatrix;
 use super::super::block::{Block, Shape};
 use super::super::local::{Local, LocalSolution};
 use super::super::single::Single;
+use super::super::solve::Policy;
 use super::equation::{Slip, cross};
+use super::newton::newton_on_circle;
 use super::scan::Scan;
 use super::search::{End, halved, stray};
 use super::{
-    Rising, fast, isotropic, proves_no_solution, rising_solutions, solutions, solutions_on_a_line,
+    ImplicitRate, implicit_solutions, proves_no_solution, solutions, solutions_on_a_line,
+    without_search,
 };
-use crate::contact::{ContactProblem, NormalForce, Phase};
+use crate::contact::{ContactProblem, ContactState, NormalForce, Phase};
 use crate::law::COARSE;
 use crate::law::{Fall, FrictionLaw, Law, Stribeck};
 use crate::solver::measure::natural_residual::natural_residual;
+
+/// The solution that is found without the complete search.
+fn fast(local: &Local<'_, 2>) -> Option<LocalSolution<2>> {
+    without_search(local, &ContactState::UNKNOWN, || local.b_t, Policy::Prove)
+}
 
 thread_local! {
     static PIECES: Cell<usize> = const { Cell::new(0) };
@@ -121,7 +129,7 @@ fn a_slip_that_is_certain_is_the_only_solution() {
             let mut problem =
                 ContactProblem::new(delassus, vec![-1.0, 0.0, 0.0], contacts).unwrap();
             let block = Block::new(&problem, 0);
-            let speed = block.certain_slip * (1.0 + 0.1 * c1.abs());
+            let speed = block.slip_certificate * (1.0 + 0.1 * c1.abs());
             let direction = Vector::<2>::new(c1, s1) * speed;
             problem.free_velocity_mut()[1..].copy_from_slice(direction.as_slice());
             let Law::Two(planar) = &law else { panic!("the law is planar") };
@@ -139,7 +147,7 @@ fn a_slip_that_is_certain_is_the_only_solution() {
 fn obeys<const P: usize>(
     law: &FrictionLaw<P>,
     local: &Local<'_, P>,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     found: &LocalSolution<P>,
 ) {
     let (block, normal) = (local.block, found.normal);
@@ -182,8 +190,8 @@ impl Unrated {
     fn obeying<const P: usize>(
         &self,
         law: &FrictionLaw<P>,
-        factor: &Rising<'_>,
-        list: impl Fn(&Local<'_, P>, &Rising<'_>, &mut Vec<LocalSolution<P>>),
+        factor: &ImplicitRate<'_>,
+        list: impl Fn(&Local<'_, P>, &ImplicitRate<'_>, &mut Vec<LocalSolution<P>>),
     ) -> Vec<Phase>
     where
         Law: From<FrictionLaw<P>>,
@@ -203,7 +211,7 @@ impl Unrated {
             let rate = factor.rate;
             let (typical, viscous) = (rate.speed() * speed, rate.viscous() / speed);
             let rate = Stribeck::new(rate.fall(), typical, rate.ratio(), rate.exponent(), viscous);
-            let factor = Rising { rate: &rate.unwrap(), ..*factor };
+            let factor = ImplicitRate { rate: &rate.unwrap(), ..*factor };
             let mut found = Vec::new();
             list(&local, &factor, &mut found);
             if (kg, speed) == (1.0, 1.0) {
@@ -248,7 +256,7 @@ fn friction_that_rises_has_solutions_to_the_last_digits() {
         };
         let rate = rate.unwrap();
         let (falling, present) = (1.0 + 0.3 * unit(), 1.5 + 0.5 * unit());
-        let factor = Rising { rate: &rate, falling, present };
+        let factor = ImplicitRate { rate: &rate, falling, present };
         let unilateral = k % 2 == 0;
         let on_line = k / 6 % 4 == 0;
         let p = if on_line { 1 } else { 2 };
@@ -270,7 +278,7 @@ fn friction_that_rises_has_solutions_to_the_last_digits() {
         let phases = if on_line {
             contact.obeying(&line, &factor, solutions_on_a_line)
         } else {
-            contact.obeying(&planar[k / 24 % 3], &factor, rising_solutions)
+            contact.obeying(&planar[k / 24 % 3], &factor, implicit_solutions)
         };
         assert!(!phases.is_empty() || unilateral, "{k}");
         let own = phases.iter().filter(|phase| **phase == Phase::Slip).count();
@@ -325,7 +333,7 @@ fn the_scan_excludes_what_holds_no_root() {
     let (mut single, mut known) = (0, 0);
     each_contact(240, &mut |_, local| {
         let table = local.law.walk().table;
-        let slip = Slip::new(local, local.law.bounds().largest_radius);
+        let slip = Slip::new(local);
         let scan = Scan::new(&slip, table);
         let open: Vec<usize> = scan.open().collect();
         let at = |j: usize| {
@@ -346,38 +354,22 @@ fn the_scan_excludes_what_holds_no_root() {
             }
             for j in cell * fine..(cell + 1) * fine {
                 let ((f, along), (g, along_g)) = (at(j), at(j + 1));
-                let excluded = slip.excluded_between(
-                    &table.nodes[j],
-                    &table.nodes[j + 1],
-                    slip.stray(&table.fine[j]),
-                );
                 if (f >= 0.0) != (g >= 0.0) && along.min(along_g) > 0.0 {
-                    assert!(open.contains(&cell) && !excluded, "{cell} {j}");
+                    assert!(open.contains(&cell), "{cell} {j}");
                 }
                 if (f >= 0.0) != (g >= 0.0) && open.contains(&cell) {
                     roots.push(j);
                 }
-                let bound = slip.norm_c * table.fine[j].normal
-                    + slip.norm_a * slip.scale * table.fine[j].product;
-                let far = f.abs().min(g.abs()) > 1.0001 * bound && (f >= 0.0) == (g >= 0.0);
-                assert!(!far || excluded, "{cell} {j}");
-                assert!(
-                    !excluded || along.max(along_g) < 0.0 || f.abs().min(g.abs()) >= bound,
-                    "{j}"
-                );
             }
         }
-        let one = scan.has_one_root(&slip, table);
+        let one = Scan::has_one_root(&slip, table);
         assert!(!one || roots.len() == 1, "{roots:?}");
         single += usize::from(roots.len() == 1);
         known += usize::from(one);
     });
-    assert!(known * 100 >= single * KNOWN, "{known} of {single}");
+    // 173 to 179 of 223, by the last digit of the scales of *D*, which decides between cells that turn by as much.
+    assert!(known * 100 >= single * 77, "{known} of {single}");
 }
-
-/// Percent of the contacts with one slip of which the scan of the test above knows that: 173 to 179 of 223, by the last
-/// digit of the scales of *D*, which decides between cells that turn by as much.
-const KNOWN: usize = 77;
 
 /// Between two points `F` and `n·v` stray from their chords by no more than the bound, which is not far more, and so it is
 /// on both halves of a cell, as often as it is halved.
@@ -387,7 +379,7 @@ fn values_stray_from_their_chords_by_the_bound() {
     each_contact(60, &mut |_, local| {
         let walk = local.law.walk();
         let (table, direction) = (walk.table, walk.direction);
-        let slip = Slip::new(local, local.law.bounds().largest_radius);
+        let slip = Slip::new(local);
         for j in (0..table.fine.len()).step_by(37) {
             let (mut a, mut b) =
                 (End::new(&slip, table.nodes[j].point), End::new(&slip, table.nodes[j + 1].point));
@@ -443,7 +435,7 @@ fn monotone_matrices_leave_one_solution() {
         (said, holds) =
             (said + usize::from(shape == Shape::Monotone), holds + usize::from(positive));
     });
-    assert!(100 * said >= SAID * holds, "{said} of {holds}");
+    assert!(100 * said >= 80 * holds, "{said} of {holds}");
     let unit = nalgebra::Matrix2::identity();
     for factor in [1e-30, 1.0, 1e30] {
         assert_eq!(Shape::new(&(unit * factor), 0.5), Shape::Monotone);
@@ -477,16 +469,14 @@ fn monotone_matrices_leave_one_solution() {
     }
 }
 
-/// Percent of the monotone matrices of the test above of which that is known.
-const SAID: usize = 80;
-
 /// The defect of one contact by itself is its natural residual, but for percussions that go on approaching.
 #[test]
 fn defects_of_one_contact_are_its_natural_residual() {
     let mut seed = 21_u64;
     each_contact(300, &mut |problem, local| {
         let Law::Two(law) = &problem.contacts()[0].law else { panic!("the law is planar") };
-        let single = Single::of(problem, 0, law, &problem.load(0));
+        let own = |i, j| problem.delassus().own(0, i, j);
+        let single = Single::new(law, problem.contacts()[0].normal, own, |i| problem.load(0)[i]);
         let rows = problem.rows();
         let percussion: Vec<f64> = (0..rows).map(|_| crate::random::random(&mut seed)).collect();
         let p =
@@ -622,16 +612,16 @@ fn isotropic_contacts_need_no_walk() {
         let mut found = Vec::new();
         solutions(&local, &mut found);
         let [only] = found[..] else { panic!("{found:?}") };
-        assert!(fast(&local, || local.b_t).is_some(), "{k}");
+        assert!(fast(&local).is_some(), "{k}");
         if only.phase != Phase::Slip {
             continue;
         }
         slips += 1;
-        let slip = Slip::new(&local, mu);
+        let slip = Slip::new(&local);
         for turn in [-0.2, -0.05, 0.0, 0.01, 0.2, 1.5, 3.0] {
             let (sine, cosine) = f64::sin_cos(turn);
             let start = nalgebra::Matrix2::new(cosine, -sine, sine, cosine) * only.slip.normalize();
-            let Some(end) = isotropic::newton(&slip, start, mu) else {
+            let Some(end) = newton_on_circle(&slip, start, mu) else {
                 far += 1;
                 assert!(turn.abs() > 0.19, "{k} {turn}");
                 continue;
@@ -641,78 +631,6 @@ fn isotropic_contacts_need_no_walk() {
         }
     }
     assert!(slips > 150 && far > 100, "{slips} {far}");
-}
-
-/// Where the discriminant says that an isotropic contact has one slip, a walk around the circle in small steps finds one,
-/// whatever the ratio of its mobilities; of the contacts that have one it is said of most.
-#[test]
-fn isotropic_contacts_with_one_slip_are_told_by_a_discriminant() {
-    const STEPS: usize = 3000;
-    let mut seed = 29_u64;
-    let mut unit = || crate::random::random(&mut seed);
-    let (mut one, mut known, mut several) = (0, 0, 0);
-    for k in 0..3000 {
-        let mu = [0.1, 0.5, 1.2][k % 3];
-        let stretch = 10f64.powf(1.5 * unit());
-        let skew = [0.0, 0.3, 3.0][k / 3 % 3] * unit();
-        let (a, shear) = (0.5 + 0.4 * unit(), 0.4 * unit());
-        let tangential = [[a * stretch, shear + skew], [shear - skew, a]];
-        // Every second one is unilateral, its normal row coupled with the others.
-        let first = k % 2;
-        let mut delassus = DMatrix::from_fn(2 + first, 2 + first, |_, _| 0.2 * unit());
-        delassus[(0, 0)] += 1.0;
-        for (i, row) in tangential.iter().enumerate() {
-            for (j, value) in row.iter().enumerate() {
-                delassus[(first + i, first + j)] = *value;
-            }
-        }
-        // Loads beyond what stick can hold by much, by little and by rounding.
-        let x = Vector::<2>::new(unit(), unit()).normalize() * mu;
-        let beyond = match k % 5 {
-            0 => 1.0 + 1e-14 * unit(),
-            _ => 1.0 + 10f64.powf(1.5 * unit() - 1.0),
-        };
-        let held = [1.0, -beyond * x.x, -beyond * x.y];
-        let free = -&delassus * nalgebra::DVector::from_column_slice(&held[1 - first..]);
-        let normal = [NormalForce::Prescribed(1.0), NormalForce::Unilateral][first];
-        let law = FrictionLaw::<2>::isotropic(mu).unwrap();
-        let contacts = [(Law::from(law), normal)];
-        let problem = ContactProblem::new(delassus, free.as_slice().to_vec(), contacts).unwrap();
-        let law = FrictionLaw::<2>::isotropic(mu).unwrap();
-        let block = Block::new(&problem, 0);
-        let local = Local::new(&law, &problem.contacts()[0], &block, &problem.load(0));
-        let pulled = first == 1 && !block.pressed;
-        if !block.sound || pulled || local.stick_load().holds() {
-            continue;
-        }
-        let slip = Slip::new(&local, mu);
-        let at = |angle: f64| {
-            let n = Vector::<2>::new(angle.cos(), angle.sin());
-            let v = slip.velocity(&(n * mu));
-            (cross(&n, &v), n.dot(&v))
-        };
-        let step = std::f64::consts::TAU / STEPS as f64;
-        let found = (0..STEPS).filter(|&j| {
-            let (mut low, mut high) = (j as f64 * step, (j + 1) as f64 * step);
-            let below = at(low).0 >= 0.0;
-            if below == (at(high).0 >= 0.0) {
-                return false;
-            }
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                *if (at(middle).0 >= 0.0) == below { &mut low } else { &mut high } = middle;
-            }
-            at(low).1 > 0.0
-        });
-        let found = found.count();
-        let certain = isotropic::has_one_slip(&slip, mu);
-        assert!(!certain || found == 1, "{k}: {found}");
-        one += usize::from(found == 1);
-        several += usize::from(found > 1);
-        known += usize::from(certain);
-    }
-    assert!(one > 1000 && several > 20, "{one} {several}");
-    assert!(known * 100 >= one * 65, "{known} of {one}");
 }
 
 /// Beside a cusp of the caustic there are three slips near each other: none of them is called the only one.
@@ -756,13 +674,12 @@ fn slips_beside_cusps_are_never_called_the_only_ones() {
                 let local = Local::new(&law, &problem.contacts()[0], &block, &problem.load(0));
                 let mut found = Vec::new();
                 solutions(&local, &mut found);
-                let slip = Slip::new(&local, law.bounds().largest_radius);
-                let scan = Scan::new(&slip, table);
+                let slip = Slip::new(&local);
                 let slips = found.iter().filter(|found| found.phase == Phase::Slip).count();
                 several += usize::from(slips > 1);
-                let one = scan.has_one_root(&slip, table);
+                let one = Scan::has_one_root(&slip, table);
                 assert!(!one || slips == 1, "{cusp} {k}: {found:?}");
-                assert!(fast(&local, || local.b_t).is_none() || found.len() == 1, "{cusp} {k}");
+                assert!(fast(&local).is_none() || found.len() == 1, "{cusp} {k}");
             }
         }
     }

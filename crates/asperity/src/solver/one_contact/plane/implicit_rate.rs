@@ -1,4 +1,4 @@
-//! All solutions of one contact whose friction rises with the speed of sliding.
+//! All solutions of one contact whose friction rises with the speed of sliding: an implicit factor of the speed.
 //!
 //! In slip with the speed `s` and the factor `φ = f₋ + f₊(s)` the percussion is `−P_T = P_N φ x`, on the reservoir
 //! `φ C`. Without the normal row, `S = G_TT − G_TN G_NT/g_NN` and `q = S⁻¹(b_T − G_TN b_N/g_NN)` (or `S = G_TT`,
@@ -9,17 +9,13 @@
 //! Its component along `n` determines φ for every point of bdry *D*: `P_N φ` never falls with φ, and `n·x > 0`, so
 //! that `s = (n·q − P_N φ n·x)/(n·S⁻¹n)` never rises, and `f₋ + f₊(s) − φ` has exactly one zero. What is left is one
 //! equation along the closed boundary, `F = n × (q − P_N φ x − s S⁻¹n) = 0`, with the solutions at `s > 0`. Where `s`
-//! would be negative, `φ = f₋` continues `F`.
+//! would be negative, `φ = f₋` continues `F`. For `p = 1` both directions are tried.
 //!
-//! With a prescribed normal percussion there always is a solution. `φ x` and `s n` depend continuously on the load
-//! `q`: for `q` inside of `P_N f₋ C` the contact sticks, and from there the loads of slip cover the rest of the plane
-//! once, counted with signs. Held factors have no such order: a solution whose speed agrees with its factor may lie
-//! between stick and another slip that do not.
+//! With a prescribed normal percussion there always is a solution: the loads `q` of slip cover the plane outside of
+//! `P_N f₋ C`, where the contact sticks, once, counted with signs. Held factors have no such order: a solution whose speed
+//! agrees with its factor may lie between stick and another slip that do not.
 //!
-//! For `p = 1` both directions are tried, and there is no equation left.
-//!
-//! Zeros are looked for where `F` changes its sign between neighbouring nodes of the law's table: two solutions
-//! between the same two nodes are overlooked.
+//! Two solutions between neighbouring nodes of the law's table, where `F` does not change its sign, are overlooked.
 
 use asperity_set::{Arc, BoundaryPoint, StarSet, Vector};
 
@@ -29,13 +25,12 @@ use super::equation::{V, cross};
 use crate::contact::Phase;
 use crate::law::{Node, Stribeck, Walk};
 
-/// Most corrections of a factor; a viscous factor with a prescribed normal force takes one. No
-/// iteration of the steps that `integrator/midpoint/step.rs` names changes with 10, 25 and 400.
+/// Most corrections of a factor; a viscous factor with a prescribed normal force takes one.
 const MOST: usize = 100;
 
 /// The factor of the friction of a contact.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rising<'a> {
+pub(crate) struct ImplicitRate<'a> {
     /// The law of the speed, of which the rising part counts.
     pub(crate) rate: &'a Stribeck,
     /// The falling part of the factor, at the speed before.
@@ -49,7 +44,7 @@ struct Equation<'a> {
     block: &'a Block,
     prescribed: Option<f64>,
     b_n: f64,
-    factor: &'a Rising<'a>,
+    factor: &'a ImplicitRate<'a>,
     /// `q`.
     load: V,
     /// `f₋`.
@@ -65,42 +60,37 @@ struct At {
 }
 
 impl<'a> Equation<'a> {
-    /// The contact, unless it opens or has no normal force; the block must be sound.
-    fn new<const P: usize>(local: &Local<'a, P>, factor: &'a Rising<'a>) -> Self {
+    /// The equation of slips, unless the contact opens, has no normal force or cannot be solved; `out` receives what else
+    /// there is: open, or stick, if the reservoir `f₋ C` holds it.
+    fn new<const P: usize>(
+        local: &Local<'a, P>,
+        factor: &'a ImplicitRate<'a>,
+        out: &mut Vec<LocalSolution<P>>,
+    ) -> Option<Self> {
+        out.clear();
+        if local.opens() {
+            out.push(local.open());
+        }
+        if local.opens() || !local.block.sound {
+            return None;
+        }
+        let stick = local.stick();
+        let least = factor.falling / factor.present;
+        if stick.holds(local.law, least) {
+            out.push(LocalSolution { tangent: stick.tangent / least, ..stick.solution() });
+        }
         let Local { block, prescribed, b_n, .. } = *local;
-        let b_t = V::from_fn(|i, _| if i < P { local.b_t[i] } else { 0.0 });
-        let beside = if prescribed.is_none() { b_n / block.g_nn } else { 0.0 };
-        let load = block.schur_inverse * (b_t - block.g_tn * beside);
-        Self { block, prescribed, b_n, factor, load, least: factor.falling / factor.present }
-    }
-
-    /// Stick, if the reservoir `f₋ C` with the given gauge of *C* holds it.
-    fn stick<const P: usize>(&self, gauge: impl Fn(&Vector<P>) -> f64) -> Option<LocalSolution<P>> {
-        let Self { block, load, least, .. } = self;
-        let normal =
-            self.prescribed.unwrap_or_else(|| (block.g_nt.dot(load) - self.b_n) / block.g_nn);
-        let load = Vector::<P>::from_fn(|i, _| load[i]);
-        // The comparison also turns away NaN.
-        (normal > 0.0 && gauge(&(load / normal)) <= *least).then(|| LocalSolution {
-            phase: Phase::Stick,
-            normal,
-            tangent: load / -least,
-            slip: Vector::zeros(),
-            degenerate: false,
-        })
+        let load = V::from_fn(|i, _| if i < P { -stick.tangent[i] } else { 0.0 });
+        Some(Self { block, prescribed, b_n, factor, load, least })
     }
 
     /// Slip along `n` with the force along `x`, if there is a speed.
     fn slip<const P: usize>(&self, n: &V, x: &V) -> Option<LocalSolution<P>> {
         let At { factor, speed, .. } = self.at(n, x);
         let normal = self.pull(x, factor)?.0 / factor;
-        (speed > 0.0).then(|| LocalSolution {
-            phase: Phase::Slip,
-            normal,
-            tangent: Vector::from_fn(|i, _| -normal * x[i]),
-            slip: Vector::from_fn(|i, _| speed * n[i]),
-            degenerate: false,
-        })
+        let tangent = Vector::from_fn(|i, _| -normal * x[i]);
+        let slip = Vector::from_fn(|i, _| speed * n[i]);
+        (speed > 0.0).then(|| LocalSolution::new(Phase::Slip, normal, tangent, slip))
     }
 
     /// `P_N φ`, and its slope; `None` where no finite normal force presses.
@@ -115,7 +105,7 @@ impl<'a> Equation<'a> {
     }
 
     fn at(&self, n: &V, x: &V) -> At {
-        let Rising { rate, present, .. } = self.factor;
+        let ImplicitRate { rate, present, .. } = self.factor;
         let across = self.block.schur_inverse * n;
         let (drive, drag, give) = (n.dot(&self.load), n.dot(x), n.dot(&across));
         let end = |factor: f64, pull: f64| {
@@ -156,19 +146,15 @@ impl<'a> Equation<'a> {
 /// neither stick nor slip where the block of the contact is ill-conditioned, for which there is no `S⁻¹`.
 pub(crate) fn solutions(
     local: &Local<'_, 2>,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     out: &mut Vec<LocalSolution<2>>,
 ) {
-    if without_friction(local, out) {
-        return;
-    }
-    let equation = Equation::new(local, factor);
-    let reservoir = local.law.reservoir();
-    out.extend(equation.stick(|x| reservoir.gauge(x)));
+    let Some(equation) = Equation::new(local, factor, out) else { return };
     let Walk { table, direction } = local.law.walk();
     let scale = local.law.isotropic_coefficient().unwrap_or(1.0);
     let at_node = |node: &Node| equation.at(&node.point.normal, &(node.x * scale)).value;
-    let on_reservoir = |point: &BoundaryPoint| point.position / reservoir.gauge(&point.position);
+    let on_reservoir =
+        |point: &BoundaryPoint| point.position / local.law.reservoir().gauge(&point.position);
     let mut last = at_node(&table.nodes[0]);
     for pair in table.nodes.windows(2) {
         let next = at_node(&pair[1]);
@@ -185,26 +171,12 @@ pub(crate) fn solutions(
 /// The same on a line.
 pub(crate) fn solutions_on_a_line(
     local: &Local<'_, 1>,
-    factor: &Rising<'_>,
+    factor: &ImplicitRate<'_>,
     out: &mut Vec<LocalSolution<1>>,
 ) {
-    if without_friction(local, out) {
-        return;
-    }
-    let equation = Equation::new(local, factor);
-    let reservoir = local.law.reservoir();
-    out.extend(equation.stick(|x| reservoir.gauge(x)));
+    let Some(equation) = Equation::new(local, factor, out) else { return };
     for sign in [1.0, -1.0] {
-        let x = sign / reservoir.gauge(&Vector::<1>::new(sign));
+        let x = sign / local.law.reservoir().gauge(&Vector::<1>::new(sign));
         out.extend(equation.slip(&V::new(sign, 0.0), &V::new(x, 0.0)));
     }
-}
-
-/// Whether nothing is left to find: the contact opens, has no normal force, or cannot be solved.
-fn without_friction<const P: usize>(local: &Local<'_, P>, out: &mut Vec<LocalSolution<P>>) -> bool {
-    out.clear();
-    if local.opens() {
-        out.push(local.open());
-    }
-    !(out.is_empty() && local.block.sound)
 }
