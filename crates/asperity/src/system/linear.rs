@@ -23,7 +23,7 @@ pub struct Contact {
     pub velocity: Vec<f64>,
     /// Normal force, in N if it is prescribed.
     pub normal_force: NormalForce,
-    /// `w_N` in the gap `g_N = w_Nᵀq + gap` of a unilateral contact; no other contact has one.
+    /// `w_N` in the gap `g_N = w_Nᵀq + gap` of a unilateral contact; empty for others, which ignore it.
     pub normal: Vec<f64>,
     /// Gap at `q = 0` in m.
     pub gap: f64,
