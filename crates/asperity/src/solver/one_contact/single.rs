@@ -286,12 +286,16 @@ impl<'a, const P: usize> Single<'a, P> {
             if stick.is_some() {
                 return sticks;
             }
+            // In the plane all solutions are searched for instead.
+            if P < 3 {
+                return None;
+            }
             let given = V::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
             let found = self.search(given, alone).into_iter().chain(slides);
             best = found.min_by(|a, b| a.defect.total_cmp(&b.defect));
         }
-        let best = best.filter(|found| P == 3 || found.defect <= FOUND)?;
-        Some(self.solution(&best, self.phase(&best.percussion)))
+        let phase = self.phase(&best?.percussion);
+        best.filter(|_| P == 3 || phase == Phase::Slip).map(|best| self.solution(&best, phase))
     }
 
     /// The percussions of a solution.
