@@ -330,7 +330,10 @@ impl<'a, const P: usize> Single<'a, P> {
         let starts = [first, self.slipping(&self.tangent(&self.b)), V::zeros()];
         let mut found = starts.into_iter().filter_map(|p| self.newton(p)).any(&mut keep);
         if alone && !found {
-            found = self.over_net(&mut |p| self.newton(p).is_some_and(&mut keep));
+            found = self.over_net(&mut |velocity, p| {
+                self.newton(p).is_some_and(&mut keep)
+                    || self.along_slips(&velocity).is_some_and(&mut keep)
+            });
         }
         if alone && !found {
             self.proximal_points(first, &mut keep);
