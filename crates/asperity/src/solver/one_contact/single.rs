@@ -286,12 +286,16 @@ impl<'a, const P: usize> Single<'a, P> {
             if stick.is_some() {
                 return sticks;
             }
+            // In the plane all solutions are searched for instead.
+            if P < 3 {
+                return None;
+            }
             let given = V::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
             let found = self.search(given, alone).into_iter().chain(slides);
             best = found.min_by(|a, b| a.defect.total_cmp(&b.defect));
         }
-        let best = best.filter(|found| P == 3 || found.defect <= FOUND)?;
-        Some(self.solution(&best, self.phase(&best.percussion)))
+        let phase = self.phase(&best?.percussion);
+        best.filter(|_| P == 3 || phase == Phase::Slip).map(|best| self.solution(&best, phase))
     }
 
     /// The percussions of a solution.
@@ -326,7 +330,10 @@ impl<'a, const P: usize> Single<'a, P> {
         let starts = [first, self.slipping(&self.tangent(&self.b)), V::zeros()];
         let mut found = starts.into_iter().filter_map(|p| self.newton(p)).any(&mut keep);
         if alone && !found {
-            found = self.over_net(&mut |p| self.newton(p).is_some_and(&mut keep));
+            found = self.over_net(&mut |velocity, p| {
+                self.newton(p).is_some_and(&mut keep)
+                    || self.along_slips(&velocity).is_some_and(&mut keep)
+            });
         }
         if alone && !found {
             self.proximal_points(first, &mut keep);

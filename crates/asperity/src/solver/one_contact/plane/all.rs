@@ -35,7 +35,7 @@ pub(crate) fn solutions(local: &Local<'_, 2>, out: &mut Vec<LocalSolution<2>>) -
     let mut search = Search::new(&slip, direction, out);
     for i in scan.open() {
         for j in i * table.fine_per_coarse..(i + 1) * table.fine_per_coarse {
-            search.cell(&table.nodes[j], &table.nodes[j + 1], slip.bounds(&table.fine[j]));
+            search.cell(&table.nodes[j], &table.nodes[j + 1], &table.fine[j]);
         }
     }
     let complete = search.complete;

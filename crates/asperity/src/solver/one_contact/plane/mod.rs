@@ -36,11 +36,11 @@ pub(crate) fn solve(
     policy: Policy,
     buffer: &mut Vec<LocalSolution<2>>,
 ) -> Option<LocalSolution<2>> {
-    if policy == Policy::FirstFound && !local.block.sound {
-        return ill_conditioned(*local, state, guess());
-    }
-    // Most contacts end with the first one.
-    without_search(local, state, guess, policy).or_else(|| select_among_all(*local, state, buffer))
+    let found = match policy {
+        Policy::FirstFound if !local.block.sound => ill_conditioned(*local, state, guess()),
+        _ => without_search(local, state, guess, policy),
+    };
+    found.or_else(|| select_among_all(*local, state, buffer))
 }
 
 /// A solution where closed forms divide by small pivots: by Newton's method on all rows.

@@ -4,14 +4,14 @@
 //! asked on a net of directions. Where the part of it across the directions vanishes within a cell of the net, by linear
 //! interpolation, the contact may slide along one of that cell, and there Newton's method begins.
 
-use asperity_set::{ConvexSet, Vector};
+use asperity_set::{ConvexSet, Matrix, Vector};
 
-use super::{Single, V};
+use super::{ITERATIONS, Single, V};
 
 /// How often the faces of an octahedron are divided into four, and how often cells that may hold a slip are: beside cusps of
 /// *C* Newton's method needs a near start.
 const DIVISIONS: usize = 3;
-const DEEPEST: usize = 10;
+const DEEPEST: usize = 7;
 
 /// Sliding along one direction of the net: percussions and what is left of the slip, both times the denominator.
 #[derive(Clone, Copy)]
@@ -24,13 +24,14 @@ struct Sliding {
 }
 
 impl<const P: usize> Single<'_, P> {
-    /// Visits percussions near which there may be a slip, one of each cell of the net that may hold one, until `ends`.
+    /// Visits slip velocities and their percussions near which there may be a slip, one of each cell of the net that may hold
+    /// one, until `ends`.
     ///
     /// With velocities `v = w/h` of directions `w` and half widths `h` of *D* the percussions of an ellipsoid along the axes
     /// are as evenly spread as the net, whatever the unit of drilling. Between the directions of a cell percussions and slip
     /// are interpolated: on edges and flats of *D* that is what hulls of their corners do. Cells in which the normal force
     /// would pull, or the slip be against the direction, count as well.
-    pub(super) fn over_net(&self, ends: &mut dyn FnMut(V) -> bool) -> bool {
+    pub(super) fn over_net(&self, ends: &mut dyn FnMut(Vector<P>, V) -> bool) -> bool {
         let sizes = Vector::<3>::from_fn(|i, _| {
             let axis = Vector::<P>::from_fn(|j, _| f64::from(u8::from(i == j)));
             let direction = self.law.direction();
@@ -53,14 +54,18 @@ impl<const P: usize> Single<'_, P> {
         cell: [Option<Sliding>; 3],
         sizes: &Vector<3>,
         divided: usize,
-        ends: &mut dyn FnMut(V) -> bool,
+        ends: &mut dyn FnMut(Vector<P>, V) -> bool,
     ) -> bool {
         let [Some(a), Some(b), Some(c)] = cell else { return false };
         let (weights, percussion) = self.between([a, b, c]);
         // The comparisons also turn away NaN.
         let above = |least: f64| weights.iter().all(|weight| *weight >= least);
-        if above(0.0) && percussion.iter().all(|p| p.is_finite()) && ends(percussion) {
-            return true;
+        if above(0.0) && percussion.iter().all(|p| p.is_finite()) {
+            let [u, v, w] = weights;
+            let direction = a.direction * u + b.direction * v + c.direction * w;
+            if ends(Vector::from_fn(|i, _| direction[i] / sizes[i]), percussion) {
+                return true;
+            }
         }
         // Slips that vary strongly may vanish in the next cell.
         if divided == DEEPEST || divided >= DIVISIONS && !above(-0.5) {
@@ -75,15 +80,54 @@ impl<const P: usize> Single<'_, P> {
             .any(|cell| self.over_cell(cell, sizes, divided + 1, ends))
     }
 
-    /// Sliding along `w`, whose components are in units of the inverse half widths of *D*. With `P_N = −b_N/denominator` the
-    /// product has no pole where the denominator vanishes, as in `plane/`.
+    /// Sliding along `w`, whose components are in units of the inverse half widths of *D*.
     fn sliding(&self, w: &Vector<3>, sizes: &Vector<3>) -> Option<Sliding> {
-        let (unit, denominator) = self.per_normal(&Vector::<P>::from_fn(|i, _| w[i] / sizes[i]))?;
-        let percussion = unit * self.normal.prescribed().unwrap_or(-self.b[0]);
-        let slip = self.tangent(&(self.b * denominator + self.g * percussion));
+        let (percussion, denominator, slip) =
+            self.slip_along(&Vector::<P>::from_fn(|i, _| w[i] / sizes[i]))?;
         let slip = Vector::<3>::from_fn(|i, _| slip[i] * sizes[i]);
         let across = slip - w * w.dot(&slip);
         Some(Sliding { direction: *w, percussion, denominator, across })
+    }
+
+    /// Percussions of sliding along `v` times the denominator `G_N·` of the normal one, this denominator, and the slip that
+    /// they leave times the denominator: with `P_N = −b_N/denominator` there is no pole where it vanishes, as in `plane/`.
+    fn slip_along(&self, v: &Vector<P>) -> Option<(V, f64, Vector<P>)> {
+        let (unit, denominator) = self.per_normal(v)?;
+        let percussion = unit * self.normal.prescribed().unwrap_or(-self.b[0]);
+        let slip = self.tangent(&(self.b * denominator + self.g * percussion));
+        Some((percussion, denominator, slip))
+    }
+
+    /// Newton's method for the slip velocity that the friction of sliding along it leaves, with differences.
+    ///
+    /// Beside cusps of *C* and on slender *D* the natural map has no derivative to speak of; along bdry *D* the
+    /// percussions depend on the normal the less the sharper these are.
+    pub(super) fn along_slips(&self, start: &Vector<P>) -> Option<V> {
+        let off = |v: &Vector<P>| Some(self.slip_along(v)?.2 - v);
+        let normal = start.try_normalize(0.0)?;
+        let mut velocity = normal * self.slip_along(&normal)?.2.norm();
+        'newton: for _ in 0..ITERATIONS {
+            let (here, size) = (off(&velocity)?, velocity.norm());
+            let mut jacobian = Matrix::<P>::zeros();
+            for k in 0..P {
+                let mut beside = velocity;
+                beside[k] += 1e-7 * size;
+                jacobian.set_column(k, &((off(&beside)? - here) / (1e-7 * size)));
+            }
+            let mut step = -(jacobian.try_inverse()? * here);
+            let least = 1e-4 * step.norm();
+            while !(off(&(velocity + step))?.norm() < here.norm()) {
+                step *= 0.5;
+                // Rounding ends the descent; the comparison also turns away NaN.
+                if !(step.norm() > least) {
+                    break 'newton;
+                }
+            }
+            velocity += step;
+        }
+        let (percussion, denominator, slip) = self.slip_along(&velocity)?;
+        let near = (slip - velocity).norm() < 1e-6 * velocity.norm();
+        (denominator > 0.0 && near).then(|| percussion / denominator)
     }
 
     /// The percussions with which no slip is left across the directions of a cell, by interpolation with these weights,

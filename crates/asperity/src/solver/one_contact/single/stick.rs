@@ -111,28 +111,36 @@ impl<const P: usize> Single<'_, P> {
     /// `P cos θ + K sin θ`, which reaches the far ends of the line; of sets that are not convex it may have several minima.
     fn within_line(&self, p: &V, axis: &V) -> Option<V> {
         let at = |theta: f64| p + axis * theta.tan();
-        let excess = |theta: f64| {
-            let (here, cosine) = (at(theta), theta.cos());
-            cosine * (self.law.reservoir().gauge(&-self.tangent(&here)) - self.normal(&here))
+        let graded = |theta: f64| {
+            let here = at(theta);
+            let excess = self.law.reservoir().gauge(&-self.tangent(&here)) - self.normal(&here);
+            (theta.cos() * excess, theta)
         };
         let end = std::f64::consts::FRAC_PI_2 * (1.0 - 1e-9);
         let step = end / 32.0;
         let angles = (-32..32).map(|k| (f64::from(k) + 0.5) * step);
-        let least =
-            angles.map(|theta| (excess(theta), theta)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let (mut low, mut high) = ((least.1 - step).max(-end), (least.1 + step).min(end));
+        let mut best = angles.map(graded).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (mut low, mut high) = ((best.1 - step).max(-end), (best.1 + step).min(end));
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let mut first = graded(high - golden * (high - low));
+        let mut second = graded(low + golden * (high - low));
         for _ in 0..2 * ITERATIONS {
-            let third = (high - low) / 3.0;
-            match excess(low + third) <= excess(high - third) {
-                true => high -= third,
-                false => low += third,
+            let least = if first.0 <= second.0 { first } else { second };
+            if least.0 < best.0 {
+                best = least;
             }
-            let middle = at(0.5 * (low + high));
-            if self.holds(&middle) {
-                return Some(middle);
+            if best.0 < 0.0 {
+                break;
+            }
+            if first.0 <= second.0 {
+                (high, second) = (second.1, first);
+                first = graded(high - golden * (high - low));
+            } else {
+                (low, first) = (first.1, second);
+                second = graded(low + golden * (high - low));
             }
         }
-        None
+        Some(at(best.1)).filter(|p| self.holds(p))
     }
 
     /// A point of `P + span(K)` that the reservoir holds: the ellipsoid method (\[Shor1977\]) for the excess, which is
