@@ -46,7 +46,7 @@ use crate::contact::{ContactProblem, ContactRows, ContactState, Members, Memory}
 use crate::threads::Threads;
 use auto::Methods;
 use islands::{Buffers, Found, Parts, Unsolved};
-use measure::approach::{Approach, Flaw};
+use measure::approach::Approach;
 use measure::natural_residual::Measured;
 use method::{
     Iterate, Order, Own, Past, Plan, ProxIteration, Reached, Sweeper, Swept, Task, mark_ambiguous,
@@ -646,8 +646,7 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
         let approach = Approach::of(&measured, own, task.stop.tolerance);
         let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
         let finite = rows().all(|row| percussion[row].is_finite());
-        let runs = |flaw: Flaw| flaw.unbounded;
-        if !finite || approach.flaw().is_some_and(runs) {
+        if !finite || approach.has_grown() && approach.flaw().is_some() {
             rows().for_each(|row| percussion[row] = 0.0);
             forgotten = true;
         }

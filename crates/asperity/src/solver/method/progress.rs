@@ -7,7 +7,7 @@ use super::sweeps::Sweeper;
 use super::task::{Iterate, Past, Reached, Task};
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::infeasible::prove_closing;
-use crate::solver::measure::approach::Approach;
+use crate::solver::measure::approach::{Approach, RUNNING};
 use crate::solver::measure::natural_map::{self, Scale};
 use crate::solver::measure::natural_residual::{self, Measured, Residual};
 use crate::solver::measure::stop::Measure;
@@ -303,7 +303,7 @@ impl<'a> Progress<'a> {
             Measure::Contact => residual.is_some_and(|residual| residual.value <= goal),
         };
         let approach = Approach::of(&measured, 0..problem.contacts().len(), stop.tolerance);
-        let merit = grade * (approach.growth / SUSPICION).max(1.0);
+        let merit = grade * (approach.growth / RUNNING).max(1.0);
         if !(approach.growth < self.suspicion) {
             self.suspicion = SUSPICION * approach.growth;
             (self.astray, self.asks) = (Some(approach), true);
@@ -324,6 +324,7 @@ impl<'a> Progress<'a> {
             self.is_infeasible();
         }
         if solved && !self.solved || merit < self.merit && solved >= self.solved {
+            self.astray = None;
             (self.grade, self.merit, self.residual) = (grade, merit, residual);
             (self.known, self.solved, self.approach) = (true, solved, Some(approach));
             self.buffers.best.copy_from_slice(percussion);
@@ -349,7 +350,7 @@ impl<'a> Progress<'a> {
 
     /// An iteration begins anew, from percussions that need not be better than those that were found before.
     pub(crate) fn begin_anew(&mut self) {
-        self.latest_grade = Some(f64::INFINITY);
+        (self.latest_grade, self.astray) = (Some(f64::INFINITY), None);
     }
 
     /// Copies the best percussions since an iteration began anew, or of all where none has or all have run away since, and returns
