@@ -142,51 +142,6 @@ fn laws_say_whether_their_force_is_smooth() {
     }
 }
 
-/// The pieces go once around: their ends are on `unit · C` and meet, their normals are those of the sliding forces there,
-/// and points between stray no farther than they say.
-#[test]
-fn pieces_of_the_boundary_are_those_of_the_reservoir() {
-    let isotropic = Law::from(FrictionLaw::<2>::isotropic(0.4).unwrap());
-    for law in laws().into_iter().chain([isotropic]).filter(|law| law.dimension() == 2) {
-        let unit = 2.5;
-        let pieces = law.boundary(unit).unwrap();
-        assert!(pieces.len() >= 1024);
-        let mut turned = 0.0;
-        for (i, piece) in pieces.iter().enumerate() {
-            let next = &pieces[(i + 1) % pieces.len()];
-            assert_eq!((piece.ends[1], piece.normals[1]), (next.ends[0], next.normals[0]));
-            let [a, b] = piece.ends;
-            assert!((law.gauge((a / unit).as_slice()) - 1.0).abs() < 1e-12);
-            turned += a.perp(&b).atan2(a.dot(&b));
-            let force = law.sliding(piece.normals[0].as_slice()).unwrap();
-            let factor = law.rate().map_or(1.0, |rate| rate.factor(1.0));
-            for j in 0..2 {
-                assert!((force[j] * unit / factor + a[j]).abs() < 1e-9, "{piece:?} {force:?}");
-            }
-            let chord = b - a;
-            let middle = piece.normals[0] + piece.normals[1];
-            let force = law.sliding(middle.as_slice()).unwrap();
-            let off = -Vector::<2>::new(force[0], force[1]) * (unit / rated(&law, &middle)) - a;
-            let stray = off.perp(&chord).abs() / chord.norm();
-            assert!(stray <= piece.stray + 1e-15, "{piece:?} {stray:e}");
-            assert!(piece.stray <= 0.01 * chord.norm() + 1e-12, "{piece:?}");
-        }
-        assert!((turned - std::f64::consts::TAU).abs() < 1e-9, "{turned}");
-    }
-    let line = laws()[0].boundary(2.0).unwrap();
-    let ends: Vec<f64> = line.iter().map(|piece| piece.ends[0].x).collect();
-    assert!(line.len() == 2 && (ends[0] - 1.4).abs() < 1e-15 && (ends[1] + 0.8).abs() < 1e-15);
-    assert!(line.iter().all(|piece| piece.ends[0] == piece.ends[1] && piece.stray == 0.0));
-    assert_eq!([line[0].normals[1].x, line[1].normals[0].x], [1.0, -1.0]);
-    assert!(laws()[4].boundary(1.0).is_none());
-}
-
-fn rated(law: &Law, slip: &Vector<2>) -> f64 {
-    law.rate().map_or(1.0, |rate| rate.factor(slip.norm()))
-}
-
-/// In the coordinates of the Lorentz cone sliding forces are on its border, opposite to the slip, and products of
-/// percussions and velocities that obey the law are those of both cones.
 #[test]
 fn ellipsoids_are_lorentz_cones_in_their_coordinates() {
     let mut seed = 9_u64;
