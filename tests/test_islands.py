@@ -301,7 +301,7 @@ def test_what_is_reported_is_to_the_bit_the_measure_of_the_percussions(solver, m
 
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("limit", [None, 0.2])
-def test_what_is_small_without_an_island_is_not_kept_from_being_solved_by_it(limit, threads):
+def test_an_island_that_closes_is_not_hidden_by_a_measure_of_the_whole(limit, threads):
     wall = problems.wall(5, columns=4, push=1.0, law=DISK)
     # Two jaws that close on a body: no percussions keep them apart.
     jaws = asp.ContactProblem.from_bodies(
@@ -312,14 +312,13 @@ def test_what_is_small_without_an_island_is_not_kept_from_being_solved_by_it(lim
     )
     both = side_by_side([jaws, wall])
     options = {"measure": "global", "tolerance": 1e-8, "time_limit": limit}
+    options["on_failure"] = "record"
     solution = both.solve(asp.Auto(threads=threads), **options)
-    assert solution.converged
-    assert solution.residual == both.natural_map(solution.percussion) <= 1e-8
+    # The whole has a natural map of 1e-10, which does not see the jaws.
+    assert solution.status in (Status.STALLED, Status.NO_SOLUTION)
     closed, rest = solution.islands
-    assert closed.status is Status.STALLED
-    assert closed.residual > 1e-8
+    assert closed.status is solution.status
     assert rest.status is Status.CONVERGED
-    assert (solution.percussion == both.solve(asp.Auto(), **options).percussion).all()
     # By the measure of contacts every island counts.
     assert both.solve(on_failure="record").status is Status.NO_SOLUTION
 

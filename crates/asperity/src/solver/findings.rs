@@ -12,7 +12,7 @@ pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_
     let Reached { ended, residual, approach, .. } = *reached;
     let Iterate { percussion, infeasibility, .. } = iterate;
     let (flaw, small) = (approach.flaw(), residual.value <= stop.tolerance);
-    if small && flaw.is_none() && !approach.hides(residual.value, stop.tolerance) {
+    if small && flaw.is_none() && !approach.has_grown() {
         **infeasibility = None;
         return Findings::default();
     }

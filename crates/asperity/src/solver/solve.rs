@@ -10,7 +10,7 @@ use super::gauss_seidel::{Iterate, Own, Past, Swept, Task};
 use super::infeasible::Infeasibility;
 use super::island::{Buffers, Islands};
 use super::list::List;
-use super::measure::approach::{Approach, Flaw};
+use super::measure::approach::Approach;
 use super::measure::natural_residual::{Measured, Residual};
 use super::measure::stop::{Measure, Stop};
 use super::method::ProxStep;
@@ -371,8 +371,7 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
         let approach = Approach::of(&measured, own, task.stop.tolerance);
         let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
         let finite = rows().all(|row| percussion[row].is_finite());
-        let runs = |flaw: Flaw| flaw.unbounded;
-        if !finite || approach.flaw().is_some_and(runs) {
+        if !finite || approach.has_grown() && approach.flaw().is_some() {
             rows().for_each(|row| percussion[row] = 0.0);
             forgotten = true;
         }

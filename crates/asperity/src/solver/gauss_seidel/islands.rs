@@ -76,10 +76,9 @@ impl Visitor<'_> {
             if own.may_grow && !is_left {
                 let Iterate { percussion, velocity, .. } = iterate;
                 let measured = Measured { problem: task.problem, percussion, velocity };
-                let (contacts, tolerance) = (members.iter().copied(), task.stop.tolerance);
-                let approach = Approach::of(&measured, contacts, tolerance);
-                let hides = approach.hides(own.residual().value, tolerance);
-                own.may_grow = hides || approach.flaw().is_some();
+                let contacts = members.iter().copied();
+                let approach = Approach::of(&measured, contacts, task.stop.tolerance);
+                own.may_grow = approach.has_grown() || approach.flaw().is_some();
             }
             swept.push(own);
             if is_early {

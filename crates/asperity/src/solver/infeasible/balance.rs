@@ -7,8 +7,7 @@ use crate::contact::{ContactProblem, Delassus, NormalForce};
 const NO_ENTRY: f64 = 1e-12;
 /// Times that what rounding leaves of a projection is projected again: each takes away most of its digits.
 const PASSES: usize = 4;
-/// Iterations of a projection per contact, and the part of the gradient at which it ends.
-const ITERATIONS: usize = 4;
+/// Part of the gradient at which a projection ends.
 const SMALL: f64 = 1e-10;
 
 /// The matrix `A` with the columns `W_i/s_i` of bodies, each velocity in the unit `(Σ_j W_kj²)^½` that frees it of masses, or
@@ -105,7 +104,7 @@ impl Balance {
             let (mut direction, mut step) = (gradient.clone(), vec![0.0; weights.len()]);
             let mut square = dot(&gradient, &gradient);
             let end = SMALL * SMALL * square;
-            for _ in 0..ITERATIONS * weights.len() + ITERATIONS {
+            for _ in 0..2 * weights.len() {
                 let brought = self.product(&direction);
                 let length = square / dot(&brought, &brought);
                 if !length.is_finite() {

@@ -28,10 +28,9 @@ use super::balance::Balance;
 use super::nonnegative;
 use super::proof::{Infeasibility, InfeasibilityKind};
 use crate::contact::{ContactProblem, Delassus, Factored};
+use crate::solver::measure::approach::FEW;
 use crate::vectors::largest;
 
-/// Most contacts among which the nearest weights are searched: the cost grows with the fourth power.
-const MOST_SEARCHED: usize = 48;
 /// Times that contacts of negative weight are left out.
 const ROUNDS: usize = 12;
 /// Parts of the largest percussion beyond which contacts are looked at by themselves: those that only carry loads have less.
@@ -71,7 +70,7 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
     pushes.iter_mut().zip(&all).for_each(|(push, all)| *push *= all);
     trim(&mut pushes);
     let search = Search { problem, balance: &balance, loads: &loads };
-    let few = |weights: &[f64]| weights.iter().filter(|d| **d > 0.0).count() <= MOST_SEARCHED;
+    let few = |weights: &[f64]| weights.iter().filter(|d| **d > 0.0).count() <= FEW;
     let mut found = search.polish(pushes.clone());
     if found.is_none() && few(&all) {
         return search.nearest(&all);

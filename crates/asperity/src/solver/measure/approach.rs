@@ -12,16 +12,19 @@ use super::natural_residual::Measured;
 use crate::contact::{ContactProblem, Delassus, NormalForce};
 use crate::vectors::largest;
 
-/// Part of its own load that a contact may move with.
+/// Part of its own load that a contact may move with; a hundredth of that where percussions may run away.
 const OF_OWN: f64 = 1e-2;
-/// The same of the largest load: what a residual of 1e-8 leaves at a growth of [`GROWN`].
+/// The same of the largest load, which a small residual leaves of it.
 const OF_OTHERS: f64 = 1e-5;
-/// Growth that stacks and vaults of like bodies do not exceed.
+/// Growth that stacks and vaults of like bodies do not exceed, that from which on they run away, and that beyond
+/// which rounding leaves too little of velocities to say whether contacts approach.
 const GROWN: f64 = 1e3;
-/// Growth beyond which rounding leaves too little of velocities to say whether contacts approach; of a single contact, whose
-/// rows may cancel, it leaves less.
+pub(crate) const RUNNING: f64 = 1e6;
 const DIVERGED: f64 = 1e12;
+/// The same of a single contact, whose rows may cancel.
 pub(crate) const UNRESOLVED: f64 = 1e10;
+/// Contacts among which a proof is exact and soon found: it is looked for at a tenth of the growth.
+pub(crate) const FEW: usize = 48;
 /// Velocity relative to those that cancel in it which rounding explains: a sum of some tens to hundreds of products.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
@@ -32,8 +35,9 @@ pub(crate) struct Approach {
     pub(crate) growth: f64,
     /// The contact of that.
     grown: usize,
-    /// Growth from which on it counts as divergence.
+    /// Growth from which on it counts as divergence, and whether a proof is soon looked for.
     limit: f64,
+    few: bool,
     /// The contact that moves with most of what is allowed, if that is more.
     moving: Option<usize>,
 }
@@ -55,9 +59,10 @@ impl Approach {
         tolerance: f64,
     ) -> Self {
         let Measured { problem, percussion, .. } = *measured;
-        let unilateral = |i: &usize| problem.contacts()[*i].normal == NormalForce::Unilateral;
+        let is_unilateral = |i: &usize| problem.contacts()[*i].normal == NormalForce::Unilateral;
+        let prescribed = contacts.clone().any(|i| !is_unilateral(&i));
         let (mut all, mut normal, mut squares, mut count) = (0.0_f64, 0.0_f64, 0.0, 0);
-        let prescribed = contacts.clone().any(|i| !unilateral(&i));
+        let (mut brought, mut grown) = (0.0, 0);
         for i in contacts.clone() {
             let rows = &problem.contacts()[i];
             let load = problem.load(i);
@@ -65,29 +70,30 @@ impl Approach {
             // Drilling has another unit.
             let planar = load.into_iter().take(rows.normal_rows() + 2);
             all = planar.fold(all, |m, l| m.max(l.abs()));
-            if unilateral(&i) {
-                normal = normal.max(own_load(problem, i, percussion, prescribed));
-            }
             count += 1;
+            if is_unilateral(&i) {
+                normal = normal.max(own_load(problem, i, percussion, prescribed));
+                // The comparison also finds NaN.
+                let own = percussion[rows.offset] / problem.rho(i);
+                if !(own <= brought) {
+                    (brought, grown) = (own, i);
+                }
+            }
         }
         all = all.max(normal);
-        let shared = f64::max(of_others(tolerance) * normal, tolerance * squares.sqrt());
+        let growth = if all > 0.0 { brought / all } else { 0.0 };
         let limit = if count == 1 { UNRESOLVED } else { DIVERGED };
-        let mut found = Self { growth: 0.0, grown: 0, limit, moving: None };
+        let mut found = Self { growth, grown, limit, few: count <= FEW, moving: None };
+        let shared = f64::max(of_others(tolerance) * normal, tolerance * squares.sqrt());
+        let of_own = if growth > 0.1 * RUNNING { OF_OWN * OF_OWN } else { OF_OWN };
         let mut most = 1.0;
-        for i in contacts.filter(unilateral) {
+        for i in contacts.filter(is_unilateral) {
             let row = problem.contacts()[i].offset;
-            let (brought, xi) = (percussion[row] / problem.rho(i), measured.xi(row));
-            let growth = if all > 0.0 { brought / all } else { 0.0 };
-            // The comparisons also find NaN.
-            if !(growth <= found.growth) {
-                (found.growth, found.grown) = (growth, i);
-            }
-            let moves = f64::min(xi, brought).abs();
+            let moves = f64::min(measured.xi(row), percussion[row] / problem.rho(i)).abs();
             if !(moves > most * shared) {
                 continue;
             }
-            let own = OF_OWN * own_load(problem, i, percussion, prescribed);
+            let own = of_own * own_load(problem, i, percussion, prescribed);
             let allowed = f64::max(shared, own).max(ROUNDING * brought_to(problem, i, percussion));
             if moves > most * allowed {
                 most = moves / allowed;
@@ -100,7 +106,7 @@ impl Approach {
     /// Why the percussions are no solution however small their residual is.
     pub(crate) fn flaw(&self) -> Option<Flaw> {
         match self.moving {
-            Some(contact) => Some(Flaw { contact, unbounded: !(self.growth <= GROWN) }),
+            Some(contact) => Some(Flaw { contact, unbounded: !(self.growth <= RUNNING) }),
             None => self.has_diverged().then_some(Flaw { contact: self.grown, unbounded: true }),
         }
     }
@@ -111,8 +117,8 @@ impl Approach {
     }
 
     /// Whether a residual, which is relative to what percussions bring, may hide contacts that close on each other.
-    pub(crate) fn hides(&self, residual: f64, tolerance: f64) -> bool {
-        self.growth > GROWN && self.growth * residual > of_others(tolerance)
+    pub(crate) fn has_grown(&self) -> bool {
+        !(self.growth <= if self.few { 0.1 * GROWN } else { GROWN })
     }
 }
 
@@ -128,7 +134,7 @@ pub(crate) fn may_be_flawed(percussion: f64, xi: f64, load: &[f64], rho: f64) ->
     // The comparisons also find NaN.
     percussion > 0.0 && {
         let all = load.iter().take(3).fold(0.0, |m: f64, l| m.max(l.abs()));
-        !(brought <= GROWN * all && f64::min(xi, brought).abs() <= OF_OWN * load[0].abs())
+        !(brought <= 0.1 * GROWN * all && f64::min(xi, brought).abs() <= OF_OWN * load[0].abs())
     }
 }
 

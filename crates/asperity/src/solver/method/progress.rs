@@ -6,7 +6,7 @@
 use crate::contact::{ContactRows, NormalForce};
 use crate::solver::gauss_seidel::{Iterate, Past, Reached, Sweeper, Task};
 use crate::solver::infeasible::prove_closing;
-use crate::solver::measure::approach::Approach;
+use crate::solver::measure::approach::{Approach, RUNNING};
 use crate::solver::measure::natural_map::{self, Scale};
 use crate::solver::measure::natural_residual::{self, Measured, Residual};
 use crate::solver::measure::stop::Measure;
@@ -283,7 +283,7 @@ impl<'a> Progress<'a> {
             Measure::Contact => residual.is_some_and(|residual| residual.value <= goal),
         };
         let approach = Approach::of(&measured, 0..problem.contacts().len(), stop.tolerance);
-        let merit = grade * (approach.growth / SUSPICION).max(1.0);
+        let merit = grade * (approach.growth / RUNNING).max(1.0);
         if !(approach.growth < self.suspicion) {
             self.suspicion = SUSPICION * approach.growth;
             (self.astray, self.asks) = (Some(approach), true);
@@ -299,6 +299,7 @@ impl<'a> Progress<'a> {
             self.is_infeasible();
         }
         if solved && !self.solved || merit < self.merit && solved >= self.solved {
+            self.astray = None;
             (self.grade, self.merit, self.residual) = (grade, merit, residual);
             (self.known, self.solved, self.approach) = (true, solved, Some(approach));
             self.buffers.best.copy_from_slice(percussion);
@@ -317,6 +318,11 @@ impl<'a> Progress<'a> {
     pub(crate) fn start_from_best(&self, percussion: &mut Vec<f64>) -> f64 {
         percussion.clone_from(&self.buffers.best);
         self.grade
+    }
+
+    /// An iteration begins anew: how far earlier percussions had grown says nothing of it.
+    pub(crate) fn begin_anew(&mut self) {
+        self.astray = None;
     }
 
     /// `max(‖P‖, ρ‖b‖)`, what defects are compared with.

@@ -133,6 +133,7 @@ impl ProximalPoint {
             if progress.is_over() {
                 break;
             }
+            progress.begin_anew();
             self.new_start(progress, start > 0);
             (schedule, grade) = (Schedule { turn: start, ..Schedule::new(1.0) }, 1.0);
         }

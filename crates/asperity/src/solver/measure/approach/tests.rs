@@ -49,10 +49,12 @@ fn velocities_are_compared_with_loads() {
 fn percussions_run_away_where_contacts_move() {
     let problem = problem(&[-1.0, -1.0]);
     for (growth, velocity, unbounded) in [
-        (0.9e3, -0.02, Some(false)),
-        (1.1e3, -0.02, Some(true)),
-        (1.1e3, -0.009, None),
-        (0.9e12, -0.009, None),
+        (0.9e5, -0.02, Some(false)),
+        (0.9e5, -0.009, None),
+        (1.1e5, -0.009, Some(false)),
+        (1.1e6, -0.009, Some(true)),
+        (1.1e6, -0.9e-4, None),
+        (0.9e12, -0.9e-4, None),
         (1.1e12, 0.0, Some(true)),
         (f64::NAN, 0.0, Some(true)),
     ] {
@@ -66,16 +68,8 @@ fn percussions_run_away_where_contacts_move() {
 #[test]
 fn rounding_is_no_movement() {
     let problem = problem(&[-1.0, -1e-9]);
-    let velocity = 0.5 * ROUNDING * 1e11;
+    let velocity = 0.9 * ROUNDING * 1e11;
     assert_eq!(approach(&problem, &[1e11, 1.0], &[-velocity, 0.0]).flaw(), None);
     let flaw = Some(Flaw { contact: 0, unbounded: true });
-    assert_eq!(approach(&problem, &[1e11, 1.0], &[-300.0 * velocity, 0.0]).flaw(), flaw);
-}
-
-/// A residual hides what contacts do where percussions have grown by more than its inverse.
-#[test]
-fn residuals_hide_velocities_where_percussions_have_grown() {
-    let found = approach(&problem(&[-1.0]), &[1e4], &[0.0]);
-    assert!(found.hides(1.1e-9, 1e-9) && !found.hides(0.9e-9, 1e-9));
-    assert!(!found.hides(1.1e-8, 1e-6) && found.hides(1.1e-8, 1e-9));
+    assert_eq!(approach(&problem, &[1e11, 1.0], &[-10.0 * velocity, 0.0]).flaw(), flaw);
 }
