@@ -205,7 +205,7 @@ class Record(Value):
     A field that is ``Annotated`` holds what the check there returns, given the value and its name;
     one that is a ``Literal`` takes these words alone, one that is a class of values its objects.
     Others become Python's numbers, arrays and enumerators where the annotation says so. Fields
-    behind ``_: KW_ONLY`` are given by name; names that begin with a bar, and those of the class, are
+    behind ``_: KW_ONLY`` are given by name; names that begin with a bar, and every `ClassVar`, are
     no fields.
     """
 
