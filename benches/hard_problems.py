@@ -1,7 +1,7 @@
 """Why some problems are hard: is there a solution, is it regular, do iterations contract?
 
     python benches/hard_problems.py [--problems pile7,pile8] [--files a.npz b.npz] [--time-limit 60]
-    python benches/hard_problems.py --dear [--files a.npz]
+    python benches/hard_problems.py --piles [--files a.npz]
     python benches/hard_problems.py --wide
 
 For unilateral contacts with isotropic friction, p = 2, between bodies. Columns, in units in which
@@ -17,9 +17,9 @@ the mean of the diagonal of G and of the loads of a contact are 1:
   shift. Its derivative at the solution, by the eigenvalues beyond 1: iterations that take the shift
   from the last iterate converge where there is none, with small steps where none is to the right.
 
-With `--dear`: times of `Auto` on 52 piles and columns of spheres, where factorisations are dear,
-each of 4 s at most; constants of `crates/asperity/src/solver/auto.rs` were chosen by them. With
-`--wide`: the same on 195 others of 4 to 8 layers and 12 to 60 columns, each of 6 s at most.
+With `--piles`: times of `Auto` on 52 piles and columns of spheres, where factorisations are
+expensive, each of 4 s at most. With `--wide`: the same on 195 others of 4 to 8 layers and 12 to
+60 columns, each of 6 s at most.
 """
 
 import argparse
@@ -200,15 +200,15 @@ def main() -> None:
     parser.add_argument("--problems", default="pile5,pile7,pile8", help="layers of piles")
     parser.add_argument("--files", nargs="*", default=[])
     parser.add_argument("--time-limit", type=float, default=60.0, help="s per solve")
-    parser.add_argument("--dear", action="store_true", help="times of piles and columns")
+    parser.add_argument("--piles", action="store_true", help="times of piles and columns")
     parser.add_argument("--wide", action="store_true", help="times of more of them")
     options = parser.parse_args()
-    if options.dear:
+    if options.piles:
         others = [(file, asp.ContactProblem.load(file)) for file in options.files]
         times_of(others + piles_and_columns(), limit=4.0)
     if options.wide:
         times_of(more_piles_and_columns(), limit=6.0)
-    if options.dear or options.wide:
+    if options.piles or options.wide:
         return
     piles = [name for name in options.problems.split(",") if name]
     cases = [(name, problems.pile(int(name.removeprefix("pile")))) for name in piles]

@@ -59,7 +59,7 @@ TAIL = """## What is not on this page
 compares solutions of the same contact problems by other engines, and `make linear` the sparse
 factorisations with faer's: they take longer, or need what is not installed with asperity.
 `python benches/solver_steps.py` leaves out one step of the default solver after the other and says
-what each buys, in problems solved and in time. [Contact solvers](solvers.md) has their numbers.
+what each buys, in problems solved and in time. [Contact solvers](solvers.md) describes the steps.
 """
 
 

@@ -3,7 +3,7 @@
     python benches/solver_steps.py [FOLDER] [--time-limit 5] [--every 4] [--random 20]
 
 Stored problems are those of FOLDER, by default of $ASPERITY_CONTACT_PROBLEMS; piles and columns are
-every fourth of those of `hard_problems.py --dear` and `--wide`; random ones are piles of bodies
+every fourth of those of `hard_problems.py --piles` and `--wide`; random ones are piles of bodies
 with 1 to 4 contacts each and all kinds of laws. The global measure is to reach 1e-8. Per set and
 step: how many more problems are solved with the step than without it, and the time without it over
 the time with it, the geometric mean over problems that both solve. A step that buys neither is not

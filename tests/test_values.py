@@ -412,3 +412,8 @@ def test_fields_with_aliases_that_take_types_are_known():
     exec("type Row[Kind: np.generic] = np.ndarray[tuple[int], np.dtype[Kind]]", names)
     found = _check_of(names["Row"][np.float64] | None)([1.0, 2.0], "name")
     assert isinstance(found, np.ndarray)
+
+
+def test_what_belongs_to_a_class_is_no_field():
+    assert "rest" in asp.Auto.STEPS
+    assert list(inspect.signature(asp.Auto).parameters) == ["without", "threads"]

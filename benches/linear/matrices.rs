@@ -12,7 +12,7 @@ use crate::linear::Symbolic;
 
 /// Regularisation of the proximal method, in units of `1/ρ`.
 const SHIFT: f64 = 1e-8;
-/// Regularisation of what stands in the library (`solver/method/standing.rs`), in the same units.
+/// Regularisation of bodies at rest in the library (`solver/method/least_norm.rs`), in the same units.
 const REGULARIZED: f64 = 1e-11;
 /// Most rows that the library factors densely (`solver/newton_matrix`).
 const SMALL: usize = 30;

@@ -235,7 +235,7 @@ class InteriorPoint(Solver):
 class ADMM(Solver):
     """The alternating direction method of multipliers: many iterations for one factorisation.
 
-    The right one where a factorisation is too dear to repeat; it is repeated when the penalty
+    The right one where a factorisation is too expensive to repeat; it is repeated when the penalty
     changes. Where its residual does not fall, it begins again without percussions and extrapolates
     its iterates, and after that goes on as before from the best of them. It takes the contacts that
     `InteriorPoint` takes.

@@ -205,7 +205,8 @@ class Record(Value):
     A field that is ``Annotated`` holds what the check there returns, given the value and its name;
     one that is a ``Literal`` takes these words alone, one that is a class of values its objects.
     Others become Python's numbers, arrays and enumerators where the annotation says so. Fields
-    behind ``_: KW_ONLY`` are given by name; names that begin with a bar are no fields.
+    behind ``_: KW_ONLY`` are given by name; names that begin with a bar, and every `ClassVar`, are
+    no fields.
     """
 
     def __init_subclass__(cls) -> None:
@@ -214,7 +215,7 @@ class Record(Value):
         for name, kind in inspect.get_annotations(cls).items():
             if kind == "KW_ONLY":
                 place = Parameter.KEYWORD_ONLY
-            elif not name.startswith("_"):
+            elif not name.startswith("_") and not kind.startswith("ClassVar"):
                 default = cls.__dict__.get(name, Parameter.empty)
                 if name in cls.__dict__:
                     delattr(cls, name)

@@ -11,7 +11,6 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.tables import aligned
 from asperity._base.value import Record, Value
-from asperity.errors import ParameterError
 
 InfeasibilityKind = Literal["closing", "one_contact"]
 

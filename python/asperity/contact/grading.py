@@ -205,7 +205,7 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
 
 
 def _is_pulled(law: FrictionLaw, block: Array, b: Array) -> bool:
-    """Return whether a hinge, ξ = b + u s, s = w·P, that cannot open would be pulled as it slips."""
+    """Return whether a hinge, ξ = b + u w·P, that cannot open would be pulled as it slips."""
     slip = b[1:] - block[1:, 0] * b[0] / block[0, 0]
     if _norm(slip) <= 1e-9 * _norm(b):
         return False
