@@ -41,31 +41,31 @@ def test_rounding_costs_large_arches_no_factorisations():
 
 
 @pytest.mark.parametrize("measure", ["contact", "global"])
-def test_what_stands_is_asked_early_where_contacts_are_many(measure):
+def test_bodies_at_rest_are_found_early_where_contacts_are_many(measure):
     wall = problems.wall(35, columns=35, push=1.0)
     solution = wall.solve(measure=measure)
-    swept, stood = solution.stages
-    assert (swept.method, stood.method) == ("gauss_seidel", "newton")
+    swept, at_rest = solution.stages
+    assert (swept.method, at_rest.method) == ("gauss_seidel", "least_norm")
     assert 1 <= swept.iterations <= 4
-    assert stood.factorizations == 1
+    assert at_rest.factorizations == 1
     shared = wall.solve(asp.Auto(threads=2), measure=measure)
     assert shared.percussion.tobytes() == solution.percussion.tobytes()
 
 
 @pytest.mark.parametrize("measure", ["contact", "global"])
-def test_what_stands_is_found_as_exactly_as_is_asked_for(measure):
+def test_bodies_at_rest_are_found_as_exactly_as_is_asked_for(measure):
     wall = problems.wall(35, columns=35, push=1.0)
     steps = []
     for tolerance in (1e-5, 1e-8, 1e-13):
         solution = wall.solve(tolerance=tolerance, measure=measure)
         found = {"contact": wall.residual, "global": wall.natural_map}[measure]
         assert found(solution.percussion) <= tolerance
-        assert solution.stages[-1].method == "newton"
+        assert solution.stages[-1].method == "least_norm"
         steps.append(solution.stages[-1].iterations)
     assert steps[0] < steps[1] < steps[2]
 
 
-def test_a_factorisation_that_is_dear_is_not_tried_early():
+def test_a_factorisation_that_is_expensive_is_not_tried_early():
     """Every contact influences every other one: a factorisation takes as long as 600 sweeps."""
     rng = np.random.default_rng(0)
     contacts = 1000
@@ -102,8 +102,8 @@ SMOOTH = asp.FrictionLaw.isotropic(0.1)
 def test_accelerated_sweeps_find_what_factorisations_do():
     problem = problems.columns(18, height=10, law=SMOOTH)
     swept = solved(problem)
-    accelerated = swept.stages[1]
-    assert accelerated.method == "gauss_seidel"
+    accelerated = swept.stages[-1]
+    assert accelerated.method == "accelerated_gauss_seidel"
     assert accelerated.iterations > 20
     assert factorizations(swept) <= 10
     factored = solved(problem, solver=asp.ProximalPoint())
@@ -132,36 +132,38 @@ def test_accelerated_sweeps_leave_states_that_are_unstable(columns):
     # Defects of plain sweeps grow slowly there, and an acceleration that returns to them would
     # never end.
     solution = solved(problems.columns(columns, height=10))
-    assert [stage.method for stage in solution.stages] == ["gauss_seidel", "gauss_seidel"]
+    assert {stage.method for stage in solution.stages} == {
+        "gauss_seidel",
+        "accelerated_gauss_seidel",
+    }
 
 
 def test_newtons_method_adds_the_last_digits():
     law = asp.FrictionLaw.isotropic(0.4)
     solution = solved(problems.pile(5, law=law))
-    assert [stage.method for stage in solution.stages][1:] == ["gauss_seidel", "newton"]
+    assert [stage.method for stage in solution.stages][-2:] == [
+        "accelerated_gauss_seidel",
+        "newton",
+    ]
     assert factorizations(solution) <= 10
 
 
 def without_bodies(problem, **options):
-    """Return the same problem, with accelerated sweeps over the blocks of G."""
+    """Return the same problem as blocks of G."""
     return asp.ContactProblem(
         problem.delassus, free_velocity=problem.free_velocity, laws=problem.laws, **options
     )
 
 
-@pytest.mark.parametrize("form", ["bodies", "blocks"])
-def test_threads_do_not_change_accelerated_sweeps(form):
+def test_threads_do_not_change_accelerated_sweeps():
     problem = problems.columns(46, height=10)
-    if form == "blocks":
-        # Contacts of a colour are shared.
-        problem = without_bodies(problem)
     one, two = (solved(problem, solver=asp.Auto(threads=n)) for n in (1, 2))
-    assert {stage.method for stage in one.stages} == {"gauss_seidel"}
+    assert one.stages[-1].method == "accelerated_gauss_seidel"
     assert np.array_equal(one.percussion, two.percussion)
 
 
 @pytest.mark.parametrize("scale", [2.0**-40, 2.0**50])
-def test_accelerated_sweeps_over_bodies_know_no_units(scale):
+def test_accelerated_sweeps_know_no_units(scale):
     problem = problems.columns(46, height=10)
     other = asp.ContactProblem.from_bodies(
         scale * problem.mass,
@@ -170,43 +172,23 @@ def test_accelerated_sweeps_over_bodies_know_no_units(scale):
         laws=problem.laws,
     )
     solution, scaled = solved(problem), solved(other)
-    assert [stage.method for stage in scaled.stages] == ["gauss_seidel", "gauss_seidel"]
+    assert scaled.stages[-1].method == "accelerated_gauss_seidel"
     assert np.array_equal(scaled.percussion, solution.percussion)
 
 
-def hard_piles():
-    """Return piles that accelerated sweeps do not end in the time that they have."""
-    cases = [(6, 0.35, 0.0), (7, 0.35, 0.1), (7, 0.6, 0.3)]
-    return [
-        problems.pile(layers, law=asp.FrictionLaw.isotropic(friction), speed=speed)
-        for layers, friction, speed in cases
-    ]
-
-
-def test_over_relaxed_sweeps_end_what_does_not_settle():
-    """They end these piles for two, six and seven of seven roundings of the loads."""
-    ended = 0
-    for problem in hard_piles():
-        methods = [stage.method for stage in solved(problem).stages]
-        after = methods[methods.index("admm") + 1 :] if "admm" in methods else []
-        ended += after[:1] == ["gauss_seidel"] and set(after) <= {"gauss_seidel", "newton"}
-    assert ended > 0
-
-
-def test_random_orders_are_the_same_ones_every_time():
-    """In every solve, with two threads and in all units."""
-    for problem in hard_piles():
-        scaled = asp.ContactProblem.from_bodies(
-            2.0**30 * problem.mass,
-            directions=problem.directions,
-            free_velocity=problem.free_velocity * 2.0**-30,
-            laws=problem.laws,
-        )
-        solution = solved(problem)
-        methods = [stage.method for stage in solution.stages]
-        assert methods[methods.index("admm") + 1] == "gauss_seidel"
-        for other in (solved(problem, solver=asp.Auto(threads=2)), solved(scaled)):
-            assert np.array_equal(other.percussion, solution.percussion)
+@pytest.mark.parametrize(("layers", "friction", "speed"), [(6, 0.35, 0.0), (7, 0.35, 0.1)])
+def test_piles_that_accelerated_sweeps_do_not_end_are_solved(layers, friction, speed):
+    """In all units, by the same steps."""
+    problem = problems.pile(layers, law=asp.FrictionLaw.isotropic(friction), speed=speed)
+    scaled = asp.ContactProblem.from_bodies(
+        2.0**30 * problem.mass,
+        directions=problem.directions,
+        free_velocity=problem.free_velocity * 2.0**-30,
+        laws=problem.laws,
+    )
+    solution = solved(problem)
+    assert "admm" in [stage.method for stage in solution.stages]
+    assert np.array_equal(solved(scaled).percussion, solution.percussion)
 
 
 def test_velocities_without_contacts_do_not_change_accelerated_sweeps():
@@ -221,11 +203,10 @@ def test_velocities_without_contacts_do_not_change_accelerated_sweeps():
     )
     solution = solved(problem)
     assert np.array_equal(solved(with_free).percussion, solution.percussion)
-    assert not np.array_equal(solved(without_bodies(problem)).percussion, solution.percussion)
 
 
 @pytest.mark.parametrize("axes", [1.0, 0.7, 0.1])
-def test_sweeps_over_bodies_and_over_blocks_solve_the_same_problems(axes):
+def test_problems_of_bodies_and_of_blocks_have_the_same_solutions(axes):
     """Friction of ellipses in all directions, masses that differ, and restitution."""
     random = np.random.default_rng(4)
     for count in (12, 20):
@@ -248,8 +229,6 @@ def test_sweeps_over_bodies_and_over_blocks_solve_the_same_problems(axes):
         )
         blocks = without_bodies(bodies, **options)
         first, second = solved(bodies), solved(blocks)
-        assert [stage.method for stage in first.stages] == ["gauss_seidel", "gauss_seidel"]
-        # Where friction is far from isotropic, as many sweeps: a contact is solved in each.
         assert first.iterations < 1000
         assert blocks.natural_map(first.percussion) <= TOLERANCE
         assert bodies.natural_map(second.percussion) <= TOLERANCE

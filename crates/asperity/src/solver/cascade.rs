@@ -121,10 +121,12 @@ impl Methods {
         let mut sweeps = Sweeps::new(problem, island.cost.first_estimate());
         // One sweep more says which contact has no solution.
         sweeps.run(progress, if progress.task.past == Past::Stuck { 1 } else { 0 });
-        if !progress.is_over() && island.is_large && progress.may_stand() {
+        let early = !progress.is_over() && island.is_large && progress.may_stand();
+        if early && sweeps.leave_time_for(progress, Cost::ANALYSIS) {
             // Data of large islands do not stay in the cache, which sweeps wait for and factorisations do not.
             self.matrix.prepare(problem);
-            if island.cost.sweeps(self.matrix.operations(problem)) <= EARLY {
+            let factorization = island.cost.sweeps(self.matrix.operations(problem));
+            if factorization <= EARLY && sweeps.leave_time_for(progress, factorization) {
                 self.rest(progress, &mut island);
             }
         }
@@ -145,7 +147,8 @@ impl Methods {
         }
         sweeps.record(progress);
         if !progress.is_over() && !sweeps.leave_time_for(progress, 2.0 * island.factorization) {
-            return self.anderson.iterate(progress, usize::MAX);
+            let accelerated = steps.include(Step::Acceleration);
+            return self.anderson.iterate(progress, usize::MAX, accelerated);
         }
         if !progress.is_over()
             && let Some(contact) = progress.stuck()
@@ -176,7 +179,8 @@ impl Methods {
             }
             Stage::Acceleration => {
                 if island.is_expensive() {
-                    anderson.iterate(progress, (HALVING * island.factorization) as usize);
+                    let patience = (HALVING * island.factorization) as usize;
+                    anderson.iterate(progress, patience, true);
                 }
             }
             Stage::Newton => {
@@ -201,7 +205,11 @@ impl Methods {
                     admm.iterate(progress, cones, matrix, usize::MAX, (BESIDE, false));
                 }
             }
-            Stage::MatchedNewton => proximal.attempt_matched(progress, matrix),
+            Stage::MatchedNewton => {
+                if !island.is_expensive() {
+                    proximal.attempt_matched(progress, matrix);
+                }
+            }
             Stage::InteriorPoint => {
                 if island.resting.is_none() && cones.read(progress.task.problem) {
                     let course = Course { max_iterations: INTERIOR, goal: DIGITS, expected: 0.0 };

@@ -130,6 +130,10 @@ pub(crate) enum Ended {
 pub enum Method {
     /// Sweeps of exact one-contact solves.
     GaussSeidel,
+    /// The same with Anderson's acceleration.
+    AcceleratedGaussSeidel,
+    /// Percussions of least norm with which no body moves.
+    LeastNorm,
     /// The paper's prox iterations.
     Prox,
     /// Semismooth Newton.
@@ -140,8 +144,6 @@ pub enum Method {
     ProximalPoint,
     /// Alternating direction method of multipliers.
     Admm,
-    /// All of them, for contacts around the worst one while the others are held.
-    Neighbourhood,
 }
 
 impl Method {
@@ -149,12 +151,13 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Self::GaussSeidel => "gauss_seidel",
+            Self::AcceleratedGaussSeidel => "accelerated_gauss_seidel",
+            Self::LeastNorm => "least_norm",
             Self::Prox => "prox",
             Self::Newton => "newton",
             Self::InteriorPoint => "interior_point",
             Self::ProximalPoint => "proximal_point",
             Self::Admm => "admm",
-            Self::Neighbourhood => "neighbourhood",
         }
     }
 }

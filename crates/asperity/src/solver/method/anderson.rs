@@ -43,12 +43,17 @@ pub(crate) struct Anderson {
 }
 
 impl Anderson {
-    /// From the best percussions, at most so many sweeps since the natural map was halved.
-    pub(crate) fn iterate(&mut self, progress: &mut Progress<'_>, patience: usize) {
+    /// From the best percussions, at most so many sweeps since the natural map was halved; plain ones if not `accelerated`.
+    pub(crate) fn iterate(
+        &mut self,
+        progress: &mut Progress<'_>,
+        patience: usize,
+        accelerated: bool,
+    ) {
         let mut lowest = self.start(progress);
         let (mut halved, mut halved_at) = (lowest, 0);
         // Plain sweeps that are left, and those that follow the next time.
-        let (mut plain, mut next_plain) = (0_usize, TRIAL_SWEEPS);
+        let (mut plain, mut next_plain) = (if accelerated { 0 } else { usize::MAX }, TRIAL_SWEEPS);
         let mut sweeps = 0;
         while !progress.task.stop.early() {
             progress.sweep();
@@ -79,7 +84,8 @@ impl Anderson {
             progress.iterate.percussion.copy_from_slice(&self.from);
         }
         progress.grade(&self.image);
-        progress.record(Method::GaussSeidel, sweeps, 0);
+        let method = if accelerated { Method::AcceleratedGaussSeidel } else { Method::GaussSeidel };
+        progress.record(method, sweeps, 0);
     }
 
     /// Starts from the best percussions; their natural map.

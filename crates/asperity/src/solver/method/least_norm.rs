@@ -79,7 +79,7 @@ impl LeastNorm {
                 steps += 1;
             }
         }
-        progress.record(Method::Newton, steps, 1);
+        progress.record(Method::LeastNorm, steps, 1);
         (progress.is_solved() || last <= AT_REST * problem.load_norm())
             .then(|| norm(&self.percussion) / (contacts as f64).sqrt())
     }
