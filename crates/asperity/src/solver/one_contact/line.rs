@@ -3,7 +3,8 @@
 use asperity_set::{StarSet, Vector};
 
 use super::block::MARGIN;
-use super::local::{Local, LocalSolution};
+use super::local::Local;
+use super::solution::LocalSolution;
 use crate::contact::ContactState;
 
 /// All solutions: open, stick, backward slip, forward slip, as far as they exist.

@@ -3,7 +3,8 @@
 use asperity_set::{Matrix, StarSet, Vector};
 
 use super::block::{Block, MARGIN};
-use super::single::{self, Single};
+use super::single::{self, SOLUTION, Single};
+use super::solution::LocalSolution;
 use crate::contact::{ContactRows, ContactState, NormalForce, Phase};
 use crate::law::FrictionLaw;
 use crate::solver::measure::approach::UNRESOLVED;
@@ -20,23 +21,6 @@ pub(crate) struct Local<'a, const P: usize> {
     pub(crate) prescribed: Option<f64>,
     pub(crate) b_n: f64,
     pub(crate) b_t: Vector<P>,
-}
-
-/// A solution of one contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LocalSolution<const P: usize> {
-    /// What the contact does.
-    pub phase: Phase,
-    /// Normal percussion.
-    pub normal: f64,
-    /// Tangential percussion.
-    pub tangent: Vector<P>,
-    /// Tangential velocity `ξ`.
-    pub slip: Vector<P>,
-    /// Not isolated, or a double root: perturbing the data may remove or split it.
-    pub degenerate: bool,
-    /// Whether the contact is known to have others.
-    pub ambiguous: bool,
 }
 
 /// The percussions that stick needs, whether or not the contact can transmit them.
@@ -71,35 +55,18 @@ impl<const P: usize> Stick<P> {
             }
     }
 
+    /// Whether the contact can transmit them, and whether even if they were larger by more than rounding.
+    #[inline(always)]
+    pub(crate) fn holds_well(&self, law: &FrictionLaw<P>) -> (bool, bool) {
+        let gauge = self.gauge(law);
+        let holds = self.normal > 0.0 && gauge <= 1.0 + 4.0 * f64::EPSILON;
+        (holds, holds && gauge < 1.0 - SOLUTION)
+    }
+
     /// The solution, where it holds.
     #[inline(always)]
     pub(crate) fn solution(&self) -> LocalSolution<P> {
         LocalSolution::new(Phase::Stick, self.normal, self.tangent, Vector::zeros())
-    }
-}
-
-impl<const P: usize> LocalSolution<P> {
-    /// A solution that is isolated, beside which no other is known.
-    #[inline(always)]
-    pub(crate) fn new(phase: Phase, normal: f64, tangent: Vector<P>, slip: Vector<P>) -> Self {
-        Self { phase, normal, tangent, slip, degenerate: false, ambiguous: false }
-    }
-
-    /// Writes the percussions to the contact's own rows, of which the first may be a normal one.
-    #[inline(always)]
-    pub(crate) fn store(&self, percussion: &mut [f64]) {
-        // At once: the next contact reads the first two of them together, and would wait for one that is written alone.
-        if P == 2
-            && let Ok(all) = <&mut [f64; 3]>::try_from(&mut *percussion)
-        {
-            *all = [self.normal, self.tangent[0], self.tangent[1]];
-            return;
-        }
-        let first = percussion.len() - P;
-        if first == 1 {
-            percussion[0] = self.normal;
-        }
-        percussion[first..].copy_from_slice(self.tangent.as_slice());
     }
 }
 
@@ -241,7 +208,7 @@ impl<'a, const P: usize> Local<'a, P> {
         let stick = self.slip(&x, &Vector::zeros());
         let single = self.single();
         let found = single.graded(single.percussion(&stick), false);
-        (stick.normal > 0.0 && found.defect <= single::SOLUTION)
+        (stick.normal > 0.0 && found.defect <= SOLUTION)
             .then_some(LocalSolution { phase: Phase::Stick, ..stick })
     }
 

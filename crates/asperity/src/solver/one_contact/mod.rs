@@ -6,6 +6,7 @@ mod local;
 mod plane;
 mod single;
 mod singular;
+mod solution;
 pub(crate) mod solutions;
 pub(crate) mod solve;
 mod uniqueness;

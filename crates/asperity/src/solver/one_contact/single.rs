@@ -9,19 +9,20 @@ mod stick;
 
 use asperity_set::{StarSet, Vector};
 
-use super::local::LocalSolution;
 use super::singular::Factors;
+use super::solution::LocalSolution;
 use crate::contact::{ContactState, NormalForce, Phase};
 use crate::law::{self, ContactMatrix, ContactPoint, ContactVector, Friction, FrictionLaw, Rho};
 use crate::solver::measure::approach::UNRESOLVED;
-pub(crate) use stick::VANISHING;
 
 type V = ContactVector;
 
-/// Newton iterations from one start, proximal points, sweeps of rotations.
-pub(super) const ITERATIONS: usize = 40;
+/// Newton iterations from one start, proximal points.
+const ITERATIONS: usize = 40;
 /// Largest condition of a matrix that counts as regular.
 const REGULAR: f64 = 1e10;
+/// Singular values, and slip velocities, below this part of the largest are rounding.
+pub(crate) const VANISHING: f64 = 1e-13;
 /// Relative defect that is nothing but rounding.
 pub(crate) const ROUNDING: f64 = 1e-14;
 /// Relative defect up to which percussions count as a solution when one is chosen, and up to which a search goes on.
@@ -271,31 +272,35 @@ impl<'a, const P: usize> Single<'a, P> {
         percussion: &[f64],
         alone: bool,
     ) -> Option<LocalSolution<P>> {
-        let stick = self.stick();
-        let sticks = stick.map(|found| self.solution(&found, Phase::Stick));
-        if state.phase != Phase::Slip && stick.is_some() {
-            return sticks;
+        let sticks = || self.stick().map(|found| self.solution(&found, Phase::Stick));
+        if state.phase != Phase::Slip
+            && let Some(stick) = sticks()
+        {
+            return Some(stick);
         }
         // A slipping contact goes on slipping where it can: from its last slip, Newton's method finds that.
         let slides = velocity
             .and_then(|velocity| self.newton(self.slipping(&velocity)))
-            .map(|p| self.refined(self.graded(p, false)))
-            .filter(|found| stick.is_none() || self.slips(&found.percussion));
-        let mut best = slides;
-        if !slides.is_some_and(|found| found.defect <= FOUND) {
-            if stick.is_some() {
-                return sticks;
-            }
-            // In the plane all solutions are searched for instead.
-            if P < 3 {
-                return None;
-            }
-            let given = V::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
-            let found = self.search(given, alone).into_iter().chain(slides);
-            best = found.min_by(|a, b| a.defect.total_cmp(&b.defect));
+            .map(|p| self.refined(self.graded(p, false)));
+        let found = slides.filter(|found| found.defect <= FOUND);
+        if let Some(found) = found.filter(|found| self.phase(&found.percussion) == Phase::Slip) {
+            return Some(self.solution(&found, Phase::Slip));
         }
-        let phase = self.phase(&best?.percussion);
-        best.filter(|_| P == 3 || phase == Phase::Slip).map(|best| self.solution(&best, phase))
+        if state.phase == Phase::Slip
+            && let Some(stick) = sticks()
+        {
+            return Some(stick);
+        }
+        // In the plane all solutions are searched for instead.
+        if P < 3 {
+            return None;
+        }
+        let given = V::from_fn(|i, _| percussion.get(i).copied().unwrap_or(0.0));
+        let found = found.or_else(|| {
+            let all = self.search(given, alone).into_iter().chain(slides);
+            all.min_by(|a, b| a.defect.total_cmp(&b.defect))
+        })?;
+        Some(self.solution(&found, self.phase(&found.percussion)))
     }
 
     /// The percussions of a solution.

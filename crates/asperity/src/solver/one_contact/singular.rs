@@ -1,6 +1,5 @@
 //! Singular values of a small matrix that may have any rank.
 
-use super::single::ITERATIONS;
 use crate::law::{ContactMatrix, ContactVector};
 
 /// `G = U Σ Vᵀ` by one-sided rotations, which keep the digits of small singular values
@@ -19,7 +18,7 @@ impl Factors {
     pub(crate) fn new(matrix: &ContactMatrix, n: usize) -> Self {
         let (mut left, mut right) = (*matrix, ContactMatrix::identity());
         // Three or four sweeps are the rule.
-        for _ in 0..ITERATIONS {
+        for _ in 0..40 {
             let mut rotated = false;
             for p in 0..n {
                 for q in p + 1..n {

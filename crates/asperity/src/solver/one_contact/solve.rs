@@ -4,22 +4,14 @@ use asperity_set::Vector;
 
 use super::block::Block;
 use super::line;
-use super::local::{Local, LocalSolution};
+use super::local::Local;
 use super::plane::{self, ImplicitRate};
 use super::single::{ROUNDING, Single};
+use super::solution::LocalSolution;
+pub(crate) use super::solution::Policy;
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::law::{ContactVector, Law};
 use crate::vectors::largest;
-
-/// What is asked of the solution of a contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Policy {
-    /// The one that the selection rule takes, and whether there are others.
-    Prove,
-    /// The first one that is found, as near to the selection rule as stick and Newton's method from the last slip
-    /// come: for iterations that visit the contact again.
-    FirstFound,
-}
 
 /// Buffers for all solutions of a contact.
 #[derive(Debug, Clone, Default)]

@@ -1,7 +1,8 @@
 //! All solutions of one contact.
 
-use super::super::local::{Local, LocalSolution};
+use super::super::local::Local;
 use super::super::single::VANISHING;
+use super::super::solution::LocalSolution;
 use super::equation::Slip;
 use super::scan::Scan;
 use super::search::Search;

@@ -2,7 +2,8 @@
 
 use asperity_set::{BoundaryPoint, Matrix, StarSet, Vector};
 
-use super::super::local::{Local, LocalSolution};
+use super::super::local::Local;
+use super::super::solution::LocalSolution;
 use crate::law::{Cell, Node};
 
 pub(super) type V = Vector<2>;

@@ -20,7 +20,8 @@
 use asperity_set::{Arc, BoundaryPoint, StarSet, Vector};
 
 use super::super::block::Block;
-use super::super::local::{Local, LocalSolution};
+use super::super::local::Local;
+use super::super::solution::LocalSolution;
 use super::equation::{V, cross};
 use crate::contact::Phase;
 use crate::law::{Node, Stribeck, Walk};

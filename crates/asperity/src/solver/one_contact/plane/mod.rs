@@ -14,8 +14,8 @@ mod search;
 mod tests;
 
 use super::block::Shape;
-use super::local::{Local, LocalSolution, Stick};
-use super::solve::Policy;
+use super::local::{Local, Stick};
+use super::solution::{LocalSolution, Policy};
 use crate::contact::{ContactState, Phase};
 pub(crate) use all::solutions;
 use equation::{Slip, V};
@@ -91,13 +91,15 @@ fn without_search(
     if !certain {
         let stick = local.stick();
         certain = !first && has_one_solution(local, &stick);
-        if stick.holds(local.law, 1.0) {
+        let (holds, well) = match policy {
+            Policy::FirstFound => (stick.holds(local.law, 1.0), true),
+            Policy::Prove => stick.holds_well(local.law),
+        };
+        if holds {
             // Where several are possible, the rule decides between all of them.
             let takes = match policy {
                 Policy::FirstFound => state.phase != Phase::Slip || has_one_solution(local, &stick),
-                Policy::Prove => {
-                    stick.gauge(local.law) < 1.0 - 1e-12 && (certain || is_only(local))
-                }
+                Policy::Prove => well && (certain || is_only(local)),
             };
             return takes.then(|| stick.solution());
         }

@@ -2,8 +2,8 @@
 
 use asperity_set::{Convex, ConvexSet, Star, StarSet};
 
-use super::super::local::LocalSolution;
 use super::super::single::SOLUTION;
+use super::super::solution::LocalSolution;
 use super::equation::{Slip, V, cross};
 
 /// Whether the curvature of a reservoir is known to have a bound. The first step from the last slip then ends most solves.

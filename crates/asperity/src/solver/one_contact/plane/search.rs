@@ -3,7 +3,8 @@
 use asperity_set::{Arc, BoundaryPoint, Convex};
 
 use super::super::block::MARGIN;
-use super::super::local::{Local, LocalSolution};
+use super::super::local::Local;
+use super::super::solution::LocalSolution;
 use super::equation::{Bounds, Slip, V};
 use crate::law::{Cell, Node, Walk};
 

@@ -6,9 +6,9 @@ use asperity_set::{Arc, Convex, Cuboid, Ellipse, Star, StarSet, Superellipse, Ve
 use nalgebra::DMatrix;
 
 use super::super::block::{Block, Shape};
-use super::super::local::{Local, LocalSolution};
+use super::super::local::Local;
 use super::super::single::Single;
-use super::super::solve::Policy;
+use super::super::solution::{LocalSolution, Policy};
 use super::equation::{Slip, cross};
 use super::newton::newton_on_circle;
 use super::scan::Scan;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::block::SOUND;
 use super::super::singular::Factors;
-use super::{ContactMatrix, Graded, ITERATIONS, ROUNDING, SOLUTION, Single, V, inverse};
+use super::{ContactMatrix, Graded, ITERATIONS, ROUNDING, SOLUTION, Single, V, VANISHING, inverse};
 use crate::contact::NormalForce;
 
 /// Largest relative defect of stick in a continuum, whose loads are what rounding leaves of larger velocities: with a tenth
@@ -14,8 +14,6 @@ const CONTINUUM: f64 = 1e-10;
 /// Singular values below this part of the largest may be left out, and velocities below this part of the loads count as
 /// none; the defect decides in the end.
 const SMALL: f64 = 1e-6;
-/// Singular values, and slip velocities, below this part of the largest are rounding.
-pub(crate) const VANISHING: f64 = 1e-13;
 
 impl<const P: usize> Single<'_, P> {
     /// The percussions of a stick solution, `GP + b = 0` with `−P_T ∈ P_N C`, whatever the rank of the block.
