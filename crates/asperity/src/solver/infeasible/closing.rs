@@ -35,6 +35,8 @@ use crate::vectors::largest;
 const ROUNDS: usize = 12;
 /// Parts of the largest percussion beyond which contacts are looked at by themselves: those that only carry loads have less.
 const PARTS: [f64; 3] = [0.1, 1e-2, 1e-3];
+/// The largest weight where weights are tried as whole numbers.
+const WHOLE: f64 = (1_u64 << 40) as f64;
 /// Weights below this part of the largest are none.
 const SMALLEST: f64 = 1e-9;
 /// `|(Gᵀd)_j|` relative to `s_j Σ s_i d_i`, and `|(W d)_k|` to `max_j |W_kj|` and the weights on the body, that rounding explains.
@@ -72,6 +74,11 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
     let search = Search { problem, balance: &balance, loads: &loads };
     let few = |weights: &[f64]| weights.iter().filter(|d| **d > 0.0).count() <= FEW;
     let mut found = search.polish(pushes.clone());
+    if found.is_none() && pushes.iter().zip(&all).any(|(push, all)| *push == 0.0 && *all > 0.0) {
+        // Contacts that happen to be open may have their part in it.
+        let whole = pushes.iter().zip(&all).map(|(push, all)| push.max(2.0 * SMALLEST * all));
+        found = search.polish(whole.collect());
+    }
     if found.is_none() && few(&all) {
         return search.nearest(&all);
     }
@@ -119,7 +126,11 @@ impl Search<'_> {
             if !trim(&mut weights) {
                 let scales = self.balance.scales.iter();
                 weights.iter_mut().zip(scales).for_each(|(d, s)| *d /= s);
-                return certify(self.problem, &self.balance.contacts, &weights);
+                let certify = |of: &[f64]| certify(self.problem, &self.balance.contacts, of);
+                // Weights that are whole multiples of each other, as along a chain, lose no body to rounding.
+                let unit = largest(&weights) / WHOLE;
+                let whole: Vec<f64> = weights.iter().map(|d| (d / unit).round()).collect();
+                return certify(&whole).or_else(|| certify(&weights));
             }
         }
         None
