@@ -28,7 +28,7 @@ const EXPENSIVE: f64 = 8.0;
 /// Factorisations whose operations accelerated sweeps may take until they have halved the natural map.
 const HALVING: f64 = 20.0;
 /// Natural map from which on Newton's method ends what accelerated sweeps have begun.
-const NEAR: f64 = 1e-4;
+const NEAR: f64 = 1e-5;
 /// Newton iterations there, and of a first attempt after plain sweeps; such an attempt must halve `‖F‖` soon.
 const NEWTON: usize = 20;
 const SHORT: usize = 8;
