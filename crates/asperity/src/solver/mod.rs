@@ -430,7 +430,8 @@ impl Solver {
             if swept.is_clear() && residual.value <= stop.tolerance {
                 return workspace.solved(residual, 1, swept.ambiguous);
             }
-            found = Some(Reached::of(&task, &iterate, (1, swept.ended), residual, sweeper.islands()));
+            found =
+                Some(Reached::of(&task, &iterate, (1, swept.ended), residual, sweeper.islands()));
         } else {
             if forget_runaways(&task, &mut iterate, sweeper.islands()) {
                 task.past = Past::Unswept;

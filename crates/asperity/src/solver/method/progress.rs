@@ -148,9 +148,8 @@ impl<'a> Progress<'a> {
         let Iterate { percussion, velocity, .. } = &iterate;
         let measured = Measured { problem: task.problem, percussion, velocity };
         let contacts = 0..task.problem.contacts().len();
-        let approach = self
-            .approach
-            .unwrap_or_else(|| Approach::of(&measured, contacts, task.stop.tolerance));
+        let approach =
+            self.approach.unwrap_or_else(|| Approach::of(&measured, contacts, task.stop.tolerance));
         let diverged = astray.filter(Approach::has_diverged).and_then(|astray| astray.flaw());
         let ended = match (diverged, self.stuck) {
             _ if self.solved => Ended::Done,
@@ -213,7 +212,7 @@ impl<'a> Progress<'a> {
     fn is_infeasible(&mut self) -> bool {
         let proof = &mut *self.iterate.infeasibility;
         if std::mem::take(&mut self.asks) && proof.is_none() {
-            *proof = prove_closing(self.task.problem, &self.buffers.astray);
+            *proof = prove_closing(self.task.problem, &self.buffers.astray, true);
         }
         proof.is_some()
     }

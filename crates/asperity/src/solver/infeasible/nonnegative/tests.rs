@@ -21,8 +21,7 @@ fn dependent_columns_do_not_keep_the_active_sets_from_settling() {
                 assert!(*x == 0.0 || slope.abs() <= scale, "{rows} {columns}: {x} {slope}");
             }
             let large = 2f64.powi(30);
-            for (unit, of_f) in
-                [(large, 1.0), (1.0 / large, 1.0), (1.0, large), (1.0, 1.0 / large)]
+            for (unit, of_f) in [(large, 1.0), (1.0 / large, 1.0), (1.0, large), (1.0, 1.0 / large)]
             {
                 let other = least_squares(&(&a * unit), &(&f * of_f)).unwrap();
                 let same = other.iter().map(|x| x * unit / of_f);
