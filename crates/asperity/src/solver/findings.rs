@@ -17,7 +17,8 @@ pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_
         return Findings::default();
     }
     if infeasibility.is_none() && !stop.early() {
-        **infeasibility = prove_closing(problem, percussion);
+        let thorough = !small || flaw.is_some() || approach.has_grown_far();
+        **infeasibility = prove_closing(problem, percussion, thorough);
     }
     if let (None, Ended::Stuck(contact)) = (&**infeasibility, ended) {
         **infeasibility = prove_one_contact(problem, contact, percussion);

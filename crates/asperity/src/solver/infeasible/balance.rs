@@ -6,7 +6,7 @@ use crate::contact::{ContactProblem, Delassus, NormalForce};
 /// Entries below this part of a row are rounding of directions: they oppose nothing.
 const NO_ENTRY: f64 = 1e-12;
 /// Times that what rounding leaves of a projection is projected again: each takes away most of its digits.
-const PASSES: usize = 4;
+pub(super) const PASSES: usize = 4;
 /// Part of the gradient at which a projection ends.
 const SMALL: f64 = 1e-10;
 
@@ -96,9 +96,9 @@ impl Balance {
 
     /// Projects weights onto those with `A d = 0`, where zeros stay: conjugate gradients for the least-norm `x` with
     /// `A x = A d`, which is taken away.
-    pub(super) fn project(&self, weights: &mut [f64]) {
+    pub(super) fn project(&self, weights: &mut [f64], passes: usize) {
         let free: Vec<bool> = weights.iter().map(|d| *d > 0.0).collect();
-        for _ in 0..PASSES {
+        for _ in 0..passes {
             let mut rest = self.product(weights);
             let mut gradient = self.transposed(&rest, &free);
             let (mut direction, mut step) = (gradient.clone(), vec![0.0; weights.len()]);

@@ -24,7 +24,7 @@
 
 use nalgebra::DVector;
 
-use super::balance::Balance;
+use super::balance::{Balance, PASSES};
 use super::nonnegative;
 use super::proof::{Infeasibility, InfeasibilityKind};
 use crate::contact::{ContactProblem, Delassus, Factored};
@@ -50,8 +50,13 @@ const FASTEST: f64 = 1e8;
 const MARGIN: f64 = 1e-12;
 
 /// A proof from percussions: from their direction or, where friction has its part in that, from the weights that come nearest to a
-/// proof; of all contacts or of those with the largest percussions.
-pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Option<Infeasibility> {
+/// proof; of all contacts or of those with the largest percussions. If it need not be thorough, only the first of
+/// these is tried.
+pub(crate) fn prove_closing(
+    problem: &ContactProblem,
+    percussion: &[f64],
+    thorough: bool,
+) -> Option<Infeasibility> {
     if problem.delassus().is_matrix_free() {
         return None;
     }
@@ -73,11 +78,18 @@ pub(crate) fn prove_closing(problem: &ContactProblem, percussion: &[f64]) -> Opt
     trim(&mut pushes);
     let search = Search { problem, balance: &balance, loads: &loads };
     let few = |weights: &[f64]| weights.iter().filter(|d| **d > 0.0).count() <= FEW;
+    // Contacts that happen to be open may have their part in it.
+    let whole = pushes.iter().zip(&all).map(|(push, all)| push.max(2.0 * SMALLEST * all));
+    let whole: Vec<f64> = whole.collect();
+    if !thorough {
+        let mut first = whole.clone();
+        balance.project(&mut first, 1);
+        let closes = first.iter().all(|d| *d >= 0.0);
+        return if closes { search.polish(whole) } else { None };
+    }
     let mut found = search.polish(pushes.clone());
-    if found.is_none() && pushes.iter().zip(&all).any(|(push, all)| *push == 0.0 && *all > 0.0) {
-        // Contacts that happen to be open may have their part in it.
-        let whole = pushes.iter().zip(&all).map(|(push, all)| push.max(2.0 * SMALLEST * all));
-        found = search.polish(whole.collect());
+    if found.is_none() && whole != pushes {
+        found = search.polish(whole);
     }
     if found.is_none() && few(&all) {
         return search.nearest(&all);
@@ -122,7 +134,7 @@ impl Search<'_> {
             if weights.iter().all(|d| *d == 0.0) {
                 return None;
             }
-            self.balance.project(&mut weights);
+            self.balance.project(&mut weights, PASSES);
             if !trim(&mut weights) {
                 let scales = self.balance.scales.iter();
                 weights.iter_mut().zip(scales).for_each(|(d, s)| *d /= s);

@@ -18,12 +18,12 @@ const OF_OWN: f64 = 1e-2;
 const OF_OTHERS: f64 = 1e-5;
 /// Growth that stacks and vaults of like bodies do not exceed, that from which on they run away, and that beyond
 /// which rounding leaves too little of velocities to say whether contacts approach.
-const GROWN: f64 = 3e2;
+const GROWN: f64 = 1e3;
 pub(crate) const RUNNING: f64 = 1e6;
 const DIVERGED: f64 = 1e12;
 /// The same of a single contact, whose rows may cancel.
 pub(crate) const UNRESOLVED: f64 = 1e10;
-/// Contacts among which a proof is exact and soon found: it is looked for at a third of the growth.
+/// Contacts among which a proof is exact and soon found: it is looked for at less growth.
 pub(crate) const FEW: usize = 48;
 /// Velocity relative to those that cancel in it which rounding explains: a sum of some tens to hundreds of products.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -118,7 +118,12 @@ impl Approach {
 
     /// Whether a residual, which is relative to what percussions bring, may hide contacts that close on each other.
     pub(crate) fn has_grown(&self) -> bool {
-        !(self.growth <= if self.few { GROWN / 3.0 } else { GROWN })
+        !(self.growth <= if self.few { 0.1 * GROWN } else { 0.3 * GROWN })
+    }
+
+    /// Whether a proof is worth more than a look at the direction of the percussions.
+    pub(crate) fn has_grown_far(&self) -> bool {
+        self.few || !(self.growth <= GROWN)
     }
 }
 
@@ -134,7 +139,7 @@ pub(crate) fn may_be_flawed(percussion: f64, xi: f64, load: &[f64], rho: f64) ->
     // The comparisons also find NaN.
     percussion > 0.0 && {
         let all = load.iter().take(3).fold(0.0, |m: f64, l| m.max(l.abs()));
-        !(brought <= GROWN / 3.0 * all && f64::min(xi, brought).abs() <= OF_OWN * load[0].abs())
+        !(brought <= 0.1 * GROWN * all && f64::min(xi, brought).abs() <= OF_OWN * load[0].abs())
     }
 }
 

@@ -200,7 +200,7 @@ impl<'a> Progress<'a> {
     fn is_infeasible(&mut self) -> bool {
         let proof = &mut *self.iterate.infeasibility;
         if std::mem::take(&mut self.asks) && proof.is_none() {
-            *proof = prove_closing(self.task.problem, &self.buffers.astray);
+            *proof = prove_closing(self.task.problem, &self.buffers.astray, true);
         }
         proof.is_some()
     }
