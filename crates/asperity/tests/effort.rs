@@ -335,38 +335,38 @@ const CASES: usize = 24;
 /// written, to three in a hundred. Whoever makes solutions cheaper writes less. With the last digit of the scale of *D*
 /// the numbers of some laws change by as much as two in a hundred.
 const PLANAR: [(&str, [usize; 8]); 24] = [
-    ("isotropic", [966, 1362, 20925, 2556, 93, 20847, 53, 329]),
-    ("ellipse 3:1", [1168, 1375, 24937, 2607, 92, 22443, 53, 327]),
-    ("ellipses 3:1 at 30°", [2082, 2270, 23204, 4475, 92, 27978, 54, 397]),
-    ("Table 1", [1265, 1929, 21264, 3890, 92, 23534, 52, 368]),
-    ("superellipse 1.2", [1134, 1423, 22580, 2692, 93, 23100, 53, 327]),
-    ("superellipse 20", [1306, 1772, 22295, 2487, 92, 20758, 52, 329]),
-    ("C 1.2 at 20°, D 20", [1422, 2745, 23268, 4232, 93, 27818, 54, 371]),
-    ("C 20 at 30°, D 1.2", [1291, 2699, 21861, 4165, 93, 27187, 52, 362]),
-    ("rectangle", [803, 960, 20927, 1992, 90, 19302, 52, 117]),
-    ("rectangles at 30°", [1191, 2101, 21415, 3756, 93, 25380, 53, 209]),
-    ("C rectangle at 30°, D ellipse", [1323, 2173, 22605, 3857, 92, 26445, 54, 359]),
-    ("rhombus", [768, 836, 22877, 2075, 91, 21603, 53, 119]),
-    ("collinear, C star-shaped", [1593, 2123, 24965, 4446, 90, 31442, 54, 428]),
-    ("C disk, D rectangle", [1161, 2126, 21223, 3802, 92, 23810, 54, 224]),
-    ("C ellipse, D rectangle", [1869, 2208, 22596, 3902, 91, 21210, 52, 240]),
-    ("C rectangle, D superellipse 100", [2759, 3538, 24129, 5473, 92, 28815, 54, 493]),
-    ("thin ellipses", [2717, 3218, 31154, 5568, 93, 36472, 54, 460]),
-    ("C 0.5, D ellipse", [2860, 3392, 25153, 6279, 92, 29217, 54, 406]),
-    ("thin D", [2519, 2869, 22402, 5051, 90, 25984, 54, 404]),
-    ("asperity 36°", [1326, 3293, 19711, 8346, 98, 19740, 41, 517]),
-    ("bobsleigh", [1170, 1391, 26607, 2403, 92, 24073, 54, 333]),
-    ("C polygon, D sum", [2150, 2596, 23448, 5210, 92, 28403, 54, 376]),
-    ("measured", [1238, 1897, 21248, 3810, 92, 23634, 52, 368]),
-    ("C ellipse, D runner", [2253, 2515, 22220, 4225, 90, 26197, 54, 371]),
+    ("isotropic", [966, 1290, 20418, 2542, 93, 20390, 53, 278]),
+    ("ellipse 3:1", [1148, 1305, 24384, 2589, 92, 21985, 53, 276]),
+    ("ellipses 3:1 at 30°", [1960, 2100, 22990, 4367, 92, 27825, 54, 338]),
+    ("Table 1", [1253, 1808, 21014, 3854, 92, 23329, 52, 317]),
+    ("superellipse 1.2", [1123, 1357, 22045, 2680, 93, 22647, 53, 276]),
+    ("superellipse 20", [1280, 1607, 21674, 2465, 92, 20247, 52, 274]),
+    ("C 1.2 at 20°, D 20", [1398, 2533, 23084, 4157, 93, 27627, 54, 322]),
+    ("C 20 at 30°, D 1.2", [1277, 2498, 21634, 4117, 93, 27002, 52, 311]),
+    ("rectangle", [798, 879, 20402, 1974, 90, 18926, 52, 66]),
+    ("rectangles at 30°", [1188, 1914, 21325, 3682, 93, 25273, 53, 158]),
+    ("C rectangle at 30°, D ellipse", [1299, 2016, 22392, 3825, 92, 26287, 54, 308]),
+    ("rhombus", [768, 831, 22372, 2058, 91, 21279, 53, 66]),
+    ("collinear, C star-shaped", [1539, 1993, 25288, 4430, 90, 31704, 54, 371]),
+    ("C disk, D rectangle", [1159, 1934, 21018, 3748, 92, 23761, 54, 171]),
+    ("C ellipse, D rectangle", [1668, 1911, 22333, 3786, 91, 20985, 52, 177]),
+    ("C rectangle, D superellipse 100", [2559, 3173, 24034, 5250, 92, 28633, 54, 424]),
+    ("thin ellipses", [2528, 2954, 31434, 5347, 93, 36342, 54, 401]),
+    ("C 0.5, D ellipse", [2642, 3079, 25633, 6045, 92, 29407, 54, 351]),
+    ("thin D", [2284, 2566, 22272, 4809, 90, 26489, 54, 349]),
+    ("asperity 36°", [1304, 2610, 19329, 7232, 98, 18632, 41, 393]),
+    ("bobsleigh", [1127, 1312, 26165, 2399, 92, 23678, 54, 282]),
+    ("C polygon, D sum", [2029, 2412, 23762, 5145, 92, 28708, 54, 327]),
+    ("measured", [1229, 1785, 20988, 3792, 92, 23414, 52, 317]),
+    ("C ellipse, D runner", [2054, 2273, 21930, 4125, 90, 26023, 54, 320]),
 ];
 const OTHERS: [(&str, [usize; 7]); 6] = [
-    ("line", [1152, 1150, 15898, 1818, 89, 18534, 47]),
-    ("ball", [1406, 1604, 20269, 3355, 93, 25715, 53]),
-    ("ellipsoid", [1400, 1635, 23045, 3290, 93, 28759, 52]),
-    ("two ellipsoids", [4650, 6693, 27999, 11049, 93, 44907, 53]),
-    ("box", [990, 1053, 23910, 1953, 91, 27931, 54]),
-    ("Hertz", [1390, 1648, 22105, 3374, 94, 29601, 54]),
+    ("line", [1152, 1142, 15989, 1806, 89, 18718, 47]),
+    ("ball", [1454, 1659, 16093, 3253, 93, 7460, 53]),
+    ("ellipsoid", [1448, 1690, 17269, 3189, 93, 9600, 52]),
+    ("two ellipsoids", [4700, 6119, 21420, 10962, 93, 22039, 53]),
+    ("box", [1038, 1109, 17595, 1853, 91, 8941, 54]),
+    ("Hertz", [1438, 1704, 17595, 3271, 94, 10518, 54]),
 ];
 
 /// Counts that are not those that are written down, after all have been printed.
@@ -456,8 +456,8 @@ fn shortcuts_of_isotropic_friction_lead_to_its_solutions() {
     }
 }
 
-/// Contacts in space that have no solution: what is spent on them is limited, by the sweeps as a whole as well, and every
-/// solve begins anew.
+/// Contacts in space that have no solution: what is spent on a visit is limited, to far less where others influence them, and
+/// every solve begins anew.
 #[test]
 fn what_is_spent_in_vain_is_limited() {
     let convex = |a, b, c| Convex::from(Ellipsoid::new(Vector::<3>::new(a, b, c)).unwrap());
@@ -492,6 +492,6 @@ fn what_is_spent_in_vain_is_limited() {
     let mut workspace = Workspace::default();
     let alone = spent(1, 1, &mut workspace);
     let [few, many] = [3, 60].map(|sweeps| spent(2, sweeps, &mut workspace));
-    check(&[("vain", [alone, few, many])], &[("vain", [22612, 1196, 6440])]);
+    check(&[("vain", [alone, few, many])], &[("vain", [47028, 936, 18720])]);
     assert_eq!(spent(2, 60, &mut workspace), many);
 }

@@ -124,7 +124,7 @@ impl<'a> OneContact<'a> {
                 let buffer = &mut candidates.planar;
                 Some(keep(&plane::solve(local, history, guess, policy, buffer)?, percussion))
             },
-            Space(single) => Some(keep(&self.in_space(single, history, percussion)?, percussion))
+            Space(single) => Some(keep(&self.in_space(single, history, percussion, policy)?, percussion))
         )
     }
 
@@ -136,6 +136,7 @@ impl<'a> OneContact<'a> {
         single: &Single<'_, 3>,
         state: &ContactState,
         percussion: &[f64],
+        policy: Policy,
     ) -> Option<LocalSolution<3>> {
         if single.opens() {
             let open = single.graded(ContactVector::zeros(), false);
@@ -144,7 +145,8 @@ impl<'a> OneContact<'a> {
         let delassus = self.problem.delassus();
         let neighbours = delassus.blocks().neighbours(self.contact);
         let alone = neighbours.iter().all(|&other| other == self.contact);
-        let alone = alone && !delassus.is_matrix_free();
+        // Sweeps that take the first solution may come back tens of thousands of times.
+        let alone = alone && policy == Policy::Prove && !delassus.is_matrix_free();
         let last = Vector::<3>::from_column_slice(&state.slip);
         let ahead = (last.amax() > 0.0).then_some(last);
         single.solve(state, ahead, percussion, alone)
