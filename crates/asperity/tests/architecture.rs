@@ -6,17 +6,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 14] = [
+const SOLVER: [(&str, &[&str]); 15] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasible", &["measure", "one_contact"]),
     ("newton_matrix", &[]),
     ("report", &["measure"]),
     ("gauss_seidel", &["measure", "one_contact", "infeasible", "newton_matrix", "report"]),
-    (
-        "method",
-        &["measure", "one_contact", "infeasible", "newton_matrix", "report", "gauss_seidel"],
-    ),
+    ("incumbent", &["measure", "one_contact", "infeasible", "report", "gauss_seidel"]),
+    ("method", &["measure", "newton_matrix", "report", "gauss_seidel", "incumbent"]),
     ("settings", &["method"]),
     ("findings", &["measure", "infeasible", "report", "gauss_seidel"]),
     ("cascade", &["infeasible", "newton_matrix", "report", "gauss_seidel", "method", "settings"]),

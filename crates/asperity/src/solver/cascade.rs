@@ -11,10 +11,10 @@ use std::time::Instant;
 use super::gauss_seidel::{
     Cost, Iterate, Past, Rate, Reached, Sweeper, TRIAL_SWEEPS, Task, untimed_visits,
 };
+use super::incumbent::{Buffers, Incumbent};
 use super::infeasible::prove_one_contact;
 use super::method::{
-    ALONE, Admm, Anderson, BESIDE, Buffers, Cones, Course, Interior, LeastNorm, PATIENCE, Progress,
-    ProximalPoint,
+    ALONE, Admm, Anderson, BESIDE, Cones, Course, Interior, LeastNorm, PATIENCE, ProximalPoint,
 };
 use super::newton_matrix::NewtonMatrix;
 use super::report::{Ended, Method};
@@ -104,140 +104,140 @@ impl Methods {
         steps: Steps,
     ) -> Reached {
         let mut buffers = std::mem::take(&mut self.buffers);
-        let mut progress = Progress::new(task, iterate, sweeper, &mut buffers);
-        self.solve(&mut progress, steps);
+        let mut incumbent = Incumbent::new(task, iterate, sweeper, &mut buffers);
+        self.solve(&mut incumbent, steps);
         let known = |state: &ContactState| state.phase != Phase::Unknown;
-        if progress.is_solved() && task.history.iter().any(known) {
-            progress.continue_states(TRIAL_SWEEPS);
+        if incumbent.is_solved() && task.history.iter().any(known) {
+            incumbent.continue_states(TRIAL_SWEEPS);
         }
-        let reached = progress.finish(false);
+        let reached = incumbent.finish(false);
         self.buffers = buffers;
         reached
     }
 
-    fn solve(&mut self, progress: &mut Progress<'_>, steps: Steps) {
-        let problem = progress.task.problem;
-        let mut island = Island::of(progress, steps);
+    fn solve(&mut self, incumbent: &mut Incumbent<'_>, steps: Steps) {
+        let problem = incumbent.task.problem;
+        let mut island = Island::of(incumbent, steps);
         let mut sweeps = Sweeps::new(problem, island.cost.first_estimate());
         // One sweep more says which contact has no solution.
-        sweeps.run(progress, if progress.task.past == Past::Stuck { 1 } else { 0 });
-        let early = !progress.is_over() && island.is_large && progress.may_stand();
-        if early && sweeps.leave_time_for(progress, Cost::ANALYSIS) {
+        sweeps.run(incumbent, if incumbent.task.past == Past::Stuck { 1 } else { 0 });
+        let early = !incumbent.is_over() && island.is_large && incumbent.may_rest();
+        if early && sweeps.leave_time_for(incumbent, Cost::ANALYSIS) {
             // Data of large islands do not stay in the cache, which sweeps wait for and factorisations do not.
             self.matrix.prepare(problem);
             let factorization = island.cost.sweeps(self.matrix.operations(problem));
-            if factorization <= EARLY && sweeps.leave_time_for(progress, factorization) {
-                self.rest(progress, &mut island);
+            if factorization <= EARLY && sweeps.leave_time_for(incumbent, factorization) {
+                self.rest(incumbent, &mut island);
             }
         }
         if island.is_large {
-            sweeps.run(progress, usize::MAX);
+            sweeps.run(incumbent, usize::MAX);
         }
-        if progress.is_over() {
-            return sweeps.record(progress);
+        if incumbent.is_over() {
+            return sweeps.record(incumbent);
         }
-        if sweeps.leave_time_for(progress, Cost::ANALYSIS) {
+        if sweeps.leave_time_for(incumbent, Cost::ANALYSIS) {
             self.matrix.prepare(problem);
             self.proximal.prepare(problem);
             island.read(self.matrix.operations(problem));
             sweeps.rate.instead_of(island.attempt);
             if island.attempt > island.cost.first_estimate() {
-                sweeps.run(progress, usize::MAX);
+                sweeps.run(incumbent, usize::MAX);
             }
         }
-        sweeps.record(progress);
-        if !progress.is_over() && !sweeps.leave_time_for(progress, 2.0 * island.factorization) {
+        sweeps.record(incumbent);
+        if !incumbent.is_over() && !sweeps.leave_time_for(incumbent, 2.0 * island.factorization) {
             let accelerated = steps.include(Step::Acceleration);
-            return self.anderson.iterate(progress, usize::MAX, accelerated);
+            return self.anderson.iterate(incumbent, usize::MAX, accelerated);
         }
-        if !progress.is_over()
-            && let Some(contact) = progress.stuck()
+        if !incumbent.is_over()
+            && let Some(contact) = incumbent.stuck()
         {
             // A contact that sweeps could not solve may have no solution whatever the others do.
-            let percussion = &*progress.iterate.percussion;
+            let percussion = &*incumbent.iterate.percussion;
             let proof = prove_one_contact(problem, contact, percussion);
-            *progress.iterate.infeasibility = proof;
+            *incumbent.iterate.infeasibility = proof;
         }
         for (stage, step) in CASCADE {
-            if progress.is_over() {
+            if incumbent.is_over() {
                 return;
             }
             if steps.include(step) {
-                self.step(stage, progress, &mut island);
+                self.step(stage, incumbent, &mut island);
             }
         }
     }
 
     /// Takes one step, where it serves the island.
-    fn step(&mut self, stage: Stage, progress: &mut Progress<'_>, island: &mut Island) {
+    fn step(&mut self, stage: Stage, incumbent: &mut Incumbent<'_>, island: &mut Island) {
         let Self { matrix, proximal, cones, interior, admm, anderson, .. } = self;
         match stage {
             Stage::Rest => {
-                if island.contacts >= MANY && !island.asked_for_rest && progress.may_stand() {
-                    self.rest(progress, island);
+                if island.contacts >= MANY && !island.asked_for_rest && incumbent.may_rest() {
+                    self.rest(incumbent, island);
                 }
             }
             Stage::Acceleration => {
                 if island.is_expensive() {
                     let patience = (HALVING * island.factorization) as usize;
-                    anderson.iterate(progress, patience, true);
+                    anderson.iterate(incumbent, patience, true);
                 }
             }
             Stage::Newton => {
                 let (worthwhile, patience) = match island.is_expensive() {
-                    true => (progress.best_grade() < NEAR, PATIENCE),
+                    true => (incumbent.best_grade() < NEAR, PATIENCE),
                     false => (island.attempt <= Rate::WORTHWHILE, SHORT),
                 };
                 if worthwhile {
-                    proximal.newton(progress, matrix, (NEWTON, patience));
+                    proximal.newton(incumbent, matrix, (NEWTON, patience));
                     island.tried = true;
                 }
             }
             Stage::Sweeps => {
                 if island.tried && !island.is_expensive() {
-                    let mut sweeps = Sweeps::new(progress.task.problem, Rate::WORTHWHILE);
-                    sweeps.run(progress, usize::MAX);
-                    sweeps.record(progress);
+                    let mut sweeps = Sweeps::new(incumbent.task.problem, Rate::WORTHWHILE);
+                    sweeps.run(incumbent, usize::MAX);
+                    sweeps.record(incumbent);
                 }
             }
             Stage::Admm => {
-                if island.is_expensive() && cones.read(progress.task.problem) {
-                    admm.iterate(progress, cones, matrix, usize::MAX, (BESIDE, false));
+                if island.is_expensive() && cones.read(incumbent.task.problem) {
+                    admm.iterate(incumbent, cones, matrix, usize::MAX, (BESIDE, false));
                 }
             }
             Stage::MatchedNewton => {
                 if !island.is_expensive() {
-                    proximal.attempt_matched(progress, matrix);
+                    proximal.attempt_matched(incumbent, matrix);
                 }
             }
             Stage::InteriorPoint => {
-                if island.resting.is_none() && cones.read(progress.task.problem) {
+                if island.resting.is_none() && cones.read(incumbent.task.problem) {
                     let course = Course { max_iterations: INTERIOR, goal: DIGITS, expected: 0.0 };
-                    interior.iterate(progress, cones, matrix, course);
+                    interior.iterate(incumbent, cones, matrix, course);
                 }
             }
             Stage::ProximalPoint => {
-                proximal.iterate(progress, matrix, OUTER);
+                proximal.iterate(incumbent, matrix, OUTER);
             }
         }
     }
 
     /// Percussions of least norm, and the interior point method from their size.
-    fn rest(&mut self, progress: &mut Progress<'_>, island: &mut Island) {
+    fn rest(&mut self, incumbent: &mut Incumbent<'_>, island: &mut Island) {
         let Self { matrix, cones, interior, least_norm, .. } = self;
         island.asked_for_rest = true;
         if !island.steps.include(Step::Rest) {
             return;
         }
-        island.resting = least_norm.attempt(progress, matrix);
+        island.resting = least_norm.attempt(incumbent, matrix);
         let conic = island.steps.include(Step::InteriorPoint);
         if let Some(expected) = island.resting
             && conic
-            && !progress.is_over()
-            && cones.read(progress.task.problem)
+            && !incumbent.is_over()
+            && cones.read(incumbent.task.problem)
         {
             let course = Course { max_iterations: INTERIOR, goal: DIGITS, expected };
-            interior.iterate(progress, cones, matrix, course);
+            interior.iterate(incumbent, cones, matrix, course);
         }
     }
 
@@ -251,31 +251,31 @@ impl Methods {
         max_iterations: usize,
     ) -> Reached {
         let Self { buffers, matrix, proximal, cones, interior, admm, .. } = self;
-        let mut progress = Progress::new(task, iterate, sweeper, buffers);
+        let mut incumbent = Incumbent::new(task, iterate, sweeper, buffers);
         let conic = matches!(method, Method::InteriorPoint | Method::Admm);
         if conic && !cones.read(task.problem) {
             let ended = Ended::NotApplicable;
-            return Reached { iterations: 0, ended, ..progress.finish(false) };
+            return Reached { iterations: 0, ended, ..incumbent.finish(false) };
         }
         proximal.prepare(task.problem);
         matrix.prepare(task.problem);
         let limited = match method {
             Method::InteriorPoint => {
                 let course = Course { max_iterations, goal: 0.0, expected: 0.0 };
-                let limited = interior.iterate(&mut progress, cones, matrix, course);
+                let limited = interior.iterate(&mut incumbent, cones, matrix, course);
                 // Newton's method finds the digits that rounding keeps from the interior point method.
-                if !limited && !progress.is_over() && progress.best_grade() < NEAR {
-                    proximal.newton(&mut progress, matrix, (NEWTON, PATIENCE));
+                if !limited && !incumbent.is_over() && incumbent.best_grade() < NEAR {
+                    proximal.newton(&mut incumbent, matrix, (NEWTON, PATIENCE));
                 }
                 limited
             }
             Method::Admm => {
-                admm.iterate(&mut progress, cones, matrix, max_iterations, (ALONE, true))
+                admm.iterate(&mut incumbent, cones, matrix, max_iterations, (ALONE, true))
             }
-            Method::Newton => proximal.newton(&mut progress, matrix, (max_iterations, PATIENCE)),
-            _ => proximal.iterate(&mut progress, matrix, max_iterations),
+            Method::Newton => proximal.newton(&mut incumbent, matrix, (max_iterations, PATIENCE)),
+            _ => proximal.iterate(&mut incumbent, matrix, max_iterations),
         };
-        progress.finish(limited)
+        incumbent.finish(limited)
     }
 }
 
@@ -297,8 +297,8 @@ struct Island {
 }
 
 impl Island {
-    fn of(progress: &Progress<'_>, steps: Steps) -> Self {
-        let problem = progress.task.problem;
+    fn of(incumbent: &Incumbent<'_>, steps: Steps) -> Self {
+        let problem = incumbent.task.problem;
         let contacts = problem.contacts().len();
         let cost = Cost::of(problem, 0..contacts);
         let is_large = cost.is_large();
@@ -347,23 +347,23 @@ impl Sweeps {
     }
 
     /// Records what was done, if it was anything.
-    fn record(&self, progress: &mut Progress<'_>) {
+    fn record(&self, incumbent: &mut Incumbent<'_>) {
         if self.count > 0 {
-            progress.record(Method::GaussSeidel, self.count, 0);
+            incumbent.record(Method::GaussSeidel, self.count, 0);
         }
     }
 
     /// Sweeps while their rate promises an end, at most so many in all.
-    fn run(&mut self, progress: &mut Progress<'_>, most: usize) {
-        while !progress.is_solved() && self.count < most {
-            progress.sweep();
+    fn run(&mut self, incumbent: &mut Incumbent<'_>, most: usize) {
+        while !incumbent.is_solved() && self.count < most {
+            incumbent.sweep();
             self.count += 1;
-            let ends = self.count == most || self.is_late(progress.task);
+            let ends = self.count == most || self.is_late(incumbent.task);
             if !ends && !self.rate.is_due(self.count) {
                 continue;
             }
-            let grade = progress.grade_sweeps();
-            if ends || !self.rate.promises(self.count, grade, progress.task.stop.tolerance) {
+            let grade = incumbent.grade_sweeps();
+            if ends || !self.rate.promises(self.count, grade, incumbent.task.stop.tolerance) {
                 break;
             }
         }
@@ -380,11 +380,11 @@ impl Sweeps {
     }
 
     /// Whether a limit of time leaves as long as so many sweeps take; one is made where it is not known how long that is.
-    fn leave_time_for(&mut self, progress: &mut Progress<'_>, sweeps: f64) -> bool {
-        let Some(deadline) = progress.task.stop.deadline else { return true };
+    fn leave_time_for(&mut self, incumbent: &mut Incumbent<'_>, sweeps: f64) -> bool {
+        let Some(deadline) = incumbent.task.stop.deadline else { return true };
         if self.count == 0 {
             self.began = Instant::now();
-            self.run(progress, 1);
+            self.run(incumbent, 1);
         }
         let one = self.began.elapsed().as_secs_f64() / self.count.max(1) as f64;
         one * sweeps <= deadline.saturating_duration_since(Instant::now()).as_secs_f64()

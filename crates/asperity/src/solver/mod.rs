@@ -18,6 +18,7 @@
 mod cascade;
 mod findings;
 mod gauss_seidel;
+mod incumbent;
 mod infeasible;
 mod island;
 mod list;

@@ -11,11 +11,11 @@
 //! depends on where it begins.
 
 use super::cones::{Cones, own_rows};
-use super::progress::Progress;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
+use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 
@@ -107,7 +107,7 @@ impl Admm {
     /// limit of iterations. Whether that limit ended it.
     pub(crate) fn iterate(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         max_iterations: usize,
@@ -118,36 +118,36 @@ impl Admm {
         for (turn, variant) in variants.iter().enumerate() {
             let patience = if endless && turn + 1 == variants.len() { usize::MAX } else { STALLED };
             let limits = (max_iterations, patience);
-            let end = self.go(progress, cones, matrix, variant, &mut iterations, limits);
+            let end = self.go(incumbent, cones, matrix, variant, &mut iterations, limits);
             if matches!(end, End::Over) {
                 break;
             }
         }
-        progress.record(Method::Admm, iterations, self.factorizations);
+        incumbent.record(Method::Admm, iterations, self.factorizations);
         iterations == max_iterations
     }
 
     /// Iterates on one variant, at most so many iterations in all, and so many without progress.
     fn go(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         variant: &Variant,
         iterations: &mut usize,
         (max_iterations, patience): (usize, usize),
     ) -> End {
-        let problem = progress.task.problem;
-        progress.start_from_best(&mut self.percussion);
+        let problem = incumbent.task.problem;
+        incumbent.start_from_best(&mut self.percussion);
         if variant.afresh {
             self.percussion.fill(0.0);
         }
         self.start(problem, cones, variant);
-        if !self.factor(&progress.task, cones, matrix) {
+        if !self.factor(&incumbent.task, cones, matrix) {
             return End::Over;
         }
         let (mut own, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
-        while *iterations < max_iterations && !progress.is_over() {
+        while *iterations < max_iterations && !incumbent.is_over() {
             (own, *iterations) = (own + 1, *iterations + 1);
             let residuals = self.update(problem, cones, matrix);
             self.look_ahead(variant, residuals.change);
@@ -155,8 +155,8 @@ impl Admm {
                 continue;
             }
             self.restore(problem, cones);
-            let grade = progress.grade(&self.percussion);
-            if progress.is_hopeless() {
+            let grade = incumbent.grade(&self.percussion);
+            if incumbent.is_hopeless() {
                 return End::Over;
             }
             if grade < 0.5 * lowest {
@@ -168,7 +168,7 @@ impl Admm {
             let balanced = (1.0 / variant.unbalanced..=variant.unbalanced).contains(&ratio);
             // Ever more seldom: a change takes a factorisation.
             let due = (own / CHECK).is_power_of_two();
-            if due && !balanced && !self.change_penalty(&progress.task, cones, matrix, ratio) {
+            if due && !balanced && !self.change_penalty(&incumbent.task, cones, matrix, ratio) {
                 break;
             }
         }

@@ -15,7 +15,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::solver::gauss_seidel::TRIAL_SWEEPS;
 use crate::solver::report::Method;
 
-use super::progress::Progress;
+use crate::solver::incumbent::Incumbent;
 
 /// Differences that are remembered.
 const DEPTH: usize = 5;
@@ -46,31 +46,32 @@ impl Anderson {
     /// From the best percussions, at most so many sweeps since the natural map was halved; plain ones if not `accelerated`.
     pub(crate) fn iterate(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         patience: usize,
         accelerated: bool,
     ) {
-        let mut lowest = self.start(progress);
+        let mut lowest = self.start(incumbent);
         let (mut halved, mut halved_at) = (lowest, 0);
         // Plain sweeps that are left, and those that follow the next time.
         let (mut plain, mut next_plain) = (if accelerated { 0 } else { usize::MAX }, TRIAL_SWEEPS);
         let mut sweeps = 0;
-        while !progress.task.stop.early() {
-            progress.sweep();
+        while !incumbent.task.stop.early() {
+            incumbent.sweep();
             sweeps += 1;
             let accelerates = plain == 0;
             plain = plain.saturating_sub(1);
-            let advanced = self.take_in(progress.iterate.percussion);
+            let advanced = self.take_in(incumbent.iterate.percussion);
             if sweeps % TRIAL_SWEEPS == 0 {
-                let grade = progress.grade(&self.image);
-                if progress.best_grade() < 0.5 * halved {
-                    (halved, halved_at) = (progress.best_grade(), sweeps);
+                let grade = incumbent.grade(&self.image);
+                if incumbent.best_grade() < 0.5 * halved {
+                    (halved, halved_at) = (incumbent.best_grade(), sweeps);
                 }
-                if progress.is_over() || progress.is_hopeless() || sweeps - halved_at >= patience {
+                if incumbent.is_over() || incumbent.is_hopeless() || sweeps - halved_at >= patience
+                {
                     break;
                 }
                 if accelerates && !(grade <= ASTRAY * lowest) {
-                    self.start(progress);
+                    self.start(incumbent);
                     (plain, next_plain) = (next_plain, 2 * next_plain);
                     continue;
                 }
@@ -81,17 +82,17 @@ impl Anderson {
             } else {
                 self.from.copy_from_slice(&self.image);
             }
-            progress.iterate.percussion.copy_from_slice(&self.from);
+            incumbent.iterate.percussion.copy_from_slice(&self.from);
         }
-        progress.grade(&self.image);
+        incumbent.grade(&self.image);
         let method = if accelerated { Method::AcceleratedGaussSeidel } else { Method::GaussSeidel };
-        progress.record(method, sweeps, 0);
+        incumbent.record(method, sweeps, 0);
     }
 
     /// Starts from the best percussions; their natural map.
-    fn start(&mut self, progress: &mut Progress<'_>) -> f64 {
-        let grade = progress.start_from_best(&mut self.from);
-        progress.iterate.percussion.copy_from_slice(&self.from);
+    fn start(&mut self, incumbent: &mut Incumbent<'_>) -> f64 {
+        let grade = incumbent.start_from_best(&mut self.from);
+        incumbent.iterate.percussion.copy_from_slice(&self.from);
         self.image.clone_from(&self.from);
         let rows = self.from.len();
         for list in self.images.iter_mut().chain(&mut self.defects).chain([&mut self.defect]) {

@@ -6,11 +6,11 @@
 //! the loads' mean size, `ξ` by that size.
 
 use super::cones::{Cones, own_rows};
-use super::progress::Progress;
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
+use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 
@@ -88,31 +88,31 @@ impl Interior {
     /// Iterates until the problem is solved, digits end below the goal or the iterations are made; whether these ended it.
     pub(crate) fn iterate(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         cones: &Cones,
         matrix: &mut NewtonMatrix,
         course: Course,
     ) -> bool {
-        let problem = progress.task.problem;
+        let problem = incumbent.task.problem;
         let units = Units::of(problem);
         let Course { max_iterations, goal, expected } = course;
         self.start(problem, expected / (units.rho * units.velocity));
         let (mut iterations, mut lowest) = (0, f64::INFINITY);
-        while iterations < max_iterations && !progress.task.stop.early() {
+        while iterations < max_iterations && !incumbent.task.stop.early() {
             self.evaluate(problem, cones, units);
             self.restore(units);
-            let grade = progress.grade(&self.trial);
+            let grade = incumbent.grade(&self.trial);
             let ends = lowest <= goal && !(grade < lowest);
             lowest = lowest.min(grade);
-            if progress.is_solved() || ends || !grade.is_finite() {
+            if incumbent.is_solved() || ends || !grade.is_finite() {
                 break;
             }
             iterations += 1;
-            if !self.advance(&progress.task, cones, matrix, units, expected > 0.0) {
+            if !self.advance(&incumbent.task, cones, matrix, units, expected > 0.0) {
                 break;
             }
         }
-        progress.record(Method::InteriorPoint, iterations, iterations);
+        incumbent.record(Method::InteriorPoint, iterations, iterations);
         iterations == max_iterations
     }
 

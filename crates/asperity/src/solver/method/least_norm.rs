@@ -6,10 +6,10 @@
 //! each other. It is the solution wherever these percussions are admissible, and a start for other methods where only
 //! some of them are not.
 
-use super::progress::Progress;
 use crate::law::ContactMatrix;
 use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
+use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 use crate::vectors::norm;
@@ -38,10 +38,10 @@ impl LeastNorm {
     /// and returns the mean size of those of a contact, if they exist.
     pub(crate) fn attempt(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         matrix: &mut NewtonMatrix,
     ) -> Option<f64> {
-        let Task { problem, stop, threads, .. } = progress.task;
+        let Task { problem, stop, threads, .. } = incumbent.task;
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.clear();
         self.percussion.resize(rows, 0.0);
@@ -56,7 +56,7 @@ impl LeastNorm {
         let execution = Execution { threads, given_up: &|| stop.early() };
         if matrix.factor(problem, &self.a, &self.b, execution) {
             loop {
-                let velocity = progress.velocity(&self.percussion);
+                let velocity = incumbent.velocity(&self.percussion);
                 let velocities = velocity.iter().zip(problem.restitution());
                 for (step, (velocity, restitution)) in self.step.iter_mut().zip(velocities) {
                     *step = -(velocity + restitution);
@@ -66,8 +66,8 @@ impl LeastNorm {
                 let ends = steps == STEPS || !(left < 0.5 * last);
                 // Percussions that do not pass the measure may be kept as the best ones: those at the end hardly differ.
                 if ends || left <= close && !std::mem::replace(&mut is_measured, true) {
-                    progress.grade_with_velocities(&self.percussion);
-                    if ends || progress.is_solved() {
+                    incumbent.grade_with_velocities(&self.percussion);
+                    if ends || incumbent.is_solved() {
                         break;
                     }
                 }
@@ -79,8 +79,8 @@ impl LeastNorm {
                 steps += 1;
             }
         }
-        progress.record(Method::LeastNorm, steps, 1);
-        (progress.is_solved() || last <= AT_REST * problem.load_norm())
+        incumbent.record(Method::LeastNorm, steps, 1);
+        (incumbent.is_solved() || last <= AT_REST * problem.load_norm())
             .then(|| norm(&self.percussion) / (contacts as f64).sqrt())
     }
 }

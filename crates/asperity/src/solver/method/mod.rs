@@ -6,7 +6,6 @@ mod cones;
 mod interior;
 mod least_norm;
 mod newton;
-mod progress;
 mod prox;
 mod proximal;
 
@@ -15,7 +14,6 @@ pub(crate) use anderson::Anderson;
 pub(crate) use cones::Cones;
 pub(crate) use interior::{Course, Interior};
 pub(crate) use least_norm::LeastNorm;
-pub(crate) use progress::{Buffers, Progress};
 pub use prox::ProxStep;
 pub(crate) use prox::{Order, ProxIteration};
 pub(crate) use proximal::{PATIENCE, ProximalPoint};

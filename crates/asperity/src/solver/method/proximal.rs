@@ -5,8 +5,8 @@
 //! natural map take turns; sweeps help out.
 
 use super::newton::{Goal, Newton};
-use super::progress::Progress;
 use crate::contact::ContactProblem;
+use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
 use crate::solver::report::Method;
 
@@ -115,49 +115,49 @@ impl ProximalPoint {
     /// step comes nearer any more it starts again somewhere else.
     pub(crate) fn iterate(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         matrix: &mut NewtonMatrix,
         most: usize,
     ) -> bool {
         let before = self.newton.factorizations;
-        let mut grade = progress.start_from_best(&mut self.centre);
+        let mut grade = incumbent.start_from_best(&mut self.centre);
         let (mut schedule, mut steps) = (Schedule::new(grade), 0);
         for start in 0..=STARTS {
-            self.newton.scale_rho(progress.task.problem, schedule.factor());
-            let is_lost = self.follow(progress, matrix, &mut schedule, grade, (&mut steps, most));
+            self.newton.scale_rho(incumbent.task.problem, schedule.factor());
+            let is_lost = self.follow(incumbent, matrix, &mut schedule, grade, (&mut steps, most));
             if !is_lost || start == STARTS {
                 break;
             }
             // Contacts that creep may be all that is left where the iteration has come nearer.
-            self.attempt_matched(progress, matrix);
-            if progress.is_over() {
+            self.attempt_matched(incumbent, matrix);
+            if incumbent.is_over() {
                 break;
             }
-            progress.begin_anew();
-            self.new_start(progress, start > 0);
+            incumbent.begin_anew();
+            self.new_start(incumbent, start > 0);
             (schedule, grade) = (Schedule { turn: start, ..Schedule::new(1.0) }, 1.0);
         }
-        progress.record(Method::ProximalPoint, steps, self.newton.factorizations - before);
+        incumbent.record(Method::ProximalPoint, steps, self.newton.factorizations - before);
         steps == most
     }
 
     /// Iterates from the centre, whose natural map is `grade`; whether no step comes nearer.
     fn follow(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         matrix: &mut NewtonMatrix,
         schedule: &mut Schedule,
         mut grade: f64,
         (steps, most): (&mut usize, usize),
     ) -> bool {
-        let problem = progress.task.problem;
+        let problem = incumbent.task.problem;
         let (mut lowest, mut lost) = (grade, 0);
-        while !progress.is_solved() && *steps < most && !progress.task.stop.early() {
+        while !incumbent.is_solved() && *steps < most && !incumbent.task.stop.early() {
             *steps += 1;
-            let goal = self.inner_goal(progress, grade, schedule.epsilon, INNER);
-            let (norm, iterations) = self.newton_from_centre(progress, matrix, goal);
-            let found = progress.grade(&self.trial);
-            if progress.is_solved() || progress.is_hopeless() {
+            let goal = self.inner_goal(incumbent, grade, schedule.epsilon, INNER);
+            let (norm, iterations) = self.newton_from_centre(incumbent, matrix, goal);
+            let found = incumbent.grade(&self.trial);
+            if incumbent.is_solved() || incumbent.is_hopeless() {
                 return false;
             }
             lost = if found < lowest { 0 } else { lost + 1 };
@@ -171,7 +171,7 @@ impl ProximalPoint {
                 continue;
             }
             if schedule.swept_in_vain < SWEPT_IN_VAIN {
-                let swept = self.sweep_from_centre(progress, grade);
+                let swept = self.sweep_from_centre(incumbent, grade);
                 schedule.swept_in_vain = if swept < grade { 0 } else { schedule.swept_in_vain + 1 };
                 grade = swept;
             }
@@ -190,22 +190,22 @@ impl ProximalPoint {
     /// iterations ended it. Where sweeps have not brought percussions nearer to a solution, it starts where they did.
     pub(crate) fn newton(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         matrix: &mut NewtonMatrix,
         (max_iterations, patience): (usize, usize),
     ) -> bool {
-        let grade = progress.start_from_best(&mut self.centre);
-        if !progress.has_left(NEARER) {
-            self.centre.copy_from_slice(progress.task.start);
+        let grade = incumbent.start_from_best(&mut self.centre);
+        if !incumbent.has_left(NEARER) {
+            self.centre.copy_from_slice(incumbent.task.start);
         }
-        self.newton.scale_rho(progress.task.problem, 1.0);
-        let goal = self.inner_goal(progress, grade, 0.0, max_iterations);
-        let promising = PROMISING * progress.task.stop.tolerance * progress.scale(&self.centre);
+        self.newton.scale_rho(incumbent.task.problem, 1.0);
+        let goal = self.inner_goal(incumbent, grade, 0.0, max_iterations);
+        let promising = PROMISING * incumbent.task.stop.tolerance * incumbent.scale(&self.centre);
         let goal = Goal { shift: SHIFT, promising, patience, ..goal };
         let before = self.newton.factorizations;
-        let (_, iterations) = self.newton_from_centre(progress, matrix, goal);
-        progress.grade(&self.trial);
-        progress.record(Method::Newton, iterations, self.newton.factorizations - before);
+        let (_, iterations) = self.newton_from_centre(incumbent, matrix, goal);
+        incumbent.grade(&self.trial);
+        incumbent.record(Method::Newton, iterations, self.newton.factorizations - before);
         iterations == max_iterations
     }
 
@@ -220,56 +220,56 @@ impl ProximalPoint {
     /// Where more than that is left to be found, nothing is tried.
     pub(crate) fn attempt_matched(
         &mut self,
-        progress: &mut Progress<'_>,
+        incumbent: &mut Incumbent<'_>,
         matrix: &mut NewtonMatrix,
     ) {
-        let problem = progress.task.problem;
-        let grade = progress.start_from_best(&mut self.centre);
+        let problem = incumbent.task.problem;
+        let grade = incumbent.start_from_best(&mut self.centre);
         if !(grade < CREEPING.min(self.matched)) {
             return;
         }
         let (before, mut total, mut largest) = (self.newton.factorizations, 0, 1.0);
-        while largest < MOST_MATCHED && !progress.is_over() {
+        while largest < MOST_MATCHED && !incumbent.is_over() {
             largest *= RISE;
             self.newton.match_rho(problem, &self.centre, largest);
-            let tolerance = progress.floor() * progress.scale(&self.centre);
+            let tolerance = incumbent.floor() * incumbent.scale(&self.centre);
             let (epsilon, shift, promising) = (0.0, MATCHED_SHIFT, 0.0);
             let (max_iterations, patience) = (MATCHED, PATIENCE);
             let goal = Goal { epsilon, shift, tolerance, promising, max_iterations, patience };
-            total += self.newton_from_centre(progress, matrix, goal).1;
-            progress.grade(&self.trial);
+            total += self.newton_from_centre(incumbent, matrix, goal).1;
+            incumbent.grade(&self.trial);
             self.centre.copy_from_slice(&self.trial);
         }
-        self.matched = progress.best_grade();
-        progress.record(Method::Newton, total, self.newton.factorizations - before);
+        self.matched = incumbent.best_grade();
+        incumbent.record(Method::Newton, total, self.newton.factorizations - before);
     }
 
     /// Newton's method from the centre, the proximal point of which it looks for, to the trial.
     fn newton_from_centre(
         &mut self,
-        progress: &Progress<'_>,
+        incumbent: &Incumbent<'_>,
         matrix: &mut NewtonMatrix,
         goal: Goal,
     ) -> (f64, usize) {
         self.trial.copy_from_slice(&self.centre);
-        self.newton.solve(&progress.task, matrix, &mut self.trial, &self.centre, goal)
+        self.newton.solve(&incumbent.task, matrix, &mut self.trial, &self.centre, goal)
     }
 
     /// Puts the centre where the iteration has not been led astray: where many sweeps lead or at no percussions.
-    fn new_start(&mut self, progress: &mut Progress<'_>, after_sweeps: bool) {
-        progress.iterate.percussion.fill(0.0);
+    fn new_start(&mut self, incumbent: &mut Incumbent<'_>, after_sweeps: bool) {
+        incumbent.iterate.percussion.fill(0.0);
         if after_sweeps {
             for k in 1..=LONG_SWEEPS {
-                progress.sweep();
+                incumbent.sweep();
                 if k % SWEEPS == 0 {
-                    progress.grade_sweeps();
+                    incumbent.grade_sweeps();
                 }
-                if progress.is_solved() || progress.task.stop.early() {
+                if incumbent.is_solved() || incumbent.task.stop.early() {
                     break;
                 }
             }
         }
-        self.centre.copy_from_slice(progress.iterate.percussion);
+        self.centre.copy_from_slice(incumbent.iterate.percussion);
     }
 
     /// Makes the trial the centre, with its grade.
@@ -281,30 +281,30 @@ impl ProximalPoint {
     /// Accuracy of an inner solve: a hundredth of the present defect, more where the outer step is long.
     fn inner_goal(
         &self,
-        progress: &Progress<'_>,
+        incumbent: &Incumbent<'_>,
         grade: f64,
         epsilon: f64,
         max_iterations: usize,
     ) -> Goal {
-        let scale = progress.scale(&self.centre);
-        let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(progress.floor());
-        let epsilon = epsilon / progress.task.problem.global_rho();
+        let scale = incumbent.scale(&self.centre);
+        let relative = (0.01 * grade * (10.0 * epsilon).min(1.0)).max(incumbent.floor());
+        let epsilon = epsilon / incumbent.task.problem.global_rho();
         let (tolerance, patience) = (relative * scale, PATIENCE);
         Goal { epsilon, shift: 0.0, tolerance, promising: 0.0, max_iterations, patience }
     }
 
     /// Sweeps from the centre, kept if they improve it; the grade of the centre.
-    fn sweep_from_centre(&mut self, progress: &mut Progress<'_>, grade: f64) -> f64 {
-        progress.iterate.percussion.copy_from_slice(&self.centre);
+    fn sweep_from_centre(&mut self, incumbent: &mut Incumbent<'_>, grade: f64) -> f64 {
+        incumbent.iterate.percussion.copy_from_slice(&self.centre);
         for _ in 0..SWEEPS {
-            progress.sweep();
-            if progress.task.stop.early() {
+            incumbent.sweep();
+            if incumbent.task.stop.early() {
                 break;
             }
         }
-        let found = progress.grade_sweeps();
+        let found = incumbent.grade_sweeps();
         if found < 0.9 * grade {
-            self.centre.copy_from_slice(progress.iterate.percussion);
+            self.centre.copy_from_slice(incumbent.iterate.percussion);
             return found;
         }
         grade

@@ -1,6 +1,6 @@
-//! How far a solve has come: the best percussions so far, and whether they run away.
+//! The best percussions of a solve so far, and whether they run away.
 //!
-//! Every method hands the percussions that it finds to [`Progress::grade`], which keeps the best ones by the natural map
+//! Every method hands the percussions that it finds to [`Incumbent::grade`], which keeps the best ones by the natural map
 //! of the whole problem and by the measure of the stop, and begins with the best ones of the method before.
 
 use crate::contact::{ContactRows, NormalForce};
@@ -17,9 +17,8 @@ use crate::vectors::norm;
 /// Growth at which a proof is tried for the first time, its factor to the next time, and that from which on percussions are no
 /// good start: they come closer to a direction that proves it the more they grow.
 const SUSPICION: f64 = 1e4;
-/// Velocity relative to the largest load from which on a contact separates, and the part of the contacts that may do so in
-/// what may stand. Stacks, walls and arches have at most 4 % after their first sweeps, and so have five of the twenty stored
-/// problems that sweeps do not end.
+/// Velocity relative to the largest load from which on a contact separates, and the part of the contacts that may do so where
+/// bodies may rest on each other: stacks, walls and arches have at most 4 % after their first sweeps.
 const SEPARATING: f64 = 1e-3;
 const FEW_SEPARATE: f64 = 0.05;
 
@@ -36,7 +35,7 @@ pub(crate) struct Buffers {
 }
 
 /// A solve under way.
-pub(crate) struct Progress<'a> {
+pub(crate) struct Incumbent<'a> {
     pub(crate) task: Task<'a>,
     /// Sweeps change its percussions.
     pub(crate) iterate: Iterate<'a>,
@@ -67,7 +66,7 @@ pub(crate) struct Progress<'a> {
     sweeps: usize,
 }
 
-impl<'a> Progress<'a> {
+impl<'a> Incumbent<'a> {
     /// Begins with the percussions of the iterate.
     pub(crate) fn new(
         task: Task<'a>,
@@ -81,7 +80,7 @@ impl<'a> Progress<'a> {
         }
         let (grade, solved, stuck) = (f64::INFINITY, false, None);
         let (suspicion, sweeps) = (SUSPICION, 0);
-        let mut progress = Self {
+        let mut incumbent = Self {
             task,
             iterate,
             sweeper,
@@ -101,18 +100,18 @@ impl<'a> Progress<'a> {
             sweeps,
         };
         if task.past == Past::Unswept {
-            progress.grade_sweeps();
+            incumbent.grade_sweeps();
         } else {
-            progress.buffers.velocity.copy_from_slice(progress.iterate.velocity);
-            progress.grade_iterate();
+            incumbent.buffers.velocity.copy_from_slice(incumbent.iterate.velocity);
+            incumbent.grade_iterate();
         }
-        if progress.merit.is_infinite() {
+        if incumbent.merit.is_infinite() {
             // Percussions that run away are no start for anything; none at all are.
-            progress.iterate.percussion.fill(0.0);
-            progress.task.past = Past::Unswept;
-            progress.grade_sweeps();
+            incumbent.iterate.percussion.fill(0.0);
+            incumbent.task.past = Past::Unswept;
+            incumbent.grade_sweeps();
         }
-        progress
+        incumbent
     }
 
     /// Puts the best percussions back and tells what has been reached, `limited` by the user's number of iterations or not.
@@ -151,7 +150,7 @@ impl<'a> Progress<'a> {
     }
 
     /// Whether hardly a contact separates with the best percussions: bodies may rest on each other then.
-    pub(crate) fn may_stand(&mut self) -> bool {
+    pub(crate) fn may_rest(&mut self) -> bool {
         let problem = self.task.problem;
         let Buffers { best, velocity, .. } = &mut *self.buffers;
         if !self.known {
