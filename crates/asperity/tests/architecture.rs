@@ -17,7 +17,18 @@ const SOLVER: [(&str, &[&str]); 15] = [
     ("method", &["measure", "newton_matrix", "report", "gauss_seidel", "incumbent"]),
     ("settings", &["method"]),
     ("findings", &["measure", "infeasible", "report", "gauss_seidel"]),
-    ("cascade", &["infeasible", "newton_matrix", "report", "gauss_seidel", "method", "settings"]),
+    (
+        "cascade",
+        &[
+            "infeasible",
+            "newton_matrix",
+            "report",
+            "gauss_seidel",
+            "incumbent",
+            "method",
+            "settings",
+        ],
+    ),
     (
         "island",
         &[

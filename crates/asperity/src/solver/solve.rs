@@ -265,17 +265,17 @@ impl Solver {
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         list.reports.clear();
         iterate.ambiguous.fill(false);
-        if self.sweeps_once(problem) {
+        if !self.sweeps_once(problem) {
+            forget_runaways(&task, &mut iterate, buffers.sweeper.islands());
+            // What sweeps find depends on the memory, not on what the workspace has seen before.
+            iterate.states.copy_from_slice(task.history);
+        } else if problem.contacts().len() != 1 {
             let swept = buffers.sweeper.solve_uncoupled(&task, &mut iterate);
             let residual = swept.measure(&task, &mut iterate);
             // Most steps end here: what follows looks for what is wrong.
             if swept.is_clear() && residual.value <= stop.tolerance {
                 return workspace.solved(residual, swept.ambiguous);
             }
-        } else {
-            forget_runaways(&task, &mut iterate, buffers.sweeper.islands());
-            // What sweeps find depends on the memory, not on what the workspace has seen before.
-            iterate.states.copy_from_slice(task.history);
         }
         let mut whole = list.solve(self, &task, &mut iterate, buffers);
         for round in 1..=ROUNDS {
