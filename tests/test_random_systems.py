@@ -168,10 +168,10 @@ KNOWN = {
     # every step takes for one. 3622 meets four feet at once, which steps do one by one. 7171 and
     # 9850 are not looked into.
     "apart": {3622, 4041, 5900, 7171, 9835, 9850},
-    # 14, 137, 172, 444, 1080: hinges beside other contacts, 105: two hinges that bounce have no solution,
-    # as their four cases show by hand. 503: a wedge jams, with a proof at shorter steps only. 1454, 3892,
-    # 7937: stops that nearly or wholly repeat each other, of which `integrate` does not find the
-    # forces; `simulate` does.
+    # 14, 137, 172, 444, 1080: hinges beside other contacts, 105: two hinges that bounce have no
+    # solution, as their four cases show by hand. 503: a wedge jams, with a proof at shorter steps
+    # only. 1454, 3892, 7937: stops that nearly or wholly repeat each other, of which `integrate`
+    # does not find the forces; `simulate` does.
     "unsolved": {14, 105, 137, 172, 444, 503, 1080, 1454, 3892, 7937},
     # 2390: a hinge and a stop jam; `simulate` proves that there is no solution, `integrate` says
     # that events follow each other without time passing. 5263: two hinges, 6051, 8502 and 8700:
@@ -214,8 +214,8 @@ def test_runs_without_a_solution_end_with_a_proof(seed):
     assert error.problem.solve(on_failure="record").status is asp.Status.NO_SOLUTION
 
 
-# Hinges beside other contacts; two hinges; a hinge, a belt and feet: proofs are of one contact or of
-# contacts that close.
+# Hinges beside other contacts; two hinges; a hinge, a belt and feet: proofs are of one contact or
+# of contacts that close.
 @pytest.mark.parametrize("seed", [14, 137, 172, 444, 1080])
 def test_runs_that_friction_jams_are_not_solved(seed):
     assert compare(seed)[0] == "unsolved"

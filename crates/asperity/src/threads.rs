@@ -174,10 +174,6 @@ mod pool {
         None
     }
 
-    pub(super) fn count(pool: &Pool) -> usize {
-        match *pool {}
-    }
-
     pub(super) fn busy(pool: &Pool) -> &std::sync::atomic::AtomicBool {
         match *pool {}
     }
