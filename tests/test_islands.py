@@ -323,6 +323,65 @@ def test_an_island_that_closes_is_not_hidden_by_a_measure_of_the_whole(limit, th
     assert both.solve(on_failure="record").status is Status.NO_SOLUTION
 
 
+@pytest.mark.parametrize("bad", [(1,), (0, 1), (2,)])
+@pytest.mark.parametrize("solver", [asp.Auto(), asp.Exact()], ids=repr)
+def test_a_contact_without_solution_is_named_wherever_it_is(solver, bad):
+    blocks = [PARADOX.delassus if i in bad else np.eye(2) for i in range(3)]
+    problem = asp.ContactProblem(
+        block_diag(blocks, format="csr"),
+        free_velocity=np.tile(PARADOX.free_velocity, 3),
+        laws=PARADOX.laws[0],
+    )
+    solution = problem.solve(solver, on_failure="record")
+    assert solution.status is Status.NO_SOLUTION
+    assert solution.infeasibility.contact == bad[0]
+    assert proves_no_solution(problem, solution.infeasibility)
+    found = [island.status is Status.NO_SOLUTION for island in solution.islands]
+    assert found == [i in bad for i in range(3)]
+
+
+def test_islands_are_those_of_the_last_solve():
+    problem = problems.sliders(1, law=ELLIPSES)
+    problem.solve(asp.ProxGaussSeidel(max_iterations=1), on_failure="record")
+    [island] = problem.solve().islands
+    assert island.status is Status.CONVERGED
+
+
+@pytest.mark.parametrize("size", [1e4, 1e8, 1e13, np.inf])
+def test_percussions_that_run_away_are_no_start(size):
+    wall = problems.wall(6, columns=5, law=DISK)
+    start = size * np.random.default_rng(0).random(wall.free_velocity.size)
+    solution = wall.solve(asp.SemismoothNewton(), start=start)
+    assert solution.residual <= 1e-10
+
+
+def test_islands_say_themselves_whether_they_have_several_solutions():
+    law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+    random = np.random.default_rng(1)
+    flags = []
+    for _ in range(200):
+        block = random.normal(size=(2, 2))
+        alone = asp.ContactProblem(
+            block @ block.T + 0.1 * np.eye(2),
+            free_velocity=random.normal(size=2),
+            laws=law,
+            normal_force=0.01,
+        )
+        flags.append((alone, bool(alone.solve().ambiguous.any())))
+    ambiguous = [alone for alone, flag in flags if flag]
+    clear = [alone for alone, flag in flags if not flag]
+    assert ambiguous and clear
+    pair = [ambiguous[0], clear[0]]
+    both = asp.ContactProblem(
+        block_diag([one.delassus for one in pair], format="csr"),
+        free_velocity=np.concatenate([one.free_velocity for one in pair]),
+        laws=law,
+        normal_force=0.01,
+    )
+    for solver in (asp.Auto(), asp.Exact(), asp.SemismoothNewton()):
+        assert list(both.solve(solver).ambiguous) == [True, False]
+
+
 def test_solving_again_changes_no_bit():
     """A problem keeps its analysis between solves, whatever was solved with it before."""
     kept = side_by_side(scenes())

@@ -1,12 +1,12 @@
 //! The steps that [`Solver::Auto`](super::Solver::Auto) takes on an island that the first sweeps have not solved, as data; and
 //! each method alone.
 //!
-//! Sweeps go on while their rate promises an end sooner than a few factorisations. Every step of [`CASCADE`] starts from the
-//! best percussions of those before it and ends as soon as the island is solved or has a proof that it cannot be. Where a
+//! Sweeps go on while their rate promises an end sooner than a few factorisations. Most steps of [`CASCADE`] start from the
+//! best percussions of those before them, and each ends as soon as the island is solved or has a proof that it cannot be. Where a
 //! factorisation costs as much as many sweeps, accelerated sweeps come first and ADMM, which needs few factorisations; elsewhere
 //! an attempt by Newton's method costs less than to go on sweeping.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::gauss_seidel::{
     Cost, Iterate, Past, Rate, Reached, Sweeper, TRIAL_SWEEPS, Task, untimed_visits,
@@ -336,14 +336,15 @@ struct Sweeps {
     /// asks for one.
     visits: usize,
     untimed: usize,
-    began: Instant,
+    /// Time that the sweeps took.
+    spent: Duration,
 }
 
 impl Sweeps {
     /// In place of something that takes as long as so many sweeps.
     fn new(problem: &ContactProblem, instead: f64) -> Self {
         let visits = untimed_visits(problem, 0..problem.contacts().len());
-        Self { rate: Rate::new(instead), count: 0, visits, untimed: LEAF, began: Instant::now() }
+        Self { rate: Rate::new(instead), count: 0, visits, untimed: LEAF, spent: Duration::ZERO }
     }
 
     /// Records what was done, if it was anything.
@@ -355,6 +356,7 @@ impl Sweeps {
 
     /// Sweeps while their rate promises an end, at most so many in all.
     fn run(&mut self, incumbent: &mut Incumbent<'_>, most: usize) {
+        let began = Instant::now();
         while !incumbent.is_solved() && self.count < most {
             incumbent.sweep();
             self.count += 1;
@@ -367,6 +369,7 @@ impl Sweeps {
                 break;
             }
         }
+        self.spent += began.elapsed();
     }
 
     /// Whether the stop says, when it is asked, that nobody waits any longer.
@@ -383,10 +386,9 @@ impl Sweeps {
     fn leave_time_for(&mut self, incumbent: &mut Incumbent<'_>, sweeps: f64) -> bool {
         let Some(deadline) = incumbent.task.stop.deadline else { return true };
         if self.count == 0 {
-            self.began = Instant::now();
             self.run(incumbent, 1);
         }
-        let one = self.began.elapsed().as_secs_f64() / self.count.max(1) as f64;
+        let one = self.spent.as_secs_f64() / self.count.max(1) as f64;
         one * sweeps <= deadline.saturating_duration_since(Instant::now()).as_secs_f64()
     }
 }

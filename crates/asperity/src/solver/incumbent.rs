@@ -283,7 +283,7 @@ impl<'a> Incumbent<'a> {
         };
         let approach = Approach::of(&measured, 0..problem.contacts().len(), stop.tolerance);
         let merit = grade * (approach.growth / RUNNING).max(1.0);
-        if !(approach.growth < self.suspicion) {
+        if approach.growth >= self.suspicion {
             self.suspicion = SUSPICION * approach.growth;
             (self.astray, self.asks) = (Some(approach), true);
             self.buffers.astray.copy_from_slice(percussion);
@@ -308,9 +308,11 @@ impl<'a> Incumbent<'a> {
 
     /// Whether what was found has at most this part of the natural map of the percussions that the solve began with.
     pub(crate) fn has_left(&mut self, part: f64) -> bool {
-        let (best, start) = (self.grade, self.task.start);
-        let first = self.grade(start);
-        best <= part * first
+        let Task { problem, start: percussion, .. } = self.task;
+        let velocity = self.velocity(percussion);
+        let measured = Measured { problem, percussion, velocity };
+        let first = natural_map::map(&measured);
+        self.grade <= part * first
     }
 
     /// Copies the best percussions, from which a method starts, and returns their grade.

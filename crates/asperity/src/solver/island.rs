@@ -213,6 +213,7 @@ pub(super) struct Given<'a> {
     pub(super) start: &'a [f64],
     pub(super) history: &'a [ContactState],
     pub(super) states: &'a [ContactState],
+    pub(super) ambiguous: &'a [bool],
     pub(super) percussion: &'a [f64],
     pub(super) velocity: &'a [f64],
 }
@@ -279,6 +280,7 @@ impl Subproblem {
         take(part.rows(), given.start, &mut before.percussion);
         take(part.contacts(), given.history, &mut before.states);
         take(part.contacts(), given.states, &mut memory.states);
+        take(part.contacts(), given.ambiguous, ambiguous);
         self.infeasibility = None;
         self.stages.clear();
         let mut iterate = Iterate {
@@ -291,7 +293,8 @@ impl Subproblem {
         };
         let (start, history) = (&before.percussion[..], &before.states[..]);
         let task = Task { problem: part.problem(), start, history, ..task };
-        self.report = Some(buffers.solve(solver, task, &mut iterate, swept));
+        let swept = swept.map(|swept| swept.within(part.contacts()));
+        self.report = Some(buffers.solve(solver, task, &mut iterate, swept.as_ref()));
     }
 
     /// Hands over what was found and returns how it ended; the first stages are those of all islands together.

@@ -13,7 +13,7 @@ use super::measure::phase::phase_of;
 use super::measure::stop::{Measure, Stop};
 use super::report::{Ended, Findings, Method, SolveReport, Stage, Status, flaw_status};
 use super::settings::Solver;
-use crate::contact::Members;
+use crate::contact::{Members, Memory};
 use crate::threads::Threads;
 
 /// Contacts that are worth a second thread: what sweeps leave takes some tens of microseconds per contact.
@@ -76,7 +76,8 @@ impl List {
         self.choose_left(solver, stop.tolerance);
         if stop.deadline.is_some() {
             // A large one that takes all the time would leave many small ones unsolved.
-            self.left.sort_by_key(|&island| buffers.sweeper.islands().of(island).len());
+            let islands = buffers.sweeper.islands();
+            self.left.sort_unstable_by_key(|&island| (islands.of(island).len(), island));
         }
         let mut waits = cut;
         if !cut && count == 1 && self.left == [0] {
@@ -90,7 +91,7 @@ impl List {
         }
         if waits {
             problem.velocity(iterate.percussion, iterate.velocity);
-            let Iterate { percussion, velocity, states, .. } = iterate;
+            let Iterate { percussion, velocity, states, ambiguous, .. } = iterate;
             let measured = Measured { problem, percussion, velocity };
             for (island, report) in self.reports.iter_mut().enumerate() {
                 if report.status != Status::TimeLimit {
@@ -102,11 +103,12 @@ impl List {
                     let (phase, slip) = phase_of(&measured, i);
                     states[i] = task.history[i].after(phase, slip);
                 }
-                *report = graded(*report, stop, &measured, contacts);
+                // Who has cancelled does not wait for a search of all contacts.
+                contacts.iter().for_each(|&i| ambiguous[i] = false);
+                *report = graded(*report, stop, &measured, (contacts, ambiguous));
             }
         }
-        let iterations = iterate.stages.iter().map(|stage| stage.iterations).sum();
-        self.whole(task, iterate, iterations)
+        self.whole(task, iterate)
     }
 
     /// The islands that sweeps have not solved, or have not looked at.
@@ -147,8 +149,8 @@ impl List {
             own.report = None;
             self.work.push((island, own));
         }
-        let Iterate { percussion, velocity, states, .. } = &*iterate;
-        let given = Given { problem, start, history, states, percussion, velocity };
+        let Iterate { percussion, velocity, states, ambiguous, .. } = &*iterate;
+        let given = Given { problem, start, history, states, ambiguous, percussion, velocity };
         solve_all(solver, (&mut self.work, &self.swept), task, given);
         // What is said of them does not depend on the order in which they were solved.
         self.work.sort_by_key(|(island, _)| *island);
@@ -165,25 +167,50 @@ impl List {
             self.own[island] = Some(own);
         }
         self.work = work;
+        // Products of the whole may round in another order, and a problem of one contact has another scale.
+        problem.velocity(iterate.percussion, iterate.velocity);
+        let Iterate { percussion, velocity, .. } = &*iterate;
+        let measured = Measured { problem, percussion, velocity };
+        for &island in &self.left {
+            let residual = task.stop.residual_of(&measured, islands.of(island));
+            self.reports[island].measure_again(residual, task.stop.tolerance);
+        }
         waits
     }
 
-    /// An island that has passed the tolerance of the user is solved, whatever a smaller one has left.
-    pub(super) fn keep_status(&mut self, before: &[SolveReport], tolerance: f64) {
-        for (report, before) in self.reports.iter_mut().zip(before) {
-            if report.status != Status::NoSolution && report.residual <= tolerance {
-                report.status = before.status;
+    /// After a round with a smaller tolerance: an island that has passed that of the user is solved, and one that does not pass
+    /// it any more goes back to what was there before.
+    pub(super) fn keep(
+        &mut self,
+        before: &Before,
+        task: &Task<'_>,
+        iterate: &mut Iterate<'_>,
+        islands: &Members,
+    ) {
+        for (island, (report, old)) in self.reports.iter_mut().zip(&before.reports).enumerate() {
+            let iterations = report.iterations + old.iterations;
+            if report.status == Status::NoSolution {
+                *report = SolveReport { iterations, ..*report };
+            } else if report.residual <= task.stop.tolerance {
+                let ambiguous = report.ambiguous || old.ambiguous;
+                *report = SolveReport { status: old.status, iterations, ambiguous, ..*report };
+            } else {
+                *report = SolveReport { iterations, ..*old };
+                for &i in islands.of(island) {
+                    let rows = task.problem.contacts()[i].rows();
+                    let Before { memory, velocity, ambiguous, .. } = before;
+                    iterate.percussion[rows.clone()]
+                        .copy_from_slice(&memory.percussion[rows.clone()]);
+                    iterate.velocity[rows.clone()].copy_from_slice(&velocity[rows]);
+                    iterate.states[i] = memory.states[i];
+                    iterate.ambiguous[i] = ambiguous[i];
+                }
             }
         }
     }
 
     /// The report on all islands: the gravest status of them is that of the whole.
-    pub(super) fn whole(
-        &self,
-        task: &Task<'_>,
-        iterate: &Iterate<'_>,
-        iterations: usize,
-    ) -> SolveReport {
+    pub(super) fn whole(&self, task: &Task<'_>, iterate: &Iterate<'_>) -> SolveReport {
         let Task { problem, stop, .. } = *task;
         let nothing = Residual { value: 0.0, worst_contact: 0 };
         let solved = SolveReport::new(Ended::Done, 0, nothing, Findings::default(), 0.0);
@@ -199,7 +226,7 @@ impl List {
         }
         if stop.measure == Measure::Global {
             residual = stop.residual(problem, iterate.percussion, iterate.velocity);
-            if worst.status == Status::Converged && residual.value > stop.tolerance {
+            if worst.status == Status::Converged && !(residual.value <= stop.tolerance) {
                 let ended = if stop.early() { Ended::TimeLimit } else { Ended::Done };
                 worst = SolveReport::new(ended, 0, residual, Findings::default(), stop.tolerance);
             }
@@ -212,7 +239,7 @@ impl List {
         };
         SolveReport {
             status: worst.status,
-            iterations,
+            iterations: iterate.stages.iter().map(|stage| stage.iterations).sum(),
             residual: residual.value,
             worst_contact,
             ambiguous: iterate.ambiguous.contains(&true),
@@ -226,16 +253,34 @@ impl List {
         whole: &SolveReport,
         stop: Stop<'_>,
         measured: &Measured<'_>,
+        ambiguous: &[bool],
     ) -> Islands {
         let mut reports = self.reports.clone();
         if reports.len() != members.count() {
             let report = |island: usize| match members.count() {
                 1 => *whole,
-                _ => graded(*whole, stop, measured, members.of(island)),
+                _ => graded(*whole, stop, measured, (members.of(island), ambiguous)),
             };
             reports = (0..members.count()).map(report).collect();
         }
         Islands { members: members.clone(), reports }
+    }
+}
+
+/// What islands have come to before a round with a smaller tolerance.
+pub(super) struct Before {
+    memory: Memory,
+    velocity: Vec<f64>,
+    ambiguous: Vec<bool>,
+    reports: Vec<SolveReport>,
+}
+
+impl Before {
+    pub(super) fn of(iterate: &Iterate<'_>, reports: &[SolveReport]) -> Self {
+        let Iterate { percussion, velocity, states, ambiguous, .. } = iterate;
+        let memory = Memory { percussion: percussion.to_vec(), states: states.to_vec() };
+        let (velocity, ambiguous) = (velocity.to_vec(), ambiguous.to_vec());
+        Self { memory, velocity, ambiguous, reports: reports.to_vec() }
     }
 }
 
@@ -302,16 +347,21 @@ fn graded(
     ended: SolveReport,
     stop: Stop<'_>,
     measured: &Measured<'_>,
-    contacts: &[usize],
+    (contacts, ambiguous): (&[usize], &[bool]),
 ) -> SolveReport {
-    let Residual { value, worst_contact } = stop.residual_of(measured, contacts);
+    let residual = stop.residual_of(measured, contacts);
+    let Residual { value, worst_contact } = residual;
     let approach = Approach::of(measured, contacts.iter().copied(), stop.tolerance);
     let (status, worst_contact) = match approach.flaw() {
         _ if !(value <= stop.tolerance) => (ended.status, worst_contact),
         Some(flaw) => (flaw_status(flaw), flaw.contact),
         None => (Status::Converged, worst_contact),
     };
-    SolveReport { status, residual: value, worst_contact, ..ended }
+    let ambiguous = contacts.iter().any(|&i| ambiguous[i]);
+    let mut report = SolveReport { status, worst_contact, ambiguous, ..ended };
+    // Where the whole is solved by its measure, that does not see what is left here.
+    report.measure_again(residual, stop.tolerance);
+    report
 }
 
 /// The gravest status of the islands, the last one of these, is that of the whole.

@@ -9,7 +9,7 @@ use std::num::NonZeroU64;
 use super::gauss_seidel::{Iterate, Own, Past, Swept, Task};
 use super::infeasible::Infeasibility;
 use super::island::{Buffers, Islands};
-use super::list::List;
+use super::list::{Before, List};
 use super::measure::approach::Approach;
 use super::measure::natural_residual::{Measured, Residual};
 use super::measure::stop::{Measure, Stop};
@@ -78,7 +78,8 @@ impl Workspace {
         report: &SolveReport,
     ) -> Islands {
         let measured = Measured { problem, percussion, velocity: &self.velocity };
-        self.list.islands(self.buffers.sweeper.islands(), report, stop, &measured)
+        let members = self.buffers.sweeper.islands();
+        self.list.islands(members, report, stop, &measured, &self.ambiguous)
     }
 
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
@@ -124,6 +125,7 @@ impl Workspace {
     #[inline(always)]
     fn solved(&mut self, residual: Residual, ambiguous: bool) -> SolveReport {
         self.infeasibility = None;
+        self.list.reports.clear();
         let stage = Stage::of(Method::GaussSeidel, 1, residual);
         if let [only] = &mut self.stages[..] {
             *only = stage;
@@ -258,15 +260,21 @@ impl Solver {
             _ => Threads::NONE,
         };
         let (start, history, past) = (&before.percussion[..], &before.states[..], Past::Unswept);
-        let task = Task { problem, stop, start, history, threads, past };
+        let mut task = Task { problem, stop, start, history, threads, past };
         let Memory { percussion, states } = memory;
         let Workspace { velocity, ambiguous, infeasibility, stages, buffers, list, .. } = workspace;
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         list.reports.clear();
         iterate.ambiguous.fill(false);
+        let start;
         if !self.sweeps_once(problem) {
-            forget_runaways(&task, &mut iterate, buffers.sweeper.islands());
+            let sweeps = matches!(self, Self::Exact { .. } | Self::Auto { .. });
+            let islands = (buffers.sweeper.islands(), sweeps);
+            if let Some(forgotten) = forget_runaways(&task, &mut iterate, islands) {
+                start = forgotten;
+                task.start = &start;
+            }
             // What sweeps find depends on the memory, not on what the workspace has seen before.
             iterate.states.copy_from_slice(task.history);
         } else if problem.contacts().len() != 1 {
@@ -280,15 +288,15 @@ impl Solver {
         let mut whole = list.solve(self, &task, &mut iterate, buffers);
         for round in 1..=ROUNDS {
             let solved = list.reports.iter().all(|own| own.status == Status::Converged);
-            if !solved || !(whole.residual > stop.tolerance) || stop.early() {
+            if !solved || whole.residual <= stop.tolerance || stop.early() {
                 break;
             }
+            let before = Before::of(&iterate, &list.reports);
             let tolerance = stop.tolerance * 0.1_f64.powi(round);
-            let task = Task { stop: Stop { tolerance, ..stop }, ..task };
-            let reports = list.reports.clone();
-            whole = list.solve(self, &task, &mut iterate, buffers);
-            list.keep_status(&reports, stop.tolerance);
-            whole = list.whole(&Task { stop, ..task }, &iterate, whole.iterations);
+            let finer = Task { stop: Stop { tolerance, ..stop }, ..task };
+            list.solve(self, &finer, &mut iterate, buffers);
+            list.keep(&before, &task, &mut iterate, buffers.sweeper.islands());
+            whole = list.whole(&task, &iterate);
         }
         whole
     }
@@ -354,13 +362,18 @@ pub(crate) fn solve_implicit(
     one.solve_implicit(state, factor, &mut workspace.buffers.sweeper.candidates)
 }
 
-/// Starts from zero where the percussions of before run away from an island: they might look like a solution; whether it does.
-fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members) -> bool {
+/// Starts from zero where the percussions of before run away from an island, as they might look like a solution; the start then.
+fn forget_runaways(
+    task: &Task<'_>,
+    iterate: &mut Iterate<'_>,
+    (islands, sweeps): (&Members, bool),
+) -> Option<Vec<f64>> {
     let (problem, Iterate { percussion, velocity, .. }) = (task.problem, iterate);
     let (mut known, mut forgotten) = (false, false);
     for contacts in (0..islands.count()).map(|island| islands.of(island)) {
-        let vanishes = |i: &usize| percussion[problem.contacts()[*i].offset] == 0.0;
-        if contacts.len() == 1 || contacts.iter().all(vanishes) {
+        let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
+        // Sweeps solve a single contact whatever its percussions were.
+        if sweeps && contacts.len() == 1 || rows().all(|row| percussion[row] == 0.0) {
             continue;
         }
         if !std::mem::replace(&mut known, true) {
@@ -369,12 +382,11 @@ fn forget_runaways(task: &Task<'_>, iterate: &mut Iterate<'_>, islands: &Members
         let measured = Measured { problem, percussion, velocity };
         let own = contacts.iter().copied();
         let approach = Approach::of(&measured, own, task.stop.tolerance);
-        let rows = || contacts.iter().flat_map(|&i| problem.contacts()[i].rows());
         let finite = rows().all(|row| percussion[row].is_finite());
         if !finite || approach.has_grown() && approach.flaw().is_some() {
             rows().for_each(|row| percussion[row] = 0.0);
             forgotten = true;
         }
     }
-    forgotten
+    forgotten.then(|| percussion.to_vec())
 }

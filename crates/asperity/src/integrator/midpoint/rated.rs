@@ -28,7 +28,7 @@
 //! Held factors may have no solution near the one that is looked for, whose speed goes with its factor: a law that turns
 //! the slip may have, at the factor held, stick and two slips, and the consistent solution is a slip in between; and
 //! contacts that push each other may jump between stick and slip by turns. After some corrections consistent solutions
-//! are therefore looked for contact by contact, each with its own factor free (`solver/one_contact/plane/rising.rs`, which finds all
+//! are therefore looked for contact by contact, each with its own factor free (`solver/one_contact/plane/implicit_rate.rs`, which finds all
 //! of them) and the others held, in sweeps. The rule of selection decides between them by the states before the step.
 //! From there Newton's method goes on, the states following the slip velocities `γ + w` that it expects.
 //!

@@ -80,6 +80,16 @@ impl Swept {
         !self.ambiguous || self.alone
     }
 
+    /// The same with places among these contacts.
+    pub(crate) fn within(&self, contacts: &[usize]) -> Self {
+        let place = |i: usize| contacts.binary_search(&i).unwrap_or(0);
+        let ended = match self.ended {
+            Ended::Stuck(i) => Ended::Stuck(place(i)),
+            ended => ended,
+        };
+        Self { ended, worst_contact: place(self.worst_contact), ..*self }
+    }
+
     /// What methods that follow know of these sweeps.
     pub(crate) fn past(&self) -> Past {
         if self.stuck { Past::Stuck } else { Past::Swept }

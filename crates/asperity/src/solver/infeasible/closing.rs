@@ -64,13 +64,14 @@ pub(crate) fn prove_closing(
     let of_normal = |i: usize| percussion[problem.contacts()[i].offset];
     let (contacts, scales) = (balance.contacts.iter(), balance.scales.iter());
     let own = contacts.clone().zip(scales.clone());
-    let mut pushes: Vec<f64> = own.map(|(&i, s)| (s * of_normal(i)).max(0.0)).collect();
+    let mut pushes: Vec<f64> = own.map(|(&i, s)| s * of_normal(i)).collect();
     // In units of the largest load no square of them is too small.
     let loads: Vec<f64> = contacts.zip(scales).map(|(&i, s)| problem.load(i)[0] / s).collect();
     let unit = largest(&loads);
     if !loads.iter().any(|load| *load < 0.0) || !pushes.iter().all(|push| push.is_finite()) {
         return None;
     }
+    pushes.iter_mut().for_each(|push| *push = push.max(0.0));
     let loads: Vec<f64> = loads.iter().map(|load| load / unit).collect();
     let mut all = vec![1.0; pushes.len()];
     balance.peel(&mut all);

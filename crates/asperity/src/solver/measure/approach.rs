@@ -75,7 +75,7 @@ impl Approach {
                 normal = normal.max(own_load(problem, i, percussion, prescribed));
                 // The comparison also finds NaN.
                 let own = percussion[rows.offset] / problem.rho(i);
-                if !(own <= brought) {
+                if !(own <= brought || brought.is_nan()) {
                     (brought, grown) = (own, i);
                 }
             }

@@ -78,6 +78,10 @@ impl<'a> Percussions<'a> {
             let blocks = problem.delassus().blocks();
             blocks.add_row_and_magnitudes(contact, self.values, &mut sums, &mut brought);
         }
+        if problem.contacts().len() == 1 {
+            // Nothing is brought by others.
+            brought = [0.0; 4];
+        }
         put(problem, contact, &sums, velocity);
         let rows = problem.contacts()[contact].rows();
         let (percussion, velocity) = (&self.values[rows.clone()], &velocity[rows]);

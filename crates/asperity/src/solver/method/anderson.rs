@@ -6,16 +6,15 @@
 //! method that needs the root of the number of sweeps. Where a state changes it may lead astray: as soon as a defect is
 //! larger than the one before, the differences are forgotten, and a plain sweep follows from the last image.
 //!
-//! Defects say little of the natural map. Where it has come to twice its lowest value, or has not fallen below that within
-//! a block of sweeps, the best percussions are taken back and a block of plain sweeps follows, longer each time: as many
-//! sweeps without acceleration would not have led much further.
+//! Defects say little of the natural map. Where that is more than twice its lowest value at the end of a block of sweeps, the
+//! best percussions are taken back and plain sweeps follow, twice as many each time: as many sweeps without acceleration would
+//! not have led much further.
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::solver::gauss_seidel::TRIAL_SWEEPS;
-use crate::solver::report::Method;
-
 use crate::solver::incumbent::Incumbent;
+use crate::solver::report::Method;
 
 /// Differences that are remembered.
 const DEPTH: usize = 5;

@@ -119,7 +119,7 @@ impl ProximalPoint {
         matrix: &mut NewtonMatrix,
         most: usize,
     ) -> bool {
-        let before = self.newton.factorizations;
+        let mut before = self.newton.factorizations;
         let mut grade = incumbent.start_from_best(&mut self.centre);
         let (mut schedule, mut steps) = (Schedule::new(grade), 0);
         for start in 0..=STARTS {
@@ -129,7 +129,9 @@ impl ProximalPoint {
                 break;
             }
             // Contacts that creep may be all that is left where the iteration has come nearer.
+            let own = self.newton.factorizations - before;
             self.attempt_matched(incumbent, matrix);
+            before = self.newton.factorizations - own;
             if incumbent.is_over() {
                 break;
             }

@@ -12,8 +12,7 @@ use body_space::BodySpace;
 use contact_space::ContactSpace;
 use dense_space::DenseSpace;
 
-/// Most rows of a matrix that is treated as a dense one: with 45 those of 10 to 15 contacts, which are half empty, take 9 %
-/// longer to solve, with analysis kept.
+/// Most rows of a matrix that is treated as a dense one: those of more contacts are half empty.
 const SMALL: usize = 30;
 
 /// The matrix with its factors: analysed once per pattern, in the space where elimination is cheaper.
