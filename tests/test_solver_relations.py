@@ -24,6 +24,10 @@ def alone_and_side_by_side(rng):
     measure = str(rng.choice(MEASURES))
     options = {"tolerance": 1e-8, "measure": measure, "on_failure": "record"}
     first, second = (part.solve(**options).percussion for part in parts)
+    together = side_by_side(parts).natural_map(np.append(first, second))
+    if measure == "global" and together > options["tolerance"]:
+        # The natural map of the whole asks for more than that of each of them.
+        return
     for solver in SOLVERS:
         both = side_by_side(parts).solve(solver, **options).percussion
         assert np.array_equal(both, np.append(first, second)), "in order"

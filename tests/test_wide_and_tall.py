@@ -36,8 +36,8 @@ def test_factorisations_do_not_grow_with_the_size(scene):
 
 
 def test_rounding_costs_large_arches_no_factorisations():
-    # 18 of them without steps that are refined, 7 with them.
-    assert factorizations(solved(problems.arch(14_999))) <= 12
+    # Velocities are to be small beside the loads, which takes some of them.
+    assert factorizations(solved(problems.arch(14_999))) <= 13
 
 
 @pytest.mark.parametrize("measure", ["contact", "global"])
@@ -136,16 +136,6 @@ def test_accelerated_sweeps_leave_states_that_are_unstable(columns):
         "gauss_seidel",
         "accelerated_gauss_seidel",
     }
-
-
-def test_newtons_method_adds_the_last_digits():
-    law = asp.FrictionLaw.isotropic(0.4)
-    solution = solved(problems.pile(5, law=law))
-    assert [stage.method for stage in solution.stages][-2:] == [
-        "accelerated_gauss_seidel",
-        "newton",
-    ]
-    assert factorizations(solution) <= 10
 
 
 def without_bodies(problem, **options):

@@ -3,10 +3,10 @@
 //! Residuals are relative to percussions: where these grow without bound while contacts go on approaching, as
 //! they do where no percussions are admissible, every relative defect becomes small. Velocities are therefore compared with
 //! loads, contact by contact: with `l_i` the velocity that a contact would have without unilateral percussions, the defect of
-//! `0 ≤ P_N ⊥ ξ_N ≥ 0` as a velocity, `|min(ξ_N, P_N/ρ)|`, may be a hundredth of `|l_i|`, or, as bodies that fall together
+//! `0 ≤ P_N ⊥ ξ_N ≥ 0` as a velocity, `|min(ξ_N, G_NN P_N)|`, may be a hundredth of `|l_i|`, or, as bodies that fall together
 //! have no loads of their own, what a residual leaves of the largest load of all contacts that influence each other.
 //!
-//! `P_N/ρ`, what a percussion brings to its own contact, over the largest load is how far percussions have grown.
+//! `G_NN P_N`, what a percussion brings to its own contact, over the largest load is how far percussions have grown.
 
 use super::natural_residual::Measured;
 use crate::contact::{ContactProblem, Delassus, NormalForce};
@@ -31,7 +31,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// How contacts that influence no others move, and how far their percussions have grown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Approach {
-    /// `max P_N/ρ` over the largest load.
+    /// `max G_NN P_N` over the largest load.
     pub(crate) growth: f64,
     /// The contact of that.
     grown: usize,
@@ -74,7 +74,7 @@ impl Approach {
             if is_unilateral(&i) {
                 normal = normal.max(own_load(problem, i, percussion, prescribed));
                 // The comparison also finds NaN.
-                let own = percussion[rows.offset] / problem.rho(i);
+                let own = brought_by_itself(problem, i, percussion);
                 if !(own <= brought || brought.is_nan()) {
                     (brought, grown) = (own, i);
                 }
@@ -89,7 +89,8 @@ impl Approach {
         let mut most = 1.0;
         for i in contacts.filter(is_unilateral) {
             let row = problem.contacts()[i].offset;
-            let moves = f64::min(measured.xi(row), percussion[row] / problem.rho(i)).abs();
+            let brought = brought_by_itself(problem, i, percussion);
+            let moves = f64::min(measured.xi(row), brought).abs();
             if !(moves > most * shared) {
                 continue;
             }
@@ -134,8 +135,8 @@ fn of_others(tolerance: f64) -> f64 {
 
 /// Whether percussions of a contact that influences no others may have a flaw, from its own rows: a first look.
 #[inline(always)]
-pub(crate) fn may_be_flawed(percussion: f64, xi: f64, load: &[f64], rho: f64) -> bool {
-    let brought = percussion / rho;
+pub(crate) fn may_be_flawed(percussion: f64, xi: f64, load: &[f64], g_nn: f64) -> bool {
+    let brought = g_nn * percussion;
     // The comparisons also find NaN.
     percussion > 0.0 && {
         let all = load.iter().take(3).fold(0.0, |m: f64, l| m.max(l.abs()));
@@ -158,6 +159,15 @@ fn own_load(problem: &ContactProblem, i: usize, percussion: &[f64], prescribed: 
         }
     }
     load.abs()
+}
+
+/// `G_NN P_N` of a contact; without entries their size is that of the operator.
+fn brought_by_itself(problem: &ContactProblem, i: usize, percussion: &[f64]) -> f64 {
+    let normal = percussion[problem.contacts()[i].offset];
+    match problem.delassus() {
+        Delassus::MatrixFree(_) => normal / problem.rho(i),
+        delassus => delassus.own(i, 0, 0) * normal,
+    }
 }
 
 /// `Σ_j |G_ij P_j|` in the normal row of a contact.

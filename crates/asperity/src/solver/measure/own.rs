@@ -44,7 +44,7 @@ pub(crate) fn measure_alone(
     let own = OwnRows { problem, contact, percussion, velocity };
     let may_be_flawed = rows.normal == NormalForce::Unilateral && {
         let xi = velocity[0] + problem.restitution()[rows.offset];
-        may_be_flawed(percussion[0], xi, &problem.load(contact), problem.rho(contact))
+        may_be_flawed(percussion[0], xi, &problem.load(contact), block[0])
     };
     OwnMeasure { defect: own.relative(&brought), may_be_flawed }
 }

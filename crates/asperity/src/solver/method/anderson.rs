@@ -9,6 +9,10 @@
 //! Defects say little of the natural map. Where that is more than twice its lowest value at the end of a block of sweeps, the
 //! best percussions are taken back and plain sweeps follow, twice as many each time: as many sweeps without acceleration would
 //! not have led much further.
+//!
+//! Defects of plain sweeps grow where percussions are near a fixed point that is unstable with the present states: sweeps leave
+//! it slowly, and an acceleration goes back to it. There nothing is taken back, and where one defect that has grown follows soon
+//! upon another, the last defect is followed beyond its image, each time twice as far.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -22,6 +26,11 @@ const DEPTH: usize = 5;
 const REGULARIZED: f64 = 1e-10;
 /// How many times the lowest natural map is taken back.
 const ASTRAY: f64 = 2.0;
+/// Natural map below which percussions are near a fixed point.
+const FIXED: f64 = 1e-4;
+/// Defects that grow within so many sweeps follow each other soon; how far the last one is followed then at most.
+const SOON: usize = 3;
+const FARTHEST: f64 = 100.0;
 
 /// Buffers.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +62,8 @@ impl Anderson {
         let (mut halved, mut halved_at) = (lowest, 0);
         // Plain sweeps that are left, and those that follow the next time.
         let (mut plain, mut next_plain) = (if accelerated { 0 } else { usize::MAX }, TRIAL_SWEEPS);
-        let mut sweeps = 0;
+        // Sweeps when a defect grew last, and how far that is followed.
+        let (mut sweeps, mut grew_at, mut farther) = (0, None, 0.0);
         while !incumbent.task.stop.early() {
             incumbent.sweep();
             sweeps += 1;
@@ -69,7 +79,7 @@ impl Anderson {
                 {
                     break;
                 }
-                if accelerates && !(grade <= ASTRAY * lowest) {
+                if accelerates && lowest > FIXED && !(grade <= ASTRAY * lowest) {
                     self.start(incumbent);
                     (plain, next_plain) = (next_plain, 2 * next_plain);
                     continue;
@@ -79,7 +89,15 @@ impl Anderson {
             if advanced && accelerates {
                 self.extrapolate();
             } else {
-                self.from.copy_from_slice(&self.image);
+                let soon = grew_at.is_some_and(|before: usize| sweeps - before <= SOON);
+                farther = match (advanced, soon) {
+                    (false, true) if lowest <= FIXED => FARTHEST.min(2.0 * farther + 1.0),
+                    _ => 0.0,
+                };
+                grew_at = if advanced { grew_at } else { Some(sweeps) };
+                let beyond = self.image.iter().zip(&self.defect);
+                let start = self.from.iter_mut().zip(beyond);
+                start.for_each(|(from, (image, defect))| *from = image + farther * defect);
             }
             incumbent.iterate.percussion.copy_from_slice(&self.from);
         }

@@ -28,7 +28,7 @@ const SHORT: f64 = 0.1;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Course {
     pub(crate) max_iterations: usize,
-    /// Natural map from which on the method ends with the first iteration that brings no better percussions.
+    /// Natural map from which on the method ends after some iterations that bring no better percussions.
     pub(crate) goal: f64,
     /// Size of the percussions of a contact, if something is known of it, or zero: those of a vault of 10⁴ contacts are ten
     /// thousand times the loads, which takes 31 iterations from `START`, and 6 from this.
@@ -97,13 +97,15 @@ impl Interior {
         let units = Units::of(problem);
         let Course { max_iterations, goal, expected } = course;
         self.start(problem, expected / (units.rho * units.velocity));
-        let (mut iterations, mut lowest) = (0, f64::INFINITY);
+        let (mut iterations, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
         while iterations < max_iterations && !incumbent.task.stop.early() {
             self.evaluate(problem, cones, units);
             self.restore(units);
             let grade = incumbent.grade(&self.trial);
-            let ends = lowest <= goal && !(grade < lowest);
-            lowest = lowest.min(grade);
+            if grade < lowest {
+                (lowest, lowest_at) = (grade, iterations);
+            }
+            let ends = lowest <= goal && iterations > lowest_at + 2;
             if incumbent.is_solved() || ends || !grade.is_finite() {
                 break;
             }
