@@ -120,6 +120,11 @@ impl BodySpace {
         Some(space)
     }
 
+    /// Number of velocities, which are the unknowns.
+    pub(super) fn velocities(&self) -> usize {
+        self.matrix.rows()
+    }
+
     /// Buffers for the factors.
     pub(super) fn reserve(&mut self) {
         self.numeric.reserve(&self.symbolic);

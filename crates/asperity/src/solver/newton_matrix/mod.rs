@@ -45,17 +45,28 @@ impl NewtonMatrix {
         self.ready = true;
         self.pattern.clear();
         self.pattern.extend(pattern(problem));
-        self.contact.prepare(problem);
-        self.body = None;
+        (self.contact, self.body) = (ContactSpace::default(), None);
         if let Delassus::Factored(factored) = problem.delassus() {
             self.body = BodySpace::new(problem, factored);
         }
-        let cost = |body: &BodySpace| body.symbolic.operations;
-        self.in_body_space =
-            self.body.as_ref().is_some_and(|b| cost(b) < self.contact.symbolic.operations);
-        match (self.in_body_space, &mut self.body) {
-            (true, Some(body)) => body.reserve(),
-            _ => self.contact.numeric.reserve(&self.contact.symbolic),
+        // Fewer unknowns among bodies are cheaper; elsewhere both are analysed, and only the cheaper one is kept.
+        let velocities = |body: &BodySpace| body.velocities() < problem.rows();
+        self.in_body_space = self.body.as_ref().is_some_and(velocities);
+        if !self.in_body_space {
+            self.contact.prepare(problem);
+            let operations = self.contact.symbolic.operations;
+            let cheaper = |body: &BodySpace| body.symbolic.operations < operations;
+            self.in_body_space = self.body.as_ref().is_some_and(cheaper);
+        }
+        match &mut self.body {
+            Some(body) if self.in_body_space => {
+                self.contact = ContactSpace::default();
+                body.reserve();
+            }
+            _ => {
+                self.body = None;
+                self.contact.numeric.reserve(&self.contact.symbolic);
+            }
         }
     }
 
