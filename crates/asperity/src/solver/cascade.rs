@@ -22,8 +22,7 @@ use super::settings::{Step, Steps};
 use crate::contact::{ContactProblem, ContactState, Phase};
 use crate::threads::LEAF;
 
-/// Sweeps that a factorisation takes as long as from which on it is expensive: piles and columns take twice as long where
-/// accelerated sweeps come after factorisations from 32 on, and stored problems where they come first at 2.
+/// Sweeps in the time of a factorisation from which on it is expensive: accelerated sweeps come first then.
 const EXPENSIVE: f64 = 8.0;
 /// Factorisations whose operations accelerated sweeps may take until they have halved the natural map.
 const HALVING: f64 = 20.0;
@@ -32,7 +31,7 @@ const NEAR: f64 = 1e-5;
 /// Newton iterations there, and of a first attempt after plain sweeps; such an attempt must halve `‖F‖` soon.
 const NEWTON: usize = 20;
 const SHORT: usize = 8;
-/// Iterations of the interior point method, twice as many as most problems need.
+/// Iterations of the interior point method, after which the proximal point iteration starts.
 const INTERIOR: usize = 40;
 /// Natural map from which on the digits of the interior point method may end.
 const DIGITS: f64 = 1e-7;
@@ -40,7 +39,7 @@ const DIGITS: f64 = 1e-7;
 const OUTER: usize = 5000;
 /// Fewest contacts of bodies at rest that are worth a factorisation of their own: Newton's method solves fewer as soon.
 const MANY: usize = 64;
-/// Sweeps that a factorisation takes as long as at most where it is asked after few sweeps whether large islands are at rest.
+/// Sweeps in the time of a factorisation up to which large islands are tried at rest after few sweeps.
 const EARLY: f64 = 100.0;
 
 /// One step of the cascade.
