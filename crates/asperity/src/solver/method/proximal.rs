@@ -28,6 +28,8 @@ const LONG_SWEEPS: usize = 1000;
 const SWEPT_IN_VAIN: usize = 10;
 /// Outer steps without a new best after which the iteration starts anew, since its start may have led it astray.
 const LOST: usize = 300;
+/// Outer steps without a new best after which contacts that creep may be all that is left to be found.
+const CREEP: usize = 30;
 /// New starts: from no percussions, and from where many sweeps lead.
 const STARTS: usize = 2;
 
@@ -96,6 +98,8 @@ pub(crate) struct ProximalPoint {
     /// The centre of the present step, and what Newton's method makes of it.
     centre: Vec<f64>,
     trial: Vec<f64>,
+    /// The centre while prox parameters are matched.
+    kept: Vec<f64>,
     /// Natural map that an attempt with matched prox parameters has left.
     matched: f64,
 }
@@ -119,20 +123,13 @@ impl ProximalPoint {
         matrix: &mut NewtonMatrix,
         most: usize,
     ) -> bool {
-        let mut before = self.newton.factorizations;
+        let before = self.newton.factorizations;
         let mut grade = incumbent.start_from_best(&mut self.centre);
         let (mut schedule, mut steps) = (Schedule::new(grade), 0);
         for start in 0..=STARTS {
             self.newton.scale_rho(incumbent.task.problem, schedule.factor());
             let is_lost = self.follow(incumbent, matrix, &mut schedule, grade, (&mut steps, most));
             if !is_lost || start == STARTS {
-                break;
-            }
-            // Contacts that creep may be all that is left where the iteration has come nearer.
-            let own = self.newton.factorizations - before;
-            self.attempt_matched(incumbent, matrix);
-            before = self.newton.factorizations - own;
-            if incumbent.is_over() {
                 break;
             }
             incumbent.begin_anew();
@@ -166,6 +163,17 @@ impl ProximalPoint {
             lowest = lowest.min(found);
             if lost == LOST {
                 return true;
+            }
+            if lost == CREEP {
+                self.kept.clone_from(&self.centre);
+                let before = self.newton.factorizations;
+                self.attempt_matched(incumbent, matrix);
+                self.newton.factorizations = before;
+                self.centre.clone_from(&self.kept);
+                self.newton.scale_rho(problem, schedule.factor());
+                if incumbent.is_over() {
+                    return false;
+                }
             }
             if norm <= goal.tolerance {
                 grade = self.adopt_trial(found);
