@@ -8,9 +8,7 @@ use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vect
 use asperity::solver::{Measure, Solver, Status, Stop, Workspace};
 use asperity::stepper::{State, Stepper};
 use asperity::system::rigid::{Body, Pair, Plane, PlaneMotion, RigidBodies, Shape};
-use asperity::system::{
-    Contact, Interpolation, LinearSystem, Signal, System, TimeFunction, mass_on_belt,
-};
+use asperity::system::{Contact, LinearSystem, Signal, System, TimeFunction, mass_on_belt};
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System as Allocator;
@@ -51,7 +49,7 @@ fn moving(law: impl Into<Law>) -> RigidBodies {
     let (law, half) = (law.into(), [0.1, 0.07, 0.05]);
     let times: Vec<f64> = (0..40).map(f64::from).collect();
     let values: Vec<f64> = times.iter().flat_map(|t| [3.0 + t.sin(), t.cos()]).collect();
-    let belt = Signal::new(&times, &values, Interpolation::Cubic, false).unwrap();
+    let belt = Signal::linear(&times, &values, false).unwrap();
     let shaking = Signal::sine(5.0, &[1e-3, 0.0, 1e-3], &[0.0; 3], &[0.0; 3]).unwrap();
     let motion = PlaneMotion { displacement: shaking.into(), rotation: TimeFunction::ZERO };
     let planes = [

@@ -75,7 +75,9 @@ class Signal(Value):
         arrays.choice(interpolation, "interpolation", ["linear", "cubic"])
         self._set(times=at, values=given, interpolation=interpolation, periodic=bool(periodic))
         rows = given.reshape(len(at), -1)
-        core = _core.Signal(at, rows, interpolation == "cubic", self.periodic)
+        core = _core.Signal.linear(at, rows, self.periodic)
+        if interpolation == "cubic":
+            core = _splines(at, rows, self.periodic)
         self._keep(_core=core, shape=given.shape[1:])
 
     def __call__(self, t: ArrayLike) -> Array:
@@ -140,6 +142,21 @@ class Signal(Value):
         times = arrays.array(t, "t")
         values = self._core.values(times.reshape(-1), order)
         return values.reshape(times.shape + self.shape)[()]
+
+
+def _splines(times: Array, values: Array, periodic: bool) -> _core.Signal:
+    """Return cubic splines between jumps, not-a-knot or periodic."""
+    from scipy.interpolate import CubicSpline
+
+    starts = np.flatnonzero(np.diff(times, prepend=np.nan) == 0.0)
+    closes = periodic and len(starts) == 0 and np.array_equal(values[0], values[-1])
+    parts = [
+        CubicSpline(own, rows, bc_type="periodic" if closes else "not-a-knot").c
+        for own, rows in zip(np.split(times, starts), np.split(values, starts), strict=True)
+    ]
+    # From (power, piece, component), highest power first.
+    coefficients = np.concatenate(parts, axis=1)[::-1].transpose(1, 2, 0)
+    return _core.Signal.cubic(np.unique(times), coefficients.ravel(), values[-1], periodic)
 
 
 class Sine(Signal):

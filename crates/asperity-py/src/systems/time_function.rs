@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity::system::{self, Derivative, Interpolation, Moment, Smoothness, TimeFunction};
+use asperity::system::{self, Derivative, Moment, Smoothness, TimeFunction};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -28,18 +28,25 @@ pub struct Signal(pub Arc<system::Signal>);
 
 #[pymethods]
 impl Signal {
-    /// Through samples, one row of values each.
-    #[new]
-    fn new(
-        times: Numbers<'_>,
-        values: Points<'_>,
-        cubic: bool,
-        periodic: bool,
-    ) -> Result<Self, Failure> {
+    /// Straight lines through samples, one row of values each.
+    #[staticmethod]
+    fn linear(times: Numbers<'_>, values: Points<'_>, periodic: bool) -> Result<Self, Failure> {
         let times = numbers(&times, "times")?;
         let values = values.as_slice().map_err(|_| dimension("values", "must be contiguous"))?;
-        let interpolation = if cubic { Interpolation::Cubic } else { Interpolation::Linear };
-        Ok(Self(Arc::new(system::Signal::new(times, values, interpolation, periodic)?)))
+        Ok(Self(Arc::new(system::Signal::linear(times, values, periodic)?)))
+    }
+
+    /// Polynomials between knots: four coefficients per piece and component, lowest power first, and the last values.
+    #[staticmethod]
+    fn cubic(
+        knots: Numbers<'_>,
+        coefficients: Numbers<'_>,
+        last: Numbers<'_>,
+        periodic: bool,
+    ) -> Result<Self, Failure> {
+        let (knots, last) = (numbers(&knots, "knots")?, numbers(&last, "last")?);
+        let (coefficients, _) = numbers(&coefficients, "coefficients")?.as_chunks::<4>();
+        Ok(Self(Arc::new(system::Signal::cubic(knots, coefficients, last, periodic)?)))
     }
 
     #[staticmethod]

@@ -18,7 +18,7 @@ pub use linear::{Contact, LinearSystem};
 pub use models::{mass_on_belt, sliding_point};
 pub use rigid::RigidBodies;
 pub use rotation::{Rotation, advance};
-pub use signal::{Break, Derivative, Interpolation, Moment, Signal, Smoothness};
+pub use signal::{Break, Derivative, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};

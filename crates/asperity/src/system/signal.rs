@@ -1,4 +1,4 @@
-//! Functions of time as data: polynomials between samples, and sines.
+//! Functions of time as data: polynomials between knots, and sines.
 //!
 //! A signal is smooth but at its breaks. Methods of high order must not evaluate it across one, neither beyond the end
 //! of a step that ends there nor before its start; therefore it is evaluated at a [`Moment`], which says besides the time
@@ -67,16 +67,6 @@ impl Break {
     }
 }
 
-/// What lies between samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Interpolation {
-    /// Straight lines.
-    Linear,
-    /// Cubic splines with two continuous derivatives; at the ends the third one is continuous, too ("not a knot").
-    Cubic,
-}
-
 /// Which derivative is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Derivative {
@@ -91,9 +81,9 @@ pub enum Derivative {
 /// A function of time with one or more components.
 ///
 /// ```
-/// use asperity::system::{Derivative, Interpolation, Moment, Signal};
+/// use asperity::system::{Derivative, Moment, Signal};
 ///
-/// let ramp = Signal::new(&[0.0, 1.0, 3.0], &[0.0, 2.0, 2.0], Interpolation::Linear, false)?;
+/// let ramp = Signal::linear(&[0.0, 1.0, 3.0], &[0.0, 2.0, 2.0], false)?;
 /// let at = |t, derivative| ramp.component(Moment::new(t), 0, derivative);
 /// assert_eq!(at(0.25, Derivative::Value), 0.5);
 /// assert_eq!(at(0.25, Derivative::First), 2.0);
@@ -146,22 +136,16 @@ enum Place {
 }
 
 impl Signal {
-    /// A signal through samples: the `values` at the first of the `times` in s, those at the second and so on.
+    /// Straight lines through samples: the `values` at the first of the `times` in s, those at the second and so on.
     ///
     /// A time given twice is a jump from the first of its values to the second. Before its first and after its last
     /// time the signal keeps the values there, or it is `periodic`: the last sample is the first one of the next period.
-    /// Cubic splines end at jumps, and periodic ones without jumps go on smoothly.
     ///
     /// # Errors
     ///
     /// [`ArgumentError`] unless there are two different times at least, in ascending order, no time more than
     /// twice and neither the first nor the last one twice, and equally many finite values for all.
-    pub fn new(
-        times: &[f64],
-        values: &[f64],
-        interpolation: Interpolation,
-        periodic: bool,
-    ) -> Result<Self, ArgumentError> {
+    pub fn linear(times: &[f64], values: &[f64], periodic: bool) -> Result<Self, ArgumentError> {
         if times.len() < 2 {
             return refuse("times", "must be two at least");
         }
@@ -180,12 +164,47 @@ impl Signal {
         if times[0] == times[1] || times[times.len() - 2] == times[times.len() - 1] {
             return refuse("times", "must not begin or end with a jump");
         }
-        let components = values.len() / times.len();
-        let pieces = Pieces::new(times, values, components, interpolation, periodic);
+        let width = values.len() / times.len();
+        let mut coefficients = Vec::with_capacity(values.len());
+        for (ends, own) in times.windows(2).zip(values.windows(2 * width).step_by(width)) {
+            if ends[0] < ends[1] {
+                let (start, end) = own.split_at(width);
+                let line = |(a, b): (&f64, &f64)| [*a, (b - a) / (ends[1] - ends[0]), 0.0, 0.0];
+                coefficients.extend(start.iter().zip(end).map(line));
+            }
+        }
+        let mut knots = times.to_vec();
+        knots.dedup();
+        Self::cubic(&knots, &coefficients, &values[values.len() - width..], periodic)
+    }
+
+    /// Cubic polynomials between `knots` in s: between knots `i` and `i + 1` component `k` is `Σ c_j (t − t_i)ʲ` with
+    /// `c = coefficients[i * last.len() + k]`.
+    ///
+    /// Where polynomials do not meet, the signal jumps. Before the first knot it keeps the values there and from the last one
+    /// on the `last` values, or it is `periodic`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] unless there are two knots at least, which ascend, and finite coefficients of all pieces and
+    /// components.
+    pub fn cubic(
+        knots: &[f64],
+        coefficients: &[[f64; 4]],
+        last: &[f64],
+        periodic: bool,
+    ) -> Result<Self, ArgumentError> {
+        if knots.len() < 2 || !knots.is_sorted_by(|a, b| a < b) {
+            return refuse("knots", "must be two at least, which ascend");
+        }
+        if last.is_empty() || coefficients.len() != (knots.len() - 1) * last.len() {
+            return refuse("coefficients", "must be those of every component of every piece");
+        }
+        let pieces = Pieces::new(knots, coefficients, last, periodic);
         if !pieces.coefficients.iter().flatten().chain(&pieces.integrals).all(|c| c.is_finite()) {
             return refuse("values", "must not change beyond the range of numbers");
         }
-        Ok(Self { components, shape: Shape::Pieces(pieces) })
+        Ok(Self { components: last.len(), shape: Shape::Pieces(pieces) })
     }
 
     /// `offset + amplitude sin(2π frequency t + phase)` with the frequency in Hz, component by component.
@@ -363,56 +382,13 @@ impl Signal {
 }
 
 impl Pieces {
-    fn new(
-        times: &[f64],
-        values: &[f64],
-        width: usize,
-        interpolation: Interpolation,
-        periodic: bool,
-    ) -> Self {
-        let mut coefficients = Vec::with_capacity(values.len());
-        let mut first = 0;
-        for end in 1..=times.len() {
-            if end < times.len() && times[end] != times[end - 1] {
-                continue;
-            }
-            // A stretch without jumps.
-            let (own, samples) = (&times[first..end], &values[first * width..end * width]);
-            let whole = own.len() == times.len();
-            let closes = samples[..width] == samples[samples.len() - width..];
-            let slopes = match interpolation {
-                Interpolation::Linear => None,
-                Interpolation::Cubic => Some(if whole && periodic && closes {
-                    spline::periodic(own, samples, width)
-                } else {
-                    spline::not_a_knot(own, samples, width)
-                }),
-            };
-            for i in 0..own.len() - 1 {
-                let h = own[i + 1] - own[i];
-                for k in 0..width {
-                    let (y, next) = (samples[i * width + k], samples[(i + 1) * width + k]);
-                    let secant = (next - y) / h;
-                    coefficients.push(match &slopes {
-                        None => [y, secant, 0.0, 0.0],
-                        Some(slopes) => {
-                            let (a, b) = (slopes[i * width + k], slopes[(i + 1) * width + k]);
-                            let bend = (3.0 * secant - 2.0 * a - b) / h;
-                            [y, a, bend, (a + b - 2.0 * secant) / h / h]
-                        }
-                    });
-                }
-            }
-            first = end;
-        }
-        let mut knots = times.to_vec();
-        knots.dedup();
-        let last = values[values.len() - width..].to_vec();
+    fn new(knots: &[f64], coefficients: &[[f64; 4]], last: &[f64], periodic: bool) -> Self {
+        let width = last.len();
         let mut pieces = Self {
-            knots,
-            coefficients,
+            knots: knots.to_vec(),
+            coefficients: coefficients.to_vec(),
             integrals: vec![0.0; width],
-            last,
+            last: last.to_vec(),
             breaks: Vec::new(),
             periodic,
         };
@@ -612,113 +588,4 @@ fn jet([a, b, c, d]: [f64; 4], x: f64) -> [f64; 3] {
 /// The integral of a polynomial from zero to `x`.
 fn primitive([a, b, c, d]: &[f64; 4], x: f64) -> f64 {
     x * (a + x * (b / 2.0 + x * (c / 3.0 + x * d / 4.0)))
-}
-
-/// Slopes of cubic splines at their samples (\[DeBoor2001\] ch. IV), which make the second derivative continuous.
-mod spline {
-    use asperity_set::Cyclic;
-
-    /// The slopes with the third derivative continuous at the second and at the last but one sample.
-    pub(super) fn not_a_knot(times: &[f64], values: &[f64], width: usize) -> Vec<f64> {
-        let n = times.len();
-        let (h, secant) = secants(times, values, width);
-        let mut slopes = vec![0.0; n * width];
-        match n {
-            2 => {
-                for k in 0..width {
-                    (slopes[k], slopes[width + k]) = (secant[k], secant[k]);
-                }
-                return slopes;
-            }
-            3 => {
-                // The parabola.
-                for k in 0..width {
-                    let (a, b) = (secant[k], secant[width + k]);
-                    let bend = (b - a) / (h[0] + h[1]);
-                    slopes[k] = a - h[0] * bend;
-                    slopes[width + k] = a + h[0] * bend;
-                    slopes[2 * width + k] = b + h[1] * bend;
-                }
-                return slopes;
-            }
-            _ => {}
-        }
-        let mut system = Cyclic::zeros(n);
-        for i in 1..n - 1 {
-            smooth(&mut system, [i - 1, i, i + 1], [h[i - 1], h[i]]);
-        }
-        let (first, last) = (h[0] + h[1], h[n - 2] + h[n - 3]);
-        system.add(0, 0, h[1]);
-        system.add(0, 1, first);
-        system.add(n - 1, n - 2, last);
-        system.add(n - 1, n - 1, h[n - 3]);
-        let right = |i: usize, k: usize| {
-            if i == 0 {
-                let (a, b) = (secant[k], secant[width + k]);
-                ((h[0] + 2.0 * first) * h[1] * a + h[0] * h[0] * b) / first
-            } else if i == n - 1 {
-                let (a, b) = (secant[(n - 2) * width + k], secant[(n - 3) * width + k]);
-                ((h[n - 2] + 2.0 * last) * h[n - 3] * a + h[n - 2] * h[n - 2] * b) / last
-            } else {
-                let (a, b) = (secant[(i - 1) * width + k], secant[i * width + k]);
-                3.0 * (h[i] * a + h[i - 1] * b)
-            }
-        };
-        solve(&mut system, &mut slopes, width, right);
-        slopes
-    }
-
-    /// The slopes with all of it the same at the last sample as at the first one.
-    pub(super) fn periodic(times: &[f64], values: &[f64], width: usize) -> Vec<f64> {
-        // As many unknowns as intervals; the row of the first sample meets the last interval.
-        let n = times.len() - 1;
-        let (h, secant) = secants(times, values, width);
-        let mut slopes = vec![0.0; n * width];
-        // One interval between equal values has no slope.
-        if n > 1 {
-            let before = |i: usize| (i + n - 1) % n;
-            let mut system = Cyclic::zeros(n);
-            for i in 0..n {
-                smooth(&mut system, [before(i), i, (i + 1) % n], [h[before(i)], h[i]]);
-            }
-            solve(&mut system, &mut slopes, width, |i, k| {
-                let (a, b) = (secant[before(i) * width + k], secant[i * width + k]);
-                3.0 * (h[i] * a + h[before(i)] * b)
-            });
-        }
-        slopes.extend_from_within(..width);
-        slopes
-    }
-
-    /// The row of a sample between two intervals.
-    fn smooth(system: &mut Cyclic, [before, i, after]: [usize; 3], h: [f64; 2]) {
-        system.add(i, before, h[1]);
-        system.add(i, i, 2.0 * (h[0] + h[1]));
-        system.add(i, after, h[0]);
-    }
-
-    /// The slopes of all components; `right` are the right-hand sides by sample and component.
-    fn solve(
-        system: &mut Cyclic,
-        slopes: &mut [f64],
-        width: usize,
-        right: impl Fn(usize, usize) -> f64,
-    ) {
-        for k in 0..width {
-            for (i, own) in system.right.iter_mut().enumerate() {
-                *own = right(i, k);
-            }
-            for (i, slope) in system.solve().into_iter().enumerate() {
-                slopes[i * width + k] = slope;
-            }
-        }
-    }
-
-    /// Lengths of the intervals, and slopes of the straight lines over them.
-    fn secants(times: &[f64], values: &[f64], width: usize) -> (Vec<f64>, Vec<f64>) {
-        let h: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
-        let secant =
-            (0..h.len() * width).map(|i| (values[i + width] - values[i]) / h[i / width]).collect();
-        (h, secant)
-    }
 }

@@ -8,26 +8,26 @@ use asperity::stepper::Stepper;
 use asperity::system::rigid::{
     Body, Pair, PlanarBody, Plane, PlaneMotion, RigidBodies, Shape, Spring,
 };
-use asperity::system::{Derivative, Interpolation, Moment, Signal, Smoothness, TimeFunction};
+use asperity::system::{Derivative, Moment, Signal, Smoothness, TimeFunction};
 
 use crate::support::*;
 
 const OMEGA: f64 = 60.0;
-
-fn signal(times: &[f64], values: &[f64], interpolation: Interpolation, periodic: bool) -> Signal {
-    Signal::new(times, values, interpolation, periodic).unwrap()
-}
 
 fn value(signal: &Signal, t: f64) -> f64 {
     signal.component(Moment::new(t), 0, Derivative::Value)
 }
 
 #[test]
-fn splines_keep_cubics_and_know_their_integrals() {
+fn cubics_know_their_integrals_and_breaks() {
     let p = |t: f64| 1.0 - 2.0 * t + 0.5 * t * t + 0.25 * t * t * t;
     let times = [0.0, 0.3, 1.0, 1.1, 2.5];
-    let values: Vec<f64> = times.iter().flat_map(|&t| [p(t), -p(t)]).collect();
-    let spline = signal(&times, &values, Interpolation::Cubic, false);
+    // Taylor's polynomial at every knot.
+    let taylor = |t: f64| [p(t), -2.0 + t + 0.75 * t * t, 0.5 + 0.75 * t, 0.25];
+    let pieces = times[..4].iter().flat_map(|&t| [taylor(t), taylor(t).map(|c| -c)]);
+    let mut coefficients: Vec<_> = pieces.collect();
+    let end = [p(2.5), -p(2.5)];
+    let spline = Signal::cubic(&times, &coefficients, &end, false).unwrap();
     for t in [0.0, 0.2, 0.7, 1.05, 2.4] {
         assert!((value(&spline, t) - p(t)).abs() < 1e-13);
         let rate = spline.component(Moment::new(t), 1, Derivative::First);
@@ -40,14 +40,22 @@ fn splines_keep_cubics_and_know_their_integrals() {
     assert_eq!(value(&spline, 9.0), p(2.5));
     let breaks: Vec<_> =
         std::iter::successors(spline.next_break(-1.0), |b| spline.next_break(b.time)).collect();
+    // Rounding makes a knot of some of the others.
     assert_eq!((breaks[0].time, breaks[0].smoothness), (0.0, Smoothness::Kink));
     assert_eq!(breaks.last().unwrap().time, 2.5);
     assert!(breaks[1..breaks.len() - 1].iter().all(|b| b.smoothness == Smoothness::Knot));
+    coefficients[5][1] += 1e-3;
+    let kinked = Signal::cubic(&times, &coefficients, &end, false).unwrap();
+    let found = [0.5, 1.0].map(|t| kinked.next_break(t).unwrap());
+    assert_eq!(found.map(|b| b.time), [1.0, 1.1]);
+    assert_eq!(found.map(|b| b.smoothness), [Smoothness::Kink; 2]);
+    assert!(Signal::cubic(&times, &coefficients[1..], &end, false).is_err());
+    assert!(Signal::cubic(&[0.0; 5], &coefficients, &end, false).is_err());
 }
 
 #[test]
 fn a_moment_says_which_piece_is_continued() {
-    let saw = signal(&[0.0, 1.0, 1.5], &[0.0, 2.0, 0.0], Interpolation::Linear, true);
+    let saw = Signal::linear(&[0.0, 1.0, 1.5], &[0.0, 2.0, 0.0], true).unwrap();
     for periods in [0.0, 40.0] {
         let t = 1.5 * periods + 1.0;
         let of = |piece: f64| saw.component(Moment { t, piece }, 0, Derivative::First);
@@ -57,19 +65,14 @@ fn a_moment_says_which_piece_is_continued() {
         assert!(saw.next_break(next.time).unwrap().time > t + 0.4);
     }
     assert!(!saw.jumps() && (saw.integral(0.0, 150.0, 0) - 150.0).abs() < 1e-9);
-    let step = signal(&[0.0, 1.0, 1.0, 2.0], &[0.0, 0.0, 3.0, 3.0], Interpolation::Linear, false);
+    let step = Signal::linear(&[0.0, 1.0, 1.0, 2.0], &[0.0, 0.0, 3.0, 3.0], false).unwrap();
     assert!(step.jumps() && value(&step, 1.0) == 3.0);
     assert_eq!(step.component(Moment { t: 1.0, piece: 0.5 }, 0, Derivative::Value), 0.0);
 }
 
 #[test]
 fn signals_are_checked() {
-    let new = |times: &[f64], values: &[f64]| match Signal::new(
-        times,
-        values,
-        Interpolation::Linear,
-        false,
-    ) {
+    let new = |times: &[f64], values: &[f64]| match Signal::linear(times, values, false) {
         Err(ArgumentError { argument, .. }) => argument,
         other => panic!("{other:?}"),
     };
@@ -116,7 +119,7 @@ fn a_box_stays_on_a_table_that_is_shaken_gently() {
 
 #[test]
 fn a_table_that_starts_with_a_jump_of_its_velocity_strikes() {
-    let rises = signal(&[0.1, 1.0], &[0.0, 0.0, 0.0, 0.9], Interpolation::Linear, false);
+    let rises = Signal::linear(&[0.1, 1.0], &[0.0, 0.0, 0.0, 0.9], false).unwrap();
     let system = on_a_table(rises).unwrap();
     let options = event::Options::new(0.5).unwrap().with_start(system.q0(), system.u0());
     let run = event::integrate(&system, &options).unwrap();
@@ -146,13 +149,13 @@ fn motions_of_planes_are_checked() {
         Err(ArgumentError { argument, message, .. }) => (argument, message),
         other => panic!("{other:?}"),
     };
-    let jump = signal(&[0.0, 1.0, 1.0, 2.0], &[0.0; 8], Interpolation::Linear, false);
+    let jump = Signal::linear(&[0.0, 1.0, 1.0, 2.0], &[0.0; 8], false).unwrap();
     assert!(on_a_table(jump).is_ok());
-    let jump = signal(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0], Interpolation::Linear, true);
+    let jump = Signal::linear(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0], true).unwrap();
     assert!(refused(jump.into()).1.contains("jump"));
     let function = TimeFunction::Custom(Arc::new(|t| [t, 0.0]));
     assert_eq!(refused(function).0, "displacement");
-    let wide = signal(&[0.0, 1.0], &[0.0; 6], Interpolation::Linear, false);
+    let wide = Signal::linear(&[0.0, 1.0], &[0.0; 6], false).unwrap();
     assert_eq!(refused(TimeFunction::Signal(Arc::new(wide))).0, "displacement");
 }
 
