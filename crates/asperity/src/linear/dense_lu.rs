@@ -21,6 +21,11 @@ pub(crate) struct DenseLu {
 }
 
 impl DenseLu {
+    /// Floating-point operations of a factorisation.
+    pub(crate) fn operations(size: usize) -> f64 {
+        2.0 / 3.0 * (size as f64).powi(3)
+    }
+
     /// A matrix of zeros, row by row, to be filled before [`factor`](Self::factor) is called.
     pub(crate) fn begin(&mut self, size: usize) -> &mut [f64] {
         self.size = size;

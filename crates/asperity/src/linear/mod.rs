@@ -29,7 +29,6 @@ mod least_norm;
 mod numeric;
 #[cfg(feature = "sparse")]
 mod order;
-mod padded_lu;
 #[cfg(feature = "sparse")]
 mod symbolic;
 #[cfg(test)]
@@ -53,7 +52,6 @@ pub(crate) use execution::Execution;
 pub(crate) use least_norm::LeastNorm;
 #[cfg(feature = "sparse")]
 pub(crate) use numeric::Numeric;
-pub(crate) use padded_lu::PaddedLu;
 #[cfg(feature = "sparse")]
 pub(crate) use symbolic::Symbolic;
 #[cfg(not(feature = "sparse"))]

@@ -18,8 +18,7 @@ impl Symbolic {
     /// For any matrix.
     pub(crate) fn new(matrix: &BlockMatrix) -> Self {
         let rows = matrix.rows();
-        let size = rows as f64;
-        Self { rows, operations: 2.0 / 3.0 * size.powi(3) }
+        Self { rows, operations: DenseLu::operations(rows) }
     }
 }
 

@@ -3,12 +3,12 @@
 use super::contact_space::multiply;
 use crate::contact::ContactProblem;
 use crate::law::ContactMatrix;
-use crate::linear::PaddedLu;
+use crate::linear::DenseLu;
 
 /// Elimination among all rows, whatever entries vanish.
 #[derive(Debug, Clone, Default)]
 pub(super) struct DenseSpace {
-    lu: PaddedLu,
+    lu: DenseLu,
 }
 
 impl DenseSpace {
@@ -20,7 +20,8 @@ impl DenseSpace {
         b: &[ContactMatrix],
     ) -> bool {
         let g = problem.delassus().blocks();
-        self.lu.begin(problem.rows());
+        let n = problem.rows();
+        let entries = self.lu.begin(n);
         for (i, (contact, (a, b))) in problem.contacts().iter().zip(a.iter().zip(b)).enumerate() {
             let (first, size) = (contact.offset, contact.len());
             for (j, block) in g.row(i) {
@@ -29,20 +30,21 @@ impl DenseSpace {
                 let product = &mut product[..block.len()];
                 multiply(b, block, size, product);
                 for (r, product) in product.chunks_exact(columns).enumerate() {
-                    let row = &mut self.lu.row_mut(first + r)[column..column + columns];
+                    let row = &mut entries[(first + r) * n + column..][..columns];
                     row.copy_from_slice(product);
                 }
             }
             for r in 0..size {
-                let row = &mut self.lu.row_mut(first + r)[first..first + size];
+                let row = &mut entries[(first + r) * n + first..][..size];
                 row.iter_mut().enumerate().for_each(|(c, value)| *value += a[(r, c)]);
             }
         }
-        self.lu.factor()
+        self.lu.factor(0.0)
     }
 
     /// `g ← (A + B G)⁻¹ g`; numbers that are not finite where there is no inverse.
     pub(super) fn solve(&self, g: &mut [f64]) {
-        self.lu.solve(g);
+        // What is not finite is for the caller to see.
+        let _ = self.lu.solve(g);
     }
 }

@@ -7,7 +7,7 @@ mod dense_space;
 
 use crate::contact::{ContactProblem, Delassus};
 use crate::law::ContactMatrix;
-use crate::linear::{Execution, PaddedLu, Symbolic};
+use crate::linear::{DenseLu, Execution, Symbolic};
 use body_space::BodySpace;
 use contact_space::ContactSpace;
 use dense_space::DenseSpace;
@@ -73,7 +73,7 @@ impl NewtonMatrix {
     /// Floating-point operations of a factorisation with so many rows where these are known without an analysis of the
     /// pattern, whether one was made before or not: what is decided by them must not depend on it.
     pub(crate) fn known_operations(rows: usize) -> Option<f64> {
-        (rows <= SMALL).then(|| PaddedLu::operations(rows))
+        (rows <= SMALL).then(|| DenseLu::operations(rows))
     }
 
     /// The same of the matrix that has been prepared.
