@@ -11,11 +11,13 @@ use crate::vectors::dot;
 /// Factors of a matrix and all buffers to make them again.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Numeric {
-    /// The eliminated columns of every front, column-major, then of a general matrix the rows of `U` beyond them, transposed.
+    /// The eliminated columns of every front, column-major.
     factors: Vec<f64>,
+    /// Of a general matrix the rows of `U` beyond them, transposed.
+    beyond: Vec<f64>,
     /// What was factored last.
     kind: Kind,
-    places: Vec<usize>,
+    places: Vec<Place>,
     /// Row exchanges within the pivot rows of the fronts, counted from the first of them.
     swaps: Vec<usize>,
     front: Vec<f64>,
@@ -26,17 +28,26 @@ pub(crate) struct Numeric {
     local: Vec<f64>,
 }
 
+/// Where the entries of a front begin.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    factors: usize,
+    beyond: usize,
+}
+
 impl Numeric {
     /// Buffers for this pattern.
     pub(crate) fn reserve(&mut self, symbolic: &Symbolic) {
         self.places.clear();
-        let mut place = 0;
+        let mut next = Place { factors: 0, beyond: 0 };
         for Front { pivots, size, .. } in &symbolic.fronts {
-            self.places.push(place);
-            place += pivots * size + pivots * (size - pivots);
+            self.places.push(next);
+            next.factors += pivots * size;
+            next.beyond += pivots * (size - pivots);
         }
         let rows = symbolic.position.len();
-        self.factors.resize(place, 0.0);
+        self.factors.resize(next.factors, 0.0);
+        self.beyond = Vec::new();
         self.swaps.resize(rows, 0);
         self.front.resize(symbolic.largest * symbolic.largest, 0.0);
         self.stack.resize(symbolic.waiting, 0.0);
@@ -54,6 +65,11 @@ impl Numeric {
         execution: Execution<'_>,
     ) -> bool {
         self.kind = kind;
+        if kind == Kind::General && self.beyond.is_empty() {
+            let entries =
+                symbolic.fronts.iter().map(|front| front.pivots * (front.size - front.pivots));
+            self.beyond.resize(entries.sum(), 0.0);
+        }
         execution.run(symbolic.operations, |work| self.factor_fronts(symbolic, matrix, work))
     }
 
@@ -104,12 +120,13 @@ impl Numeric {
                 return false;
             }
             let rest = size - pivots;
-            let (own, beyond) = self.factors[self.places[s]..].split_at_mut(pivots * size);
-            own.copy_from_slice(&dense[..pivots * size]);
+            let place = self.places[s];
+            self.factors[place.factors..][..pivots * size].copy_from_slice(&dense[..pivots * size]);
             let waiting = &mut self.stack[top..top + rest * rest];
             for (j, column) in dense[pivots * size..].chunks_exact(size).enumerate() {
                 if kind == Kind::General {
-                    beyond[j * pivots..(j + 1) * pivots].copy_from_slice(&column[..pivots]);
+                    let row = &mut self.beyond[place.beyond + j * pivots..][..pivots];
+                    row.copy_from_slice(&column[..pivots]);
                 }
                 let (first, end) = (j * rest + from(j), (j + 1) * rest);
                 waiting[first..end].copy_from_slice(&column[pivots + from(j)..]);
@@ -140,7 +157,7 @@ impl Numeric {
 
     fn forward(&mut self, s: usize, front: &Front) {
         let Front { pivots, first, size, rows, .. } = front;
-        let columns = &self.factors[self.places[s]..self.places[s] + pivots * size];
+        let columns = &self.factors[self.places[s].factors..][..pivots * size];
         let own = &mut self.permuted[*first..first + pivots];
         if self.kind == Kind::General {
             for (c, &swap) in self.swaps[*first..first + pivots].iter().enumerate() {
@@ -164,7 +181,8 @@ impl Numeric {
 
     fn backward(&mut self, s: usize, front: &Front) {
         let Front { pivots, first, size, rows, .. } = front;
-        let (columns, beyond) = self.factors[self.places[s]..].split_at(pivots * size);
+        let columns = &self.factors[self.places[s].factors..][..pivots * size];
+        let beyond = &self.beyond[self.places[s].beyond..];
         let local = &mut self.local[..*pivots];
         local.copy_from_slice(&self.permuted[*first..first + pivots]);
         for (&row, column) in rows.iter().zip(beyond.chunks_exact(*pivots)) {
@@ -186,7 +204,7 @@ impl Numeric {
     /// Backward substitution with `DLᵀ`.
     fn backward_definite(&mut self, s: usize, front: &Front) {
         let Front { pivots, first, size, rows, .. } = front;
-        let columns = &self.factors[self.places[s]..self.places[s] + pivots * size];
+        let columns = &self.factors[self.places[s].factors..][..pivots * size];
         let local = &mut self.local[..*size];
         local[..*pivots].copy_from_slice(&self.permuted[*first..first + pivots]);
         for (value, &row) in local[*pivots..].iter_mut().zip(rows) {

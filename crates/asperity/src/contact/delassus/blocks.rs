@@ -70,6 +70,10 @@ impl BlockMatrix {
     /// The same without checks, for blocks of any size.
     pub(crate) fn with_pattern(sizes: &[usize], neighbours: &[Vec<usize>]) -> Self {
         let mut matrix = Self::default();
+        // Missing diagonal blocks are added.
+        let blocks = sizes.len() + neighbours.iter().map(Vec::len).sum::<usize>();
+        matrix.columns.reserve_exact(blocks);
+        matrix.places.reserve_exact(blocks);
         matrix.reset(sizes, neighbours.iter().map(|row| row.iter().copied()));
         matrix
     }

@@ -117,34 +117,36 @@ fn assemble(mass: &Csr, directions: &Csr, sizes: &[usize]) -> Result<BlockMatrix
         position[dof] = members[part].len();
         members[part].push(dof);
     }
-    let mut contacts = vec![Vec::new(); count];
     let mut row = 0;
-    for (i, &size) in sizes.iter().enumerate() {
-        for row in row..row + size {
-            for &dof in directions.row(row).0 {
-                contacts[part_of[dof]].push(i);
-            }
-        }
-        row += size;
+    let parts_of: Vec<Vec<usize>> = sizes
+        .iter()
+        .map(|&size| {
+            row += size;
+            let dofs = (row - size..row).flat_map(|row| directions.row(row).0);
+            distinct(dofs.map(|&dof| part_of[dof]).collect())
+        })
+        .collect();
+    let mut contacts = vec![Vec::new(); count];
+    for (i, parts) in parts_of.iter().enumerate() {
+        parts.iter().for_each(|&part| contacts[part].push(i));
     }
-    let mut neighbours = vec![Vec::new(); sizes.len()];
-    for list in &mut contacts {
-        list.sort_unstable();
-        list.dedup();
-        for &i in &*list {
-            neighbours[i].extend_from_slice(list);
-        }
-    }
-    for list in &mut neighbours {
-        list.sort_unstable();
-        list.dedup();
-    }
+    let all =
+        |parts: &Vec<usize>| parts.iter().flat_map(|&part| &contacts[part]).copied().collect();
+    let neighbours: Vec<Vec<usize>> = parts_of.iter().map(|parts| distinct(all(parts))).collect();
     let mut blocks = BlockMatrix::with_pattern(sizes, &neighbours);
     for (dofs, contacts) in members.iter().zip(&contacts) {
         let part = ConnectedPart { dofs, position: &position, contacts };
         add_part(mass, directions, part, &mut blocks)?;
     }
     Ok(blocks)
+}
+
+/// The numbers in ascending order, each once, in no more memory than that.
+fn distinct(mut numbers: Vec<usize>) -> Vec<usize> {
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers.shrink_to_fit();
+    numbers
 }
 
 /// Velocities that `M` couples, and the contacts that act on them.
