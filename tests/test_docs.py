@@ -9,6 +9,7 @@ from pathlib import Path
 
 import asperity as asp
 import pytest
+import words
 from pages import BLOCK, run_page
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -68,3 +69,17 @@ def test_pages_import_what_they_use(page):
 def test_pages(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run_page(page)
+
+
+def test_every_page_is_in_a_list_of_the_site():
+    lists = "\n".join(path.read_text(encoding="utf-8") for path in FOLDERS[1].glob("*.md"))
+    pages = [path.relative_to(ROOT).with_suffix("").as_posix() for path in FOLDERS[0].rglob("*.md")]
+    assert [page for page in pages if f"{page}\n" not in lists] == []
+
+
+def test_no_docstring_names_what_is_not_public():
+    found = []
+    for path, text in words.PACKAGE.docstrings():
+        named = re.findall(r"(?<!`)`([^`]+)`(?!`)", text)
+        found += [f"{path}: {word}" for word in named if words.PACKAGE.dangles(word)]
+    assert not found
