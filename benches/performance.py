@@ -49,9 +49,10 @@ something else in the same run. Less than 1 is quicker than that. `make bench` r
 writes this page, `python benches/performance.py --only step` runs one of them anew. Each takes the
 shortest of several times on a machine that is otherwise idle.
 """
-TAIL = """`make many` prints time and memory of the default solver from 10 to 10⁵ contacts, `make peers`
-compares other engines on the same contact problems, `make linear` the sparse factorisations with
-faer's, and `python benches/solver_steps.py` what each step of the default solver buys.
+TAIL = """`make many` prints time and memory of the default solver from 10 to 10⁵ contacts,
+`make peers` compares other engines on the same contact problems, `make linear` the sparse
+factorisations with faer's, and `python benches/solver_steps.py` what each step of the default
+solver buys.
 """
 
 
