@@ -155,6 +155,7 @@ def test_a_continuum_of_periodic_orbits_is_no_limit_cycle():
         asp.limit_cycle(steady, q0=steady.equilibrium + np.array([0.3, 0.0]), u0=[0.0, 0.0])
 
 
+@pytest.mark.long
 def test_bifurcation_over_the_belt_direction():
     values = np.deg2rad(np.linspace(40.0, 80.0, 21))
     diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)

@@ -404,13 +404,15 @@ except asp.EnsembleInterrupted as stopped:
             "asp.simulate_many(belt, dt=0.01, t_end=100.0, u0=states, progress=report)",
             "assert (many.repeat(first).q[-1] == many.q[first]).all()",
         ),
-        (
+        pytest.param(
             "asp.integrate_many(belt, t_end=10.0, u0=states, progress=report)",
             "assert many.t[first] == 10.0",
+            marks=pytest.mark.long,
         ),
-        (
+        pytest.param(
             "asp.simulate_many([belt] * 2000, dt=0.01, t_end=1000.0, progress=report)",
             "assert many.t[first] == 1000.0",
+            marks=pytest.mark.long,
         ),
     ],
     ids=["simulate", "integrate", "sequence"],

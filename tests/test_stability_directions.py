@@ -114,7 +114,11 @@ def test_at_corners_of_the_direction_set_nothing_grows(share):
     [
         (THREE, asp.Superellipse(2.0, 1.0, 3.0)),
         (asp.Rectangle(2.0, 1.0), asp.Rectangle(2.0, 1.0)),
-        (asp.Rectangle(2.0, 1.0), asp.Rectangle(2.0, 1.0) + asp.Disk(0.1)),
+        pytest.param(
+            asp.Rectangle(2.0, 1.0),
+            asp.Rectangle(2.0, 1.0) + asp.Disk(0.1),
+            marks=pytest.mark.long,
+        ),
         (asp.WedgeAsperity(1.2, beta=0.6), THREE),
         (BEAN, asp.Ellipse(5.0, 1.0)),
         (STAR_POLYGON, PENTAGON),
