@@ -6,7 +6,6 @@ import pytest
 from asperity import Certificate, Status, problems
 from asperity.contact.grading import natural_map, proves_no_solution
 from profiles import every
-from random_problems import chain
 from samples import LAWS, random_problem
 from scipy.optimize import linprog
 from scipy.sparse import csc_array, hstack, vstack
@@ -131,59 +130,6 @@ def test_infeasible_problems_end_with_status_and_proof():
     assert PARADOX.replace(free_velocity=[1.0, 5.0]).solve().infeasibility is None
 
 
-def squeezed_boxes(rng):
-    """Boxes of random masses in a row between two walls that close, four contacts at every face."""
-    boxes = int(rng.integers(1, 4))
-    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    mass = 10.0 ** rng.uniform(-3, 3, size=boxes)
-    size = rng.uniform(0.1, 1.0)
-    inertia = [m * size**2 * np.diag(rng.uniform(0.2, 0.5, size=3)) for m in mass]
-    blocks = [
-        [np.diag([m] * 3) if i == j else np.zeros((3, 3)) for j in range(boxes)]
-        for i, m in enumerate(mass)
-    ]
-    matrix = np.zeros((6 * boxes, 6 * boxes))
-    for i in range(boxes):
-        matrix[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = blocks[i][i]
-        matrix[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] = turn @ inertia[i] @ turn.T
-    rows = []
-    for face in range(boxes + 1):
-        for y, z in [(1, 1), (1, -1), (-1, 1), (-1, -1)]:
-            row = np.zeros((3, 6 * boxes))
-            for box, sign, side in ((face, 1.0, -1.0), (face - 1, -1.0, 1.0)):
-                if 0 <= box < boxes:
-                    lever = turn @ (size * np.array([side, y, z]))
-                    for k, axis in enumerate(turn.T):
-                        row[k, 6 * box : 6 * box + 6] = sign * np.r_[axis, np.cross(lever, axis)]
-            rows.append(row)
-    directions = np.vstack(rows).T
-    free = directions.T @ rng.normal(size=6 * boxes)
-    # The walls close faster than any of that.
-    gap = rng.uniform(0.0, 1.0)
-    free[0:12:3] -= gap
-    free[-12::3] -= 1.0 - gap
-    return matrix, directions, free
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_squeezed_boxes_are_proven_to_be(seed):
-    mass, directions, free = squeezed_boxes(np.random.default_rng(seed))
-    dense = directions.T @ np.linalg.inv(mass) @ directions
-    for problem in (
-        asp.ContactProblem.from_bodies(mass, directions=directions, free_velocity=free, laws=LAW),
-        asp.ContactProblem(dense, free_velocity=free, laws=LAW),
-    ):
-        solution = problem.solve(tolerance=1e-8, time_limit=20.0, on_failure="record")
-        # Every face closes by its share of the walls' unit speed.
-        assert solution.status is Status.NO_SOLUTION
-        assert proves_no_solution(problem, solution.infeasibility)
-        assert solution.infeasibility.direction.sum() == pytest.approx(1.0)
-        wider = problem.replace(free_velocity=free + 2.0 * (np.arange(free.size) % 3 == 0))
-        solved = wider.solve(tolerance=1e-8, time_limit=20.0)
-        assert not proves_no_solution(wider, solution.infeasibility)
-        assert solved.infeasibility is None
-
-
 RANDOM_SYSTEMS = 200
 
 
@@ -282,51 +228,6 @@ def test_bodies_of_any_mass_with_a_solution_are_not_denied_it(seed):
 @pytest.mark.parametrize("first", range(0, 10_000, 500))
 def test_ten_thousand_verdicts_are_those_of_linear_programming(first):
     assert check_random_systems(range(first, first + 500))["converged"] > 250
-
-
-def hinge(rng, p):
-    """A contact whose rows see one direction of motion, which has bounced, and what solves it.
-
-    ξ = b + w s with one unknown s: with ξ_N = 0 the slip is known, and so is the friction. It pulls
-    the contact to the surface where w_N(w_N − w_T·x) < 0.
-    """
-    w = rng.normal(size=1 + p)
-    free = w * -np.sign(w[0]) * rng.uniform(0.1, 2.0)
-    restitution = rng.choice([0.0, 0.3, 0.8])
-    law = asp.FrictionLaw.isotropic(rng.uniform(0.1, 1.5), dimension=p)
-    problem = asp.ContactProblem(
-        np.outer(w, w),
-        free_velocity=free,
-        laws=law,
-        normal_restitution=restitution,
-        initial_velocity=free,
-    )
-    slip = free[1:] - (1.0 + restitution) * free[0] * w[1:] / w[0]
-    resistance = (
-        w[0] * (w[0] + w[1:] @ law.force(slip, normal_force=1.0)) if restitution else w[0] ** 2
-    )
-    return problem, resistance
-
-
-def test_hinges_with_restitution_have_a_solution_or_a_proof():
-    rng = np.random.default_rng(5)
-    without = 0
-    for k in range(400):
-        problem, resistance = hinge(rng, 1 + k % 2)
-        if abs(resistance) < 1e-3 * problem.delassus[0, 0]:
-            continue
-        solution = problem.solve(on_failure="record")
-        if resistance > 0.0:
-            assert solution.converged, k
-            continue
-        without += 1
-        smooth = problem.replace(laws=asp.FrictionLaw.isotropic(1e-3, dimension=1 + k % 2))
-        assert smooth.solve().converged
-        assert not proves_no_solution(smooth, solution.infeasibility)
-        assert solution.status is Status.NO_SOLUTION, k
-        assert solution.infeasibility.kind == "one_contact"
-        assert proves_no_solution(problem, solution.infeasibility), k
-    assert without > 20
 
 
 def test_the_checker_refuses_what_proves_nothing():
@@ -428,14 +329,6 @@ def test_nearly_singular_problems_that_have_a_solution_are_not_refuted(gap, clos
         assert solution.status is not Status.NO_SOLUTION
 
 
-@pytest.mark.parametrize("ratio", [1e12, 1e13, 1e14, 2.6e14])
-def test_heavy_bodies_on_light_ones_are_never_said_to_have_no_solution(ratio):
-    problem = normals([[1.0, -1.0], [-1.0, 1.0 + 1.0 / ratio]], [-1.0, 0.0])
-    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.InteriorPoint(), asp.ADMM()):
-        solution = problem.solve(solver, on_failure="record", time_limit=20.0)
-        assert solution.status is not Status.NO_SOLUTION
-
-
 def pile_of_unequal_spheres(decades, seed):
     """Return a pile of 30 spheres whose masses lie between 10^-decades kg and 10^decades kg."""
     pile = problems.pile(4, speed=0.1, seed=seed)
@@ -491,25 +384,3 @@ def test_percussions_that_grow_are_not_without_a_solution_where_one_exists(
     assert solution.infeasibility is None
     if solution.converged:
         assert approaches(problem, solution) <= 0.01
-
-
-@pytest.mark.parametrize("count", [2, 5, 11, 23, 40])
-def test_heavy_bodies_do_not_hide_light_ones_that_are_squeezed(count):
-    """Whatever the percussions, normal velocities add up to what the walls close by.
-
-    If they leave as much room, it takes no percussions at all to find velocities that separate.
-    """
-    proven = 0
-    for seed in range(10):
-        rng = np.random.default_rng(seed)
-        masses = 10.0 ** rng.uniform(-3.0, 3.0, size=count)
-        problem = chain(masses, 1e-5, rng)
-        assert problem.free_velocity[::3].sum() == pytest.approx(-1e-5, rel=1e-9)
-        solution = problem.solve(tolerance=1e-8, on_failure="record")
-        if solution.status is Status.NO_SOLUTION:
-            proven += 1
-            assert proves_no_solution(problem, solution.infeasibility)
-            assert np.all(solution.infeasibility.direction[::3] > 0.0)
-        # Room in place of closing.
-        assert chain(masses, -1e-5, rng).solve(tolerance=1e-8).converged
-    assert proven >= 8

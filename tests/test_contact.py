@@ -277,32 +277,6 @@ def test_no_solution_is_said_where_a_checker_proves_it_in_many_problems(name):
 # Loads beside corners, roots beside cusps, numbers beyond reason.
 
 
-@pytest.mark.parametrize("size", [1e-90, 1e-120, 1e-170, 1e-300])
-def test_velocities_whose_squares_vanish_are_refused_by_name(size):
-    rng = np.random.default_rng(0)
-    directions, free = rng.normal(size=(9, 12)), rng.normal(size=9)
-    problem = asp.ContactProblem(
-        directions @ directions.T, free_velocity=free, laws=asp.FrictionLaw.isotropic(0.3)
-    )
-    if size > 1e-100:
-        small = problem.replace(free_velocity=size * free).solve()
-        np.testing.assert_allclose(small.percussion, size * problem.solve().percussion, rtol=1e-9)
-        return
-    with pytest.raises(
-        asp.ParameterError, match="free_velocity: must be zero everywhere, or 1e-100"
-    ):
-        problem.replace(free_velocity=size * free)
-
-
-def test_velocities_whose_percussions_vanish_are_refused_by_name():
-    free, law = [-1e-95, 1e-96, 0.0], asp.FrictionLaw.isotropic(0.3)
-    with pytest.raises(asp.ParameterError, match=r"free_velocity: must be zero .* entries of G"):
-        asp.ContactProblem(1e80 * np.eye(3), free_velocity=free, laws=law)
-    bounce = {"initial_velocity": [-1e-99, 0.0, 0.0], "normal_restitution": 0.01}
-    with pytest.raises(asp.ParameterError, match=r"initial_velocity: .* times the restitution"):
-        asp.ContactProblem(np.eye(3), free_velocity=np.zeros(3), laws=law, **bounce)
-
-
 @pytest.mark.parametrize("size", [1e90, 1e120, 1e154, 1e200, 1e300])
 def test_velocities_beyond_reason_are_refused_by_name(size):
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))
@@ -321,24 +295,6 @@ def test_velocities_beyond_reason_are_refused_by_name(size):
 
 
 # Drilling contacts.
-
-
-@pytest.mark.parametrize(
-    ("seed", "contacts", "dof"),
-    [(40, 4, 6), (208, 2, 3), (260, 2, 3), *((k, 1, 3) for k in range(30))],
-)
-def test_drilling_contacts_do_not_panic(seed, contacts, dof):
-    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.3))
-    rng = np.random.default_rng(seed)
-    rows = rng.normal(size=(4 * contacts, dof))
-    rows[::4] += 1.5
-    free = rng.normal(size=4 * contacts)
-    free[::4] -= 2
-    problem = asp.ContactProblem(rows @ rows.T, free_velocity=free, laws=law)
-    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.SemismoothNewton()):
-        solution = problem.solve(solver, on_failure="record")
-        assert solution.status in Status
-        assert np.isfinite(solution.percussion).all()
 
 
 ISO = asp.FrictionLaw.isotropic(0.3)

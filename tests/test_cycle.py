@@ -205,16 +205,6 @@ def test_every_unstable_equilibrium_without_a_cycle_has_a_reason():
         assert "not searched for, as the search failed at" in diagram.failures[0]
 
 
-def test_diagrams_do_not_depend_on_the_number_of_threads():
-    values = np.deg2rad([43.0, 46.0, 60.0])
-    one, two = (
-        asp.bifurcation_diagram(belt, parameter="phi", values=values, threads=threads)
-        for threads in (1, 2)
-    )
-    assert one.cycles == two.cycles
-    assert one.failures == two.failures
-
-
 def test_a_cycle_with_impacts():
     hopping = asp.mechanisms.mode_coupling(0.8, damping=0.05)
     cycle = asp.limit_cycle(hopping)
@@ -260,23 +250,6 @@ def test_bad_arguments_are_named(cycle):
         asp.limit_cycle(belt(), near=cycle, start=cycle.motion)
     with pytest.raises(asp.ParameterError, match="start"):
         asp.limit_cycle(belt(), start=cycle.motion, q0=[0.0, 0.0])
-
-
-def test_a_run_of_time_stepping_is_a_start_though_its_contacts_overlap():
-    hopping = asp.mechanisms.mode_coupling(0.8, damping=0.05)
-    cycle = asp.limit_cycle(hopping)
-    gaps = []
-    for turns in (5.1, 5.3, 5.5, 5.7, 5.9):
-        run = asp.simulate(
-            hopping,
-            dt=1e-3,
-            t_end=turns * cycle.period,
-            q0=cycle.motion.q[0],
-            u0=cycle.motion.u[0],
-        )
-        gaps.append(float(hopping.contacts[0].normal @ run.q[-1]))
-        assert asp.limit_cycle(hopping, start=run.end).period == pytest.approx(cycle.period)
-    assert min(gaps) < -1e-6
 
 
 def test_arguments_of_a_diagram_that_fit_no_member_are_refused_at_once():

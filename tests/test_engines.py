@@ -296,15 +296,6 @@ def belt(law):
     return asp.equilibrium(system).q
 
 
-def test_belt_of_siconos():
-    turn = np.deg2rad(30.0)
-    axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    rows = (axes @ np.diag([3.0, 1.0])).T
-    law = like("siconos", {"mu": 1.0, "H": rows})
-    assert np.allclose(belt(law), [25.189, 15.934], atol=1e-3)
-    assert np.allclose(belt(like("pinocchio", {"mu": 1.0, "S": rows})), belt(law), atol=1e-12)
-
-
 def test_belt_of_mujoco_is_as_far_off_as_is_said():
     # The axes of the experiment were turned by -30°; the recorded centre is turned back.
     law = like("mujoco", {"friction": (1.0, 3.0), **ELLIPTIC}).rotated(np.deg2rad(30.0))
@@ -330,18 +321,6 @@ def test_coefficients_of_continuous_drake_over_the_speed():
     assert off.max() <= 0.023 * 0.4 + 1e-6
     assert "0.0092" in law.report.deviation
     assert law.report.creep == 0.5e-4
-
-
-def test_torsional_friction_of_mujoco():
-    """Forces over the normal force that mj_contactForce tells of slip and spin at once."""
-    given = {"friction": (0.4, 0.5, 0.003, 1e-4, 1e-4), "condim": 4, "patch_radius": 0.01}
-    units = np.array([1.0, 1.0, 1.0 / 0.01])
-    ellipsoid = like("mujoco", {**given, "cone": "elliptic"})
-    force = units * [[-0.2533862, 0.27006522, -0.00166217], [-0.10589111, 0.11459817, -0.00281007]]
-    assert np.allclose(ellipsoid.reservoir.gauge(force), 1.0, atol=1e-6)
-    octahedron = like("mujoco", given)
-    force = units * [[-0.21479263, 0.11056309, -0.00072568], [0.0, 0.0, -0.003]]
-    assert np.allclose(octahedron.reservoir.gauge(force), 1.0, atol=1e-6)
 
 
 @dataclass

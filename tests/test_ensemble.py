@@ -200,38 +200,6 @@ def test_quantities_are_those_of_the_whole_run():
         assert many.crossing_q[index, 0] == pytest.approx(20.0)
 
 
-def test_ambiguous_steps_are_the_contact_problems_with_several_solutions():
-    """A step of a unit mass and weight is a contact problem; its load is the velocity before."""
-    law = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=np.pi / 4), asp.Ellipse(3.0, 1.0))
-    angles = np.deg2rad(np.linspace(1.0, 59.0, 30))
-    rays = law.reservoir.radius(angles)[:, None] * np.stack([np.cos(angles), np.sin(angles)], -1)
-    loads = rays[:, None] * np.linspace(0.905, 1.175, 28)[:, None]
-    block = asp.SlidingPoint(1.0, law=law, gravity=1.0)
-    many = asp.simulate_many(block, dt=1.0, t_end=1.0, u0=loads)
-    counts = np.zeros(many.shape, dtype=int)
-    for index in np.ndindex(counts.shape):
-        problem = asp.ContactProblem(
-            np.eye(2), free_velocity=loads[index], laws=law, normal_force=1.0
-        )
-        counts[index] = len(problem.solutions(0))
-    np.testing.assert_array_equal(many.ambiguous, counts > 1)
-    assert set(counts.ravel().tolist()) == {1, 3}
-    # Slip solutions meet on a caustic of the law alone.
-    phi = np.linspace(0.0, np.pi, 20001)
-    gamma, speed = np.stack([np.cos(phi), np.sin(phi)], axis=-1), -law.trace_criterion(phi)
-    caustic = (speed[:, None] * gamma - law.force(gamma))[speed > 0.0]
-    gauge, angle = law.reservoir.gauge(caustic), np.arctan2(caustic[:, 1], caustic[:, 0])
-    for number, ray in enumerate(angles):
-        k = np.flatnonzero(np.diff(np.sign(angle - ray)))
-        part = (ray - angle[k]) / (angle[k + 1] - angle[k])
-        crossed = gauge[k] + part * (gauge[k + 1] - gauge[k])
-        # Where the rays meet the caustic once, the band of such loads ends on the boundary of C.
-        borders = np.sort([1.0, *crossed] if len(crossed) == 1 else crossed)
-        size = law.reservoir.gauge(loads[number])
-        within = np.searchsorted(borders, size) % 2 == 1
-        np.testing.assert_array_equal(many.ambiguous[number] > 0, within)
-
-
 def test_a_run_that_fails_ends_alone():
     values = np.ones(20000)
     values[[77, 12345]] = [-1.0, 0.0]
@@ -247,24 +215,6 @@ def test_a_run_that_fails_ends_alone():
         asp.simulate_many(
             BELT, dt=0.1, t_end=0.2, replace={"law.reservoir.a": values}, on_failure="raise"
         )
-
-
-def test_a_run_whose_problem_is_not_solved_says_what_simulate_says():
-    hopeless = asp.ProxJacobi(r=1e8, max_iterations=3)
-    many = asp.simulate_many(BELT, **STEPS, u0=STATES, solver=hopeless)
-    for index in range(5):
-        with pytest.raises(asp.ConvergenceError) as alone:
-            asp.simulate(BELT, **STEPS, u0=STATES[index], solver=hopeless)
-        error = many.failures[index].error
-        assert (error.step, error.residual, error.message) == (
-            alone.value.step,
-            alone.value.residual,
-            alone.value.message,
-        )
-        np.testing.assert_array_equal(many.q[index], alone.value.trajectory.q[-1])
-    with pytest.raises(asp.ConvergenceError) as raised:
-        asp.simulate_many(BELT, **STEPS, u0=STATES, solver=hopeless, on_failure="raise")
-    assert raised.value.__notes__ == ["asperity: of run (0,) of simulate_many"]
 
 
 def test_names_that_there_are_not_are_answered_with_the_nearest():
@@ -440,43 +390,6 @@ def test_runs_in_lanes_are_the_runs_up_to_rounding(law):
     for name in ("steps", "ambiguous", "status", "phase"):
         np.testing.assert_array_equal(getattr(lanes, name), getattr(alone, name))
     assert_same(lanes, asp.simulate_many(belt, **given, lanes=True, threads=2))
-
-
-def tilted(normal=(0.3, 1.0, 3.0), axis=(2.0, 0.0, 1.0), frame="plane", turn=(3.0, 1.0, -1.0, 0.2)):
-    ball = asp.Body.ball(1.0, radius=0.1, orientation=turn, velocity=(1.0, 0.5, 0.0))
-    plane = asp.Plane(normal=normal, axis=axis)
-    pair = asp.SpherePlane(0, radius=0.1, plane=plane, law=LAW, frame=frame, normal_force=5.0)
-    return asp.RigidBodies([ball], pairs=[pair])
-
-
-def sloping(normal):
-    body, law = (
-        asp.PlanarBody.disk(1.0, radius=0.1),
-        asp.FrictionLaw.associated(asp.Interval(-0.3, 0.3)),
-    )
-    pair = asp.SpherePlane(0, radius=0.1, plane=asp.Line(normal=normal), law=law, normal_force=5.0)
-    return asp.RigidBodies([body], pairs=[pair])
-
-
-@pytest.mark.parametrize(
-    ("name", "made"),
-    [
-        ("pairs[0].plane.normal[1]", lambda value: tilted(normal=(0.3, value, 3.0))),
-        ("pairs[0].plane.axis[0]", lambda value: tilted(axis=(value, 0.0, 1.0))),
-        ("pairs[0].frame.axis[2]", lambda value: tilted(frame=asp.BodyAxis((2.0, 0.0, value)))),
-        ("bodies[0].orientation[1]", lambda value: tilted((0, 0, 3), turn=(3.0, value, 0.0, 0.2))),
-        ("pairs[0].plane.normal[0]", lambda value: sloping((value, 4.0))),
-    ],
-)
-def test_entries_of_vectors_of_any_length_are_those_that_were_written(name, made):
-    """Each makes the system that its constructor makes; the one that is there changes nothing."""
-    values, options = [1.0, 1.5, 2.0], {"dt": 0.01, "t_end": 0.1}
-    many = asp.simulate_many(made(1.0), replace={name: values}, **options)
-    for index, value in enumerate(values):
-        assert repr(many.system(index)) == repr(made(value))
-        assert_is(many, index, asp.simulate(made(value), **options))
-    assert made(1.0) == pickle.loads(pickle.dumps(made(1.0)))
-    assert np.unique(many.u, axis=0).shape == many.u.shape
 
 
 def test_quantities_that_there_are_not():

@@ -260,26 +260,6 @@ def test_a_run_goes_on_at_its_clock(cut):
         np.testing.assert_allclose([e[2] for e in found], [e[2] for e in later], atol=1e-9)
 
 
-def test_users_are_asked_at_the_times_of_the_run():
-    class Pushed(asp.System):
-        dof = 1
-        constant_mass = True
-
-        def mass(self, q):
-            return np.eye(1)
-
-        def forces(self, t, q, u):
-            return np.array([np.cos(t)])
-
-    whole = asp.integrate(Pushed(), t_end=1000.0)
-    late = asp.integrate(Pushed(), t_end=1000.5, start=whole)
-    np.testing.assert_allclose(late.q[-1], [1.0 - np.cos(1000.5)], atol=1e-7)
-    section = asp.Section([1.0, 0.0], 1.0, after=1003.0)
-    crossed = asp.integrate(Pushed(), t_end=1010.0, start=whole, section=section)
-    assert crossed.t[-1] == pytest.approx(320.5 * np.pi, abs=1e-7)
-    assert late.t[0] == 1000.0
-
-
 def test_runs_start_from_each_other_however_they_were_made():
     stepped = asp.simulate(belt(), dt=1e-3, t_end=1.0)
     exact = asp.integrate(belt(), t_end=1.0)
@@ -343,20 +323,3 @@ def test_a_long_run_is_interrupted_and_reports():
     found = run_interrupted(INTERRUPTED)
     assert found.lines == ["interrupted"]
     assert found.code == 42
-
-
-@pytest.mark.parametrize("feet", range(1, 25))
-def test_redundant_feet_share_the_load_of_one(feet):
-    """A block slides to rest after v²/(2μg); one that falls first lands and slides on."""
-    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    foot = asp.Contact(line, direction=[1.0, 0.0], normal=[0.0, 1.0])
-    block = asp.LinearSystem(1.0, force=[0.0, -2.0], contacts=[foot] * feet)
-    motion = asp.integrate(block, t_end=3.0, u0=[1.0, 0.0])
-    np.testing.assert_allclose(motion.normal_force[:-1].sum(axis=1), 2.0, rtol=1e-13)
-    np.testing.assert_allclose(motion.q[-1], [1.0 / (2.0 * 0.3 * 2.0), 0.0], rtol=1e-10, atol=1e-15)
-    landing = asp.integrate(block, t_end=3.0, q0=[0.0, 0.01], u0=[1.0, 0.0])
-    # The impact takes μ times the normal percussion from the speed at once.
-    fall = np.sqrt(2.0 * 0.01 / 2.0)
-    left = 1.0 - 0.3 * 2.0 * fall
-    expected = [fall + left**2 / (2.0 * 0.3 * 2.0), 0.0]
-    np.testing.assert_allclose(landing.q[-1], expected, rtol=1e-10, atol=1e-15)

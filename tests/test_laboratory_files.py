@@ -155,36 +155,6 @@ def test_what_is_wrong_is_refused_with_the_remedy_of_the_configuration(name, wri
         identify.fit_law(identify.load(path, config))
 
 
-def test_other_refusals_say_what_to_write(write):
-    table = lab.table(RUN)
-
-    def text(rows):
-        return "\n".join([PLAIN, *(",".join(f"{x:.5f}" for x in row) for row in rows)])
-
-    config = write("", "rig.toml")
-    with pytest.raises(RecordError, match=r"covers 0\.8 turns, at least one"):
-        identify.load(write(text(table[:1600])), config)
-    path = write(text(table))
-    with pytest.raises(RecordError, match="is the same as"):
-        identify.load([path, path], config)
-    swapped = write(text(table[:, [0, 1, 2, 4, 3]]))
-    with pytest.raises(RecordError, match=r"force units: friction coefficient.*see \[units\]"):
-        identify.load(swapped, config)
-    table[:, 0] = table[:, 0].round(2)
-    with pytest.raises(RecordError, match=r"rounded or out of order .*see \[file\] sample_rate"):
-        identify.load(write(text(table)), config)
-    # A line of units that is taken for numbers.
-    with pytest.raises(RecordError, match=r"line 2 is one of units.*see \[file\] header, .* names"):
-        identify.load(
-            write(lab.labview(RUN)),
-            write(
-                '[file]\ndelimiter = "\\t"\n[columns]\ntime = "Time"\nangle = "Phi"\n'
-                'tangential = "Ft"\nradial = "Fr"\nnormal = "Fn"\n',
-                "rig.toml",
-            ),
-        )
-
-
 def test_spreadsheets_and_tables_in_memory(tmp_path):
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("openpyxl")
@@ -410,16 +380,6 @@ def straight_strokes(directions, *, start=0, motion_noise=1e-4):
     columns["Fz"] = lab.LOAD + 0.01 * random.normal(size=len(slip))
     _, sections = plane("velocity")
     return identify.load(pandas.DataFrame(columns), sections)
-
-
-@pytest.mark.parametrize("start", [0, 15, 30])
-@pytest.mark.parametrize("motion_noise", [1e-4, 0.01])
-def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start, motion_noise):
-    data = straight_strokes(6, start=start, motion_noise=motion_noise)
-    for number in range(data.turns):
-        assert np.ptp(data.phi[data.turn == number]) < np.deg2rad(0.1)
-    fit = identify.fit_law(data, reservoir="circle", direction="ellipse")
-    assert fit.defects["lack of fit"].matters
 
 
 def test_noise_of_the_motion_is_no_direction_of_sliding():

@@ -35,25 +35,6 @@ def test_asperity_law_has_the_forces_of_the_springs(mu, degrees):
     np.testing.assert_allclose(f[:, 1] / f[:, 0], tangent, rtol=1e-9)
 
 
-@pytest.mark.parametrize("weights", [None, (1.0, 1.0), (0.2, 0.7)])
-def test_unequal_flanks_across_the_wedges(weights):
-    """Along ±e₁ a spring climbs with tan(β + ρ) and descends with tan(ρ − β), tan ρ = μ."""
-    mu, rising, falling = 0.4, 0.3, 0.6
-    law = asp.FrictionLaw.asperity(mu, beta=(rising, falling), weights=weights)
-    share = np.array(weights or (1 / np.tan(rising), 1 / np.tan(falling)))
-    share /= share.sum()
-    friction = np.arctan(mu)
-    forward = share @ [np.tan(friction + rising), np.tan(friction - falling)]
-    backward = share @ [np.tan(friction - rising), np.tan(friction + falling)]
-    np.testing.assert_allclose(
-        law.force([[1.0, 0.0], [-1.0, 0.0]]), [[-forward, 0], [backward, 0]], atol=1e-7
-    )
-    mirrored = asp.FrictionLaw.asperity(
-        mu, beta=(falling, rising), weights=None if weights is None else weights[::-1]
-    )
-    np.testing.assert_allclose(mirrored.force(-unit(PHI)), -law.force(unit(PHI)), atol=1e-6)
-
-
 @pytest.mark.parametrize("beta", [0.8, (0.2, 0.8), (0.8, 0.2)])
 def test_locking_springs_are_refused(beta):
     with pytest.raises(asp.ParameterError, match="beta"):
@@ -214,33 +195,6 @@ def test_flow_rules_that_cannot_be_resolved_or_called_are_refused_by_name():
         assert caught.value.argument == "f"
 
 
-NEGATIVE = -0.3 * np.eye(2)
-
-
-TURNING = [[0.0, -0.3], [0.3, 0.0]]
-
-
-@pytest.mark.parametrize(
-    ("argument", "make"),
-    [
-        ("second_order", lambda: asp.FrictionLaw.tensor(NEGATIVE)),
-        ("second_order", lambda: asp.FrictionLaw.tensor(TURNING)),
-        ("second_order", lambda: asp.FrictionLaw.tensor([[0.3, -0.05], [0.05, 0.1]])),
-        ("tensor", lambda: asp.FrictionLaw.tensor_function([(NEGATIVE, np.zeros((2, 2)))])),
-        ("tensor", lambda: asp.FrictionLaw.tensor_function(lambda phi: np.ones((3, 3)))),
-        ("tensor", lambda: asp.FrictionLaw.tensor_function(3)),
-        ("weights", lambda: asp.FrictionLaw.asperity(0.3, beta=(0.3, 0.6), weights=(0.0, 1.0))),
-        ("beta", lambda: asp.FrictionLaw.asperity(1.2, beta=(0.2, 0.8))),
-        ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: -unit(phi))),
-        ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi)[:5])),
-    ],
-)
-def test_constructors_name_their_own_argument(argument, make):
-    with pytest.raises((asp.ParameterError, asp.DimensionError)) as caught:
-        make()
-    assert caught.value.argument == argument
-
-
 CORNERED = [
     asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.3)),
     asp.FrictionLaw.associated(asp.Rectangle(0.6, 0.2, angle=0.3)),
@@ -270,21 +224,6 @@ def test_exact_samples_of_forces_that_jump_are_met(law, shift):
     np.testing.assert_allclose(
         found.reservoir.radius(theta), law.reservoir.radius(theta), rtol=1e-6
     )
-
-
-def test_laws_that_miss_their_samples_are_refused():
-    phi = 2.0 * np.pi * np.arange(36) / 36
-    force = -CORNERED[0].force(unit(phi))
-    with pytest.raises(
-        asp.ParameterError, match=r"off by 1\d\d% .* in the direction [14]\.\d+ rad"
-    ):
-        asp.FrictionLaw.from_samples(phi, force)
-    assert asp.FrictionLaw.from_samples(phi, force, misfit_tolerance=2.0).report.misfit > 1.0
-    # Noise is no miss.
-    noise = 0.1 * np.random.default_rng(3).normal(size=(360, 2))
-    phi = 2.0 * np.pi * np.arange(360) / 360
-    found = asp.FrictionLaw.from_samples(phi, unit(phi) + noise)
-    assert found.report.misfit > 0.2
 
 
 def test_report_is_dropped_with_other_sets_and_kept_by_turning():

@@ -3,7 +3,6 @@
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.errors import ParameterError
 from profiles import every
 from random_problems import LAWS, pile
 from samples import identify
@@ -121,31 +120,6 @@ def test_solvers_agree_where_the_solution_is_unique(seed, laws):
         np.testing.assert_allclose(
             solution.percussion, solutions[0].percussion, rtol=0, atol=1e-7 * size
         )
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_the_unique_solution_is_the_minimum(seed):
-    """No admissible percussions have less ½PᵀGP + bᵀP."""
-    rng = np.random.default_rng(2000 + seed)
-    problem = full_rank(rng, ASSOCIATED, 12)
-
-    def energy(percussion):
-        return (
-            0.5 * percussion @ (problem.delassus @ percussion) + problem.free_velocity @ percussion
-        )
-
-    best = problem.solve().percussion
-    for _ in range(200):
-        other = np.concatenate(
-            [
-                -force
-                * law.reservoir.project(-best[rows] / force + 0.3 * rng.normal(size=law.dimension))
-                for law, force, rows in zip(
-                    problem.laws, problem.normal_force, problem.row_slices, strict=True
-                )
-            ]
-        )
-        assert energy(other) >= energy(best) - 1e-9
 
 
 CROSSED = [
@@ -321,38 +295,6 @@ def test_same_input_same_bits_on_any_number_of_threads(problem):
     for solution in threaded:
         np.testing.assert_array_equal(first.percussion, solution.percussion)
         np.testing.assert_array_equal(first.phase, solution.phase)
-
-
-LAW = asp.FrictionLaw.isotropic(0.5)
-
-
-def test_contact_of_bodies_without_directions():
-    directions = np.zeros((6, 6))
-    directions[:3, :3] = np.eye(3)
-    operator = np.diag([1.0, 1.0, 1.0, 1e-8, 1e-8, 1e-8])
-    problem = asp.ContactProblem.from_bodies(
-        np.eye(6),
-        directions=directions,
-        free_velocity=[-1.0, 0.2, 0.0, -1e-9, 0.0, 0.0],
-        laws=LAW,
-        delassus=operator,
-    )
-    for solver in (asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint()):
-        found = problem.solve(solver, tolerance=1e-6, on_failure="record")
-        assert np.isfinite(found.percussion).all()
-
-
-def test_masses_that_couple_everything_are_refused():
-    from scipy.sparse import diags_array
-
-    n = 2000
-    mass = diags_array([np.full(n, 2.0), *2 * [np.full(n - 1, -0.5)]], offsets=[0, 1, -1])
-    directions = np.zeros((n, 3))
-    directions[:3] = np.eye(3)
-    with pytest.raises(ParameterError, match="mass: must couple"):
-        asp.ContactProblem.from_bodies(
-            mass, directions=directions, free_velocity=[-1.0, 0.0, 0.0], laws=LAW
-        ).solve()
 
 
 def test_default_solver_follows_the_rule_of_selection():

@@ -159,36 +159,6 @@ def test_parts_hop_on_a_shaken_table(e, t_end, amplitude):
     assert sum(event.kind == EventKind.IMPACT for event in motion.events) == hits
 
 
-def test_periodic_samples_over_many_periods():
-    wave = Sine(0.5e-3, frequency=20.0, phase=0.3)
-    t = np.linspace(0.0, 0.05, 17)
-    once = np.stack([np.zeros(17), wave(t)], axis=-1)
-    once[-1] = once[0]
-    periodic = Signal(t, once, interpolation="cubic", periodic=True)
-    tiles = 41
-    times = np.concatenate([[0.0], *(t[1:] + 0.05 * k for k in range(tiles))])
-    values = np.concatenate([once[:1], *[once[1:]] * tiles])
-    whole = Signal(times, values, interpolation="cubic")
-    ends = []
-    for signal in (periodic, whole):
-        system = box_on(Line(motion=PlaneMotion(displacement=signal)))
-        system = system.replace(
-            bodies=[
-                system.bodies[0].replace(
-                    position=(0.0, 0.1 + once[0, 1]), velocity=signal.derivative(0.0)
-                )
-            ]
-        )
-        ends.append(integrate(system, t_end=2.0))
-    known = 0.1 + periodic(2.0)[1]
-    assert ends[0].q[-1, 1] == pytest.approx(known, abs=1e-12)
-    assert ends[0].events == ()
-    np.testing.assert_allclose(
-        ends[0].u[-1], periodic.derivative(2.0)[1] * np.array([0, 1, 0]), atol=1e-10
-    )
-    np.testing.assert_allclose(ends[0].q[-1], ends[1].q[-1], atol=1e-6)
-
-
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_a_table_that_moves_with_kinks_strikes_what_lies_on_it(e):
     # Rests, rises with 0.5 m/s, and rests again.
@@ -301,130 +271,7 @@ def test_a_block_that_sticks_drifts_to_second_order(angle):
 # Conveyors.
 
 
-def test_a_conveyor_with_stick_and_hops_by_pieces_in_closed_form():
-    """Along a line: sticks, slips and flies; DOP853 integrates every phase up to its event."""
-    mu, frequency = 0.4, 15.0
-    omega = 2.0 * np.pi * frequency
-    table = Sine([12.0 / omega**2, 13.0 / omega**2], frequency=frequency, phase=[0.0, 0.0])
-    law = FrictionLaw.isotropic(mu, dimension=1)
-    pair = PointPlane(
-        0, point=(0.0, 0.0), plane=Line(motion=PlaneMotion(displacement=table)), law=law
-    )
-    body = PlanarBody(1.0, inertia=1.0, velocity=table.derivative(0.0))
-    t_end = 0.3
-    state, phases = conveyed(table, mu, t_end)
-    assert {"stick", "slip", "flight"} <= set(phases)
-    known = [state[0], state[1], 0.0, state[2], state[3], 0.0]
-    check(
-        RigidBodies([body], pairs=[pair]), known, t_end, factor=20.0, steps=(4e-4, 1e-4, 2.5e-5),
-        tolerance=1e-8,
-    )  # fmt: skip
-
-
-def conveyed(table, mu, t_end):
-    """A point on a shaken line, phase by phase, from rest on it."""
-
-    def acceleration(t):
-        return table.derivative(t, order=2)
-
-    def load(t):
-        return G + acceleration(t)[1]
-
-    t, phase, phases = 0.0, "stick", []
-    state, sign = np.concatenate([table(0.0), table.derivative(0.0)]), 0.0
-    while True:
-        phases.append(phase)
-        sigma = sign
-
-        def rate(t, x, phase=phase, sigma=sigma):
-            if phase == "flight":
-                return [x[2], x[3], 0.0, -G]
-            a = acceleration(t)
-            if phase == "stick":
-                return [x[2], x[3], a[0], a[1]]
-            return [x[2], x[3], -sigma * mu * load(t), a[1]]
-
-        def lifts(t, x):
-            return load(t)
-
-        def slips(t, x):
-            return mu * load(t) - abs(acceleration(t)[0])
-
-        def lands(t, x):
-            return x[1] - table(t)[1]
-
-        def sticks(t, x, sigma=sigma):
-            return sigma * (x[2] - table.derivative(t)[0])
-
-        events = {"flight": [lands], "stick": [lifts, slips], "slip": [lifts, sticks]}[phase]
-        for event in events:
-            event.terminal, event.direction = True, -1.0
-        first = 1e-7
-        x = state + first * np.array(rate(t, state)) + 0.0
-        found = solve_ivp(
-            rate, (t + first, t_end), x, method="DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3,
-            events=events,
-        )  # fmt: skip
-        t, state = found.t[-1], found.y[:, -1]
-        if found.status == 0:
-            return state, phases
-        a, v = acceleration(t), table.derivative(t)
-        if phase != "flight" and found.t_events[0].size:
-            phase = "flight"
-            continue
-        if phase == "stick":
-            phase, sign = "slip", -np.sign(a[0])
-        elif phase == "slip":
-            phase = "stick" if mu * load(t) > abs(a[0]) else "slip"
-            sign = -np.sign(a[0])
-        else:
-            # Without restitution: the percussion of the normal limits that of friction.
-            jump, slip = v[1] - state[3], state[2] - v[0]
-            state[1], state[3] = table(t)[1], v[1]
-            if load(t) <= 0.0:
-                raise AssertionError("the parameters are such that parts land where they stay")
-            if mu * jump >= abs(slip):
-                state[2] = v[0]
-                phase = "stick" if mu * load(t) > abs(a[0]) else "slip"
-                sign = -np.sign(a[0])
-            else:
-                state[2] -= np.sign(slip) * mu * jump
-                phase, sign = "slip", np.sign(slip)
-
-
 # The same physics written down differently.
-
-
-def test_a_shaken_table_is_a_load_in_its_axes():
-    table = Sine([1.5e-3, 0.0, 0.6e-3], frequency=15.0, phase=[0.0, 0.0, 1.0])
-    omega = 2.0 * np.pi * 15.0
-    law = FrictionLaw.associated(Ellipse(0.4, 0.25))
-    pushes = Sine(2.0 * omega**2 * table.amplitude, frequency=15.0, phase=table.phase)
-    half = (0.1, 0.1, 0.02)
-
-    def run(plane, position, velocity, force):
-        body = Body.box(
-            2.0, half_sizes=half, position=position + np.array([0.0, 0.0, 0.02]),
-            velocity=velocity + np.array([0.2, 0.1, 0.0]), force=force,
-        )  # fmt: skip
-        feet = [
-            PointPlane(0, point=(*foot, -0.02), plane=plane, law=law)
-            for foot in [(0.1, 0.0), (-0.05, 0.08), (-0.05, -0.08)]
-        ]
-        return integrate(RigidBodies([body], pairs=feet), t_end=0.2)
-
-    shaken = run(
-        Plane(motion=PlaneMotion(displacement=table)),
-        table(0.0),
-        table.derivative(0.0),
-        np.zeros(3),
-    )
-    loaded = run(Plane(), np.zeros(3), np.zeros(3), pushes)
-    np.testing.assert_allclose(shaken.q[-1, :3] - table(0.2), loaded.q[-1, :3], atol=1e-9)
-    np.testing.assert_allclose(shaken.q[-1, 3:], loaded.q[-1, 3:], atol=1e-9)
-    np.testing.assert_allclose(
-        shaken.u[-1, :3] - table.derivative(0.2), loaded.u[-1, :3], atol=1e-8
-    )
 
 
 def test_a_plane_of_a_body_moves_in_the_axes_of_the_body():
@@ -451,47 +298,6 @@ def test_a_plane_of_a_body_moves_in_the_axes_of_the_body():
 
 
 # What is said.
-
-
-def asked(function):
-    """A function, and the times at which it is asked."""
-    times = []
-
-    def noted(t):
-        times.append(t)
-        return function(t)
-
-    return noted, times
-
-
-def test_functions_are_not_asked_before_the_start_nor_after_the_end():
-    rise, times = asked(lambda t: ([0.0, 0.1 * t], [0.0, 0.1]))
-    belt, more = asked(lambda t: 0.5 * t)
-    line = Line(velocity=belt, motion=PlaneMotion(displacement=rise))
-    integrate(
-        RigidBodies(
-            [PlanarBody(1.0, inertia=1.0)],
-            pairs=[PointPlane(0, point=(0.0, 0.0), plane=line, law=SLIPPERY)],
-        ),
-        t_end=1.0,
-    )
-    assert (min(times), min(more)) == (0.0, 0.0)
-    assert max(*times, *more) <= 1.0
-
-
-@pytest.mark.parametrize("sample_every", [None, 0.1])
-def test_the_first_sample_is_the_state_before_an_impact_at_the_start(sample_every):
-    body = PlanarBody(1.0, inertia=1.0, velocity=(1.0, -1.0))
-    system = RigidBodies(
-        [body], pairs=[PointPlane(0, point=(0.0, 0.0), plane=Line(), law=SLIPPERY)]
-    )
-    motion = integrate(system, t_end=0.5, sample_every=sample_every)
-    assert motion.u[0].tolist() == [1.0, -1.0, 0.0]
-    assert (motion.events[0].kind, motion.events[0].time) == (EventKind.IMPACT, 0.0)
-    if sample_every is None:
-        assert motion.t[1] == 0.0
-        assert motion.t[2] > 0.0
-        np.testing.assert_allclose(motion.u[1], [0.7, 0.0, 0.0], atol=1e-14)
 
 
 @pytest.mark.parametrize(

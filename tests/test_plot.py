@@ -23,12 +23,10 @@ from asperity.plot import (
     save_figure,
 )
 from drawn import drawn
-from matplotlib.patches import Polygon
 from matplotlib.quiver import Quiver
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
 RECTANGLE = asp.Rectangle(2.0, 1.0)
-CROSS = asp.Rectangle(2.0, 0.5) | asp.Rectangle(0.5, 2.0)
 DEGREES = np.linspace(0.0, 360.0, 721)
 
 
@@ -115,38 +113,6 @@ def test_set_outline_lies_on_the_boundary():
     assert filling.axes.get_aspect() == 1.0
 
 
-@pytest.mark.parametrize(
-    ("star", "point"),
-    [
-        (RECTANGLE, [2.0, 1.0]),
-        (RECTANGLE, [-2.0, 0.3]),
-        (asp.Ellipse(2.0, 1.0, angle=0.4), None),
-        (asp.Superellipse(2.0, 1.0, 0.5), None),
-        (asp.Superellipse(2.0, 1.0, 1.0), [0.0, -1.0]),
-        (CROSS, [0.5, 0.5]),
-        (CROSS, [0.5, 2.0]),
-        (CROSS, [0.1, 0.3]),
-    ],
-    ids=repr,
-)
-def test_tangent_sectors_hold_the_directions_that_lead_into_the_set(star, point):
-    x = float(star.radius(1.0)) * e(1.0) if point is None else np.array(point)
-    sectors = [
-        one
-        for one in drawn(plot_cones, star, x=x, normal=False, size=0.7)
-        if isinstance(one, Polygon)
-    ]
-    angle = 2.0 * np.pi * (np.arange(720) + 0.5) / 720
-    within = np.any(
-        [sector.get_path().contains_points(x + 0.3 * e(angle)) for sector in sectors], 0
-    )
-    into = star.contains(x + 1e-5 * e(angle), tolerance=0.0)
-    # Directions next to an edge of the cone may go either way on a curved boundary.
-    assert np.count_nonzero(within != into) <= 4
-    reach = [np.linalg.norm(sector.get_xy() - x, axis=1).max() for sector in sectors]
-    np.testing.assert_allclose(reach, 0.7)
-
-
 def test_normal_arrows_are_the_generators_of_the_normal_cone():
     tails, vectors = arrows_of(drawn(plot_cones, RECTANGLE, x=[2.0, -1.0], tangent=False, size=0.5))
     np.testing.assert_allclose(tails, [[2.0, -1.0]] * 2)
@@ -176,35 +142,6 @@ def test_law_draws_forces_on_the_reservoir_spread_along_it():
     steps = np.linalg.norm(np.diff(np.vstack([force, force[:1]]), axis=0), axis=1)
     assert steps.min() > 0.75 * steps.max()
     assert dots.axes.get_legend() is not None
-
-
-def test_law_refuses_what_it_cannot_draw():
-    with pytest.raises(asp.ParameterError, match="forces"):
-        plot_law(LAW, forces="lines")
-    with pytest.raises(asp.ParameterError, match="angles"):
-        plot_law(LAW, angles=0)
-    with pytest.raises(asp.DimensionError, match="planar"):
-        plot_law(asp.FrictionLaw.isotropic(0.3, dimension=3))
-
-
-def test_gauge_surface_has_the_height_of_the_gauge(monkeypatch):
-    from mpl_toolkits.mplot3d import Axes3D
-
-    given, own = [], Axes3D.plot_surface
-
-    def plot_surface(self, *arrays, **kwargs):
-        given.extend(arrays)
-        return own(self, *arrays, **kwargs)
-
-    monkeypatch.setattr(Axes3D, "plot_surface", plot_surface)
-    surface, level, image, filling = drawn(plot_gauge, CROSS, height=1.5)
-    x, y, height = given
-    np.testing.assert_allclose(CROSS.gauge(np.stack([x, y], -1)), height, atol=1e-12)
-    assert (height.min(), height.max()) == (0.0, 1.5)
-    x, y, height = level.get_data_3d()
-    np.testing.assert_allclose(CROSS.gauge(np.stack([x, y], -1)), height, rtol=1e-12)
-    assert not np.any(image.get_data_3d()[2])
-    assert filling.axes is surface.axes
 
 
 def test_friction_coefficient_and_deflection_are_those_of_the_force():

@@ -127,25 +127,6 @@ def test_histories_of_measured_paths_have_bands(measured):
     )
 
 
-def test_what_a_run_knows_need_not_be_said(bodies, slide, run):
-    ends = {one.get_xydata().tobytes() for one in plot.plot_bodies(slide).lines}
-    given = {one.get_xydata().tobytes() for one in plot.plot_bodies(slide, system=bodies).lines}
-    assert ends == given
-    for one, law in ((slide, LAW), (run, run.system.law)):
-        own, same = (plot.plot_forces_in_reservoir(one, **o) for o in ({}, {"law": law}))
-        for mine, other in zip(own.lines, same.lines, strict=True):
-            np.testing.assert_array_equal(mine.get_xydata(), other.get_xydata())
-    unlike = bodies.with_law(asp.FrictionLaw.isotropic(0.3), pairs=1)
-    mixed = asp.simulate(unlike, dt=2e-3, t_end=0.02)
-    with pytest.raises(asp.ParameterError, match="contacts: must share a law"):
-        plot.plot_forces_in_reservoir(mixed)
-    assert plot.plot_forces_in_reservoir(mixed, contacts=8)
-    with pytest.raises(asp.ParameterError, match="law: must be given"):
-        plot.plot_forces_in_reservoir(run.replace(origin=None))
-    with pytest.raises(asp.ParameterError, match=r"system: .* does not know"):
-        plot.plot_bodies(slide.replace(origin=None))
-
-
 def test_axes_and_legends_have_the_names_and_units_of_the_run(slide, run):
     portrait = plot.plot_phase_portrait(slide, coordinate=7)
     assert (portrait.get_xlabel(), portrait.get_ylabel()) == ("body 1 x in m", "body 1 vx in m/s")
@@ -185,19 +166,6 @@ def test_bodies_are_outlined_where_they_are(bodies, slide):
     np.testing.assert_allclose(np.linalg.norm(circle - place[1, :2], axis=1), 0.06)
     np.testing.assert_allclose(middle, place[1:, :2])
     np.testing.assert_allclose(radius[0], place[1, :2])
-
-
-@pytest.mark.parametrize(("view", "seen"), [("above", (0, 1)), ("front", (0, 2)), ("side", (1, 2))])
-def test_forces_of_contacts_are_drawn_to_scale(bodies, slide, view, seen):
-    ax = plot.plot_bodies(slide, system=bodies, at=[0.1], view=view, contacts=[0, 8])
-    (arrows,) = (one for one in ax.collections if hasattr(one, "U"))
-    force = bodies.contact_forces(slide, frame="world")[50][[0, 8]][:, seen]
-    shown = np.column_stack([arrows.U, arrows.V])
-    scale = np.linalg.norm(shown) / np.linalg.norm(force)
-    np.testing.assert_allclose(shown, scale * force, atol=1e-12)
-    np.testing.assert_allclose(
-        arrows.get_offsets(), bodies.contact_points(slide)[50][[0, 8]][:, seen]
-    )
 
 
 @pytest.mark.parametrize(
@@ -244,22 +212,6 @@ def test_what_cannot_be_drawn_is_said(run, argument, call):
         call(run)
     assert refused.value.argument == argument
     assert not plt.get_fignums()
-
-
-def test_an_animation_lasts_as_long_as_the_run(tmp_path, bodies, slide):
-    from PIL import Image
-
-    path = tmp_path / "slide.gif"
-    plot.save_animation(slide, path, system=bodies, fps=10, speed=0.5, size=(3.0, 2.0), dpi=50)
-    with Image.open(path) as film:
-        assert film.size == (150, 100)
-        durations = []
-        for number in range(film.n_frames):
-            film.seek(number)
-            durations.append(film.info["duration"])
-    # 0.4 s at half the speed, and the last picture.
-    assert sum(durations[:-1]) == 800
-    assert [one.name for one in tmp_path.iterdir()] == ["slide.gif"]
 
 
 def test_an_animation_draws_all_that_the_run_knows_of(tmp_path, bodies, slide):

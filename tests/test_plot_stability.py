@@ -61,51 +61,6 @@ def test_branches_of_a_root_locus_are_continuous_whatever_the_order_of_the_eigen
     np.testing.assert_allclose(found, [first, second])
 
 
-def test_what_a_chart_and_a_diagram_know_need_not_be_said():
-    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
-    system = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
-    chart = asp.growth_chart(system, phi=np.linspace(0.0, 1.0, 5), zeta=[0.0, 0.4])
-    ax = plot_growth_chart(chart)
-    assert ax.get_xlabel() == "direction of the belt in degrees"
-    assert ax.get_ylabel() == "rotation of C in degrees"
-    mesh = drawn(plot_growth_chart, chart)[0]
-    same = drawn(
-        plot_growth_chart, chart.growth, x=np.rad2deg(chart.phi), y=np.rad2deg(chart.zeta)
-    )[0]
-    assert np.array_equal(mesh.get_coordinates(), same.get_coordinates())
-    assert np.array_equal(mesh.get_array(), same.get_array())
-    own = plot_growth_chart(chart, x=chart.phi)
-    assert (own.get_xlabel(), own.get_ylabel()) == ("", "rotation of C in degrees")
-    for missing in ({"x": chart.phi}, {"y": chart.zeta}, {}):
-        with pytest.raises(asp.ParameterError, match="must be given: only a GrowthChart"):
-            plot_growth_chart(chart.growth, **missing)
-
-    diagram = asp.bifurcation_diagram(
-        asp.mechanisms.stribeck_block, parameter="belt_velocity", values=[0.2, 0.3], cycles=False
-    )
-    lines = [one for one in drawn(plot_root_locus, diagram) if isinstance(one, LineCollection)]
-    assert lines[0].get_clim() == (0.2, 0.3)
-    (bar,) = (ax for ax in lines[0].figure.axes if ax is not lines[0].axes)
-    assert bar.get_ylabel() == "belt_velocity"
-    assert plot_bifurcation(diagram).get_ylabel() == "q0 in SI units"
-    with pytest.raises(asp.ParameterError, match="values: must be given"):
-        plot_root_locus(diagram.stabilities)
-
-
-def test_root_locus_and_chart_take_what_the_analysis_returns():
-    mu = np.linspace(0.7, 0.8, 6)
-    found = [asp.stability(asp.mechanisms.mode_coupling(value)) for value in mu]
-    artists = drawn(plot_root_locus, found, values=mu)
-    lines = [one for one in artists if isinstance(one, LineCollection)]
-    assert sum(points(one)[-1].real > 1e-3 for one in lines) == 2
-    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
-    phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
-    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
-    growth = asp.growth_chart(belt, phi=phi, zeta=zeta).growth
-    mesh = drawn(plot_growth_chart, growth, x=phi, y=zeta)[0]
-    np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
-
-
 def test_growth_chart_draws_the_border_where_growth_begins():
     x, y = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31)
     mesh, border = drawn(plot_growth_chart, x[:, None] - y, x=x, y=y)

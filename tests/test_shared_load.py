@@ -256,33 +256,3 @@ def test_forces_of_pads_that_stick_together_lie_in_their_reservoirs_until_slip_b
     sticks = run.t < first
     held = run.force.sum(axis=1)[sticks] - stiffness * run.q[sticks, :dimension]
     assert np.abs(held).max() <= 1e-6 * limits.sum()
-
-
-def test_feet_at_one_place_lift_off_together():
-    """As one foot does, though rounding of the last of the load would set one aside in turns."""
-    lifted = 0
-    for seed in range(150):
-        rng = np.random.default_rng(seed)
-        p = int(rng.integers(1, 3))
-        root, spring = rng.normal(size=(2, 3, 3))
-        normal, along = rng.normal(size=3), rng.normal(size=(3, p))
-        law = asp.FrictionLaw.isotropic(rng.uniform(0.05, 0.3), dimension=p)
-        foot = asp.Contact(law, direction=along, normal=normal)
-        u0 = rng.normal(size=3)
-        u0 -= normal * (normal @ u0) / (normal @ normal)
-        system = asp.LinearSystem(
-            root @ root.T + np.eye(3),
-            stiffness=5.0 * spring @ spring.T,
-            force=3.0 * rng.normal(size=3),
-            contacts=[foot],
-        )
-        one = asp.integrate(system, t_end=1.0, u0=u0)
-        if EventKind.OPEN not in [event.kind for event in one.events]:
-            continue
-        lifted += 1
-        for count in (2, 3):
-            several = asp.integrate(system.replace(contacts=[foot] * count), t_end=1.0, u0=u0)
-            np.testing.assert_allclose(several.u[-1], one.u[-1], rtol=1e-7, atol=1e-7)
-            loads = several.normal_force.sum(axis=1)
-            np.testing.assert_allclose(loads[0], one.normal_force[0, 0], rtol=1e-9, atol=1e-9)
-    assert lifted >= 30

@@ -141,12 +141,6 @@ def test_failure_keeps_the_part_before():
     assert recorded.steps == 100
 
 
-def test_a_system_without_contacts_oscillates():
-    motion = asp.simulate(asp.LinearSystem(1.0, stiffness=1.0), dt=1e-3, t_end=1.0, q0=[1.0])
-    assert motion.q[-1, 0] == pytest.approx(np.cos(1.0), abs=1e-3)
-    assert motion.force.shape[:2] == (1001, 0)
-
-
 def test_same_input_same_bits():
     runs = [
         asp.simulate(asp.SlidingPoint(1.0, law=SUPERELLIPSES), dt=1e-3, t_end=0.3, u0=[1.0, 0.5])
@@ -302,32 +296,6 @@ def test_times_may_be_negative_but_must_be_told_apart():
     with pytest.raises(asp.ParameterError, match=r"dt: must be at least 32 s, .* t = 1e\+17 s"):
         asp.simulate(BLOCK, dt=1e-2, t_end=1e17 + 100.0, start=late)
     assert (np.diff(asp.simulate(BLOCK, dt=32.0, t_end=1e17 + 320.0, start=late).t) > 0.0).all()
-
-
-@pytest.mark.parametrize(
-    ("column", "value", "message"),
-    [
-        (0, 0.5, "whether a contact is closed, 0 or 1, .* got 0.5"),
-        (0, -1.0, "whether a contact is closed, 0 or 1, .* got -1"),
-        (0, 2.0, "whether a contact is closed, 0 or 1, .* got 2"),
-        (1, 1.5, "phases, -1, 0, 1 or 2, .* got 1.5"),
-        (1, 1e300, r"phases, -1, 0, 1 or 2, .* got 1e\+300"),
-        (2, 3.0, "numbers of earlier slips, 0, 1 or 2, .* got 3"),
-        (2, -1.0, "numbers of earlier slips, 0, 1 or 2, .* got -1"),
-        (2, 1e300, r"numbers of earlier slips, 0, 1 or 2, .* got 1e\+300"),
-    ],
-)
-def test_states_hold_what_contacts_can_remember(column, value, message):
-    contacts = np.zeros((2, 16))
-    contacts[1, column] = value
-    with pytest.raises(asp.ParameterError, match=f"contacts: must hold {message}"):
-        asp.State([0.0, 0.0], [1.0, 0.0], contacts=contacts)
-
-
-@pytest.mark.parametrize("steps", [0.0, None, "", [], -1, 1.5])
-def test_steps_of_a_state_are_counted(steps):
-    with pytest.raises(asp.ParameterError, match="steps: must"):
-        asp.State([0.0, 0.0], [1.0, 0.0], steps=steps, dt=0.1)
 
 
 def test_the_last_step_is_kept_however_a_run_ends():

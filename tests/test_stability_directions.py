@@ -154,25 +154,6 @@ def test_chart_agrees_with_stability():
             np.testing.assert_allclose(asp.stability(one).growth_rate, chart[i, j], rtol=1e-7)
 
 
-def test_chart_shows_the_critical_rotations():
-    law = asp.FrictionLaw(THREE, THREE)
-    phi, zeta = np.linspace(0.0, np.pi, 1801), np.deg2rad([17.0, 17.2, 45.0, 72.8, 73.0])
-    chart = asp.growth_chart(
-        asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
-        phi=phi,
-        zeta=zeta,
-    ).growth
-    assert (chart.max(axis=0) > 0.0).tolist() == [False, True, True, True, False]
-    assert chart.min() == 0.0
-    assert (
-        asp.growth_chart(
-            asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0]),
-            phi=0.1,
-        ).growth.shape
-        == ()
-    )
-
-
 MONOTONE = [
     asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2, angle=0.4)),
     asp.FrictionLaw.associated(asp.Rectangle(0.6, 0.2)),
@@ -206,37 +187,6 @@ def test_distance_never_grows_with_associated_laws(law):
             1.0, stiffness=K, law=law, normal_force=1.0, belt_velocity=rng.normal(size=p)
         )
         assert largest_rise(system, rng) < 2e-3**2
-
-
-def test_distance_takes_motions():
-    """Steps without and with located events agree on V at the times that both have."""
-    law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2, angle=0.4))
-    system = asp.MassOnBelt(
-        1.0,
-        stiffness=[[2.0, 0.3], [0.3, 0.0451]],
-        law=law,
-        normal_force=1.0,
-        belt_velocity=[0.3, 0.2],
-    )
-    starts = [[1.0, 0.0], [0.0, 1.5]]
-    exact = [asp.integrate(system, t_end=6.0, sample_every=0.125, q0=q0) for q0 in starts]
-    steps = [asp.simulate(system, dt=1e-3, t_end=6.0, q0=q0) for q0 in starts]
-    t, V = asp.incremental_distance(*exact, system=system)
-    np.testing.assert_allclose(t, np.arange(49) * 0.125, atol=1e-9)
-    assert np.diff(V).max() < 1e-9 * V[0]
-    for pair in (steps, (exact[0], steps[1])):
-        at, stepped = asp.incremental_distance(*pair, system=system)
-        stepped = stepped[np.isin(at.round(9), t.round(9))]
-        np.testing.assert_allclose(stepped, V, atol=2e-2 * V[0])
-    # Without samples in common steps only the ends are the same; events have two samples.
-    free = [asp.integrate(system, t_end=6.0, q0=q0) for q0 in starts]
-    assert free[0].events
-    assert (np.diff(free[0].t) == 0.0).any()
-    at, V_free = asp.incremental_distance(*free, system=system)
-    np.testing.assert_allclose(V_free[[0, -1]], V[[0, -1]], atol=1e-8)
-    own, zero = asp.incremental_distance(free[0], free[0], system=system)
-    assert (np.diff(own) > 0.0).all()
-    assert not zero.any()
 
 
 def test_chart_goes_by_the_belt_and_directions_by_the_slip():

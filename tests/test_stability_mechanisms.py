@@ -5,7 +5,6 @@ import math
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.steady_sliding.linearised.field import Field
 
 LINE = asp.FrictionLaw.isotropic(1.0, dimension=1)
 
@@ -229,22 +228,3 @@ def test_no_steady_sliding():
 
     with pytest.raises(asp.ConvergenceError, match="no steady sliding"):
         asp.equilibrium(Runaway(1.0), q0=[0.7, 0.3])
-
-
-def test_redundant_contacts_have_no_unique_forces():
-    """Of four corners any three carry the box; all together they leave their forces open."""
-    box = asp.Body.box(1.0, half_sizes=(0.2, 0.15, 0.1), position=(0.0, 0.0, 0.1))
-    held = [
-        asp.Spring(0, point=p, other_point=np.add(p, (0.0, 0.0, 0.1)), stiffness=100.0)
-        for p in ((0.1, 0.0, 0.0), (-0.1, 0.0, 0.0), (0.0, 0.1, 0.0))
-    ]
-    table = asp.BoxPlane(
-        0, half_sizes=(0.2, 0.15, 0.1), plane=asp.Plane(velocity=(0.2, 0.1)), law=ISOTROPIC
-    )
-    system = asp.RigidBodies([box], pairs=[table], springs=held)
-    with pytest.raises(asp.ParameterError, match="independent"):
-        asp.equilibrium(system)
-    touching = [i for i, at in enumerate(Field(system, system.q0).contacts()) if at.gap < 1e-9]
-    found = asp.stability(system, equilibrium=asp.equilibrium(system, closed=touching[:3]))
-    assert len(touching) == 4
-    np.testing.assert_allclose(found.equilibrium.normal_force.sum(), 9.81, rtol=1e-6)

@@ -6,7 +6,6 @@ import asperity as asp
 import numpy as np
 import pytest
 from scipy.sparse import csc_array
-from scipy.spatial.transform import Rotation
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
@@ -148,24 +147,6 @@ def test_signatures_are_checked_when_the_class_is_defined(methods, message):
         type("Faulty", (asp.System,), methods)
 
 
-def test_missing_kinematics_are_named_before_the_first_step():
-    class Unfinished(asp.System):
-        dof = 1
-        contacts = (asp.ContactLaw(LINE),)
-
-        def mass(self, q):
-            return np.eye(1)
-
-        def forces(self, t, q, u):
-            return np.zeros(1)
-
-        def direction(self, t, q, contact):
-            return np.eye(1)
-
-    with pytest.raises(TypeError, match=r"must define the method normal\(self, t, q, contact\)"):
-        asp.simulate(Unfinished(), dt=0.1, t_end=1.0)
-
-
 def test_exceptions_in_a_callback_come_back_with_their_traceback():
     class Failing(Block):
         def forces(self, t, q, u):
@@ -274,95 +255,6 @@ def test_a_system_may_advance_its_own_coordinates():
     angle = asp.simulate(Angle(), q0=[0.3], **options)
     np.testing.assert_allclose(run.q, np.hstack([np.cos(angle.q), np.sin(angle.q)]), atol=1e-12)
     np.testing.assert_allclose(run.u, angle.u, atol=1e-12)
-
-
-class Turned(asp.System):
-    """A body in space by its velocities (v, Ω); the lowest point of its sphere may meet a floor."""
-
-    dof = 6
-    rotations = (3,)
-    constant_mass = True
-
-    def __init__(self, inertia, *, law=None, radius=0.1):
-        self.inertia, self.radius = np.asarray(inertia), radius
-        self.contacts = () if law is None else (asp.ContactLaw(law),)
-
-    def mass(self, q):
-        mass = np.eye(6)
-        mass[3:, 3:] = self.inertia
-        return mass
-
-    def forces(self, t, q, u):
-        return np.concatenate([[0.0, 0.0, -9.81], np.cross(self.inertia @ u[3:], u[3:])])
-
-    def normal(self, t, q, contact):
-        return np.eye(6)[2]
-
-    def gap(self, t, q, contact):
-        return q[2] - self.radius
-
-    def direction(self, t, q, contact):
-        rotation = Rotation.from_quat(np.roll(q[3:], -1)).as_matrix()
-        lever = [0.0, 0.0, -self.radius]
-        return np.array([[*e, *(rotation.T @ np.cross(lever, e))] for e in np.eye(3)[:2]]).T
-
-
-SPUN = [1.0, 0.3, 2.0, 0.3, 5.0, 0.2]
-
-
-def test_a_tumbling_body_of_the_user_is_integrated():
-    inertia = np.diag([0.1, 0.2, 0.25])
-    body = asp.Body(1.0, inertia=inertia, velocity=SPUN[:3], angular_velocity=SPUN[3:])
-    bodies = asp.RigidBodies([body], gravity=(0.0, 0.0, -9.81))
-    # No rotation is where it starts by default.
-    motion = asp.integrate(Turned(inertia), t_end=2.0, u0=SPUN)
-    expected = asp.integrate(bodies, t_end=2.0)
-    np.testing.assert_allclose(motion.q[-1], expected.q[-1], atol=1e-12)
-    # Steps of gyroscopic torques of the user are of first order.
-    errors = []
-    for dt in (1e-3, 5e-4):
-        run = asp.simulate(Turned(inertia), dt=dt, t_end=2.0, u0=SPUN)
-        errors.append(np.abs(run.q[-1] - expected.q[-1]).max())
-    assert 1.9 < errors[0] / errors[1] < 2.1
-
-
-@pytest.mark.parametrize("run", ["simulate", "integrate"])
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"rotations": 3}, "rotations: must be a list of integers, got 3"),
-        ({"rotations": [4]}, "rotations: must be ascending numbers of velocities"),
-        ({"rotations": [0, 2]}, "rotations: must be ascending numbers of velocities"),
-        ({"coordinates": 7}, "rotations: must be left out"),
-        ({"advance": lambda self, q, u, dt: q}, "rotations: must be left out"),
-    ],
-)
-def test_rotations_that_do_not_fit_are_named(changes, message, run):
-    system = type("Wrong", (Turned,), changes)(np.eye(3))
-    with pytest.raises(asp.ParameterError, match=message):
-        _run(run, system, u0=SPUN)
-
-
-def _run(name, system, **start):
-    options = {"dt": 0.1} if name == "simulate" else {}
-    return getattr(asp, name)(system, t_end=1.0, **start, **options)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"blocks": 3}, "blocks: must be a list of integers, got 3"),
-        ({"blocks": []}, "blocks: must have a block"),
-        ({"blocks": [1, 1]}, "dof: must be 2, the sum of blocks, got 3"),
-        ({"touched": lambda self, contact: [5]}, "touched: must return ascending numbers"),
-        ({"touched": lambda self, contact: [1, 0]}, "touched: must return ascending numbers"),
-        ({"touched": lambda self, contact: []}, "touched: must return ascending numbers"),
-    ],
-)
-def test_blocks_that_do_not_fit_are_named(changes, message):
-    system = type("Wrong", (RowInBlocks,), changes)(3)
-    with pytest.raises(asp.ParameterError, match=message):
-        asp.simulate(system, dt=0.1, t_end=1.0)
 
 
 class Thrown(asp.System):

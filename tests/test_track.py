@@ -85,20 +85,6 @@ def test_centres_between_pixels():
         assert track.diameter[0] == pytest.approx(2.0 * radius, abs=0.25)
 
 
-@pytest.mark.parametrize("colour", PAINT)
-def test_every_colour_is_found_among_the_others(colour):
-    others = [name for name in PAINT if name != colour]
-    rng = np.random.default_rng(5)
-    for other in others:
-        disks = [((30.3, 30.6), 12.0, PAINT[colour])]
-        if {colour, other} & {"white", "black"} == set():
-            disks.append(((80.0, 30.0), 18.0, PAINT[other]))
-        frame = painted((60, 120), *disks, noise=3.0, rng=rng)
-        track = followed([frame], colour=colour)
-        assert track.pixel[0] == pytest.approx([30.3, 30.6], abs=0.1)
-        assert track.status[0] == Sight.GOOD
-
-
 def test_noise_moves_the_centre_as_much_as_stated():
     rng = np.random.default_rng(6)
     off, stated = [], []
@@ -157,19 +143,6 @@ def test_a_covered_mark_is_not_taken_for_another_one():
     assert track.quality == "16 good, 8 lost"
     assert track.frames(Sight.LOST).tolist() == list(range(8, 16))
     assert track.pixel[16:, 0] == pytest.approx(30.0 + 3.0 * np.arange(16, 24), abs=0.05)
-
-
-def test_two_marks_that_may_be_meant_are_ambiguous():
-    twins = [((40.0, 30.0), 9.0, PAINT["red"]), ((90.0, 30.0), 9.0, PAINT["red"])]
-    track = followed([painted((60, 120), *twins)] * 2)
-    # Which one is meant is not known later, either.
-    assert track.frames(Sight.AMBIGUOUS).tolist() == [0, 1]
-    # Covered for a frame, then both are in reach: the one that is on its way.
-    frames = [painted((60, 120), twins[0])] * 3 + [painted((60, 120))]
-    near = [twins[0], ((68.0, 30.0), 9.0, PAINT["red"])]
-    track = followed([*frames, painted((60, 120), *near)])
-    assert track.pixel[4] == pytest.approx([40.0, 30.0], abs=0.05)
-    assert Sight(int(track.status[4])) == Sight.AMBIGUOUS
 
 
 MEETINGS = [
@@ -288,20 +261,3 @@ def test_bad_arguments_are_named(arguments, message):
     good = {"frames": [painted((40, 40))], "fps": 500.0, "scene": PIXELS}
     with pytest.raises(ParameterError, match=message):
         track_mark(**{**good, **arguments})
-
-
-@pytest.mark.parametrize(
-    ("arguments", "name"),
-    [
-        ({"colour": "pink"}, "colour"),
-        ({"diameter": 0.0}, "diameter"),
-        ({"threshold": -1.0}, "threshold"),
-        ({"threshold": 300.0}, "threshold: must be at most"),
-        ({"smoothing": -1.0}, "smoothing"),
-        ({"smoothing": 1e6}, "smoothing: must be at most"),
-        ({"blur_limit": 0.0}, "blur_limit"),
-    ],
-)
-def test_marks_check_their_arguments(arguments, name):
-    with pytest.raises(ParameterError, match=name):
-        Mark(**arguments)
