@@ -43,23 +43,16 @@ SUBJECTS = {
 
 HEAD = """# Performance
 
-What does a step cost, what does Python add, what does a second core save? Times differ from
-machine to machine; ratios of two times that are measured on the same machine within the same
-minutes hardly do. Every number of this page is such a ratio: what asperity takes, over what
-something else takes that is run beside it, a loop written by hand for this problem alone, the
-same work done in another way, NumPy, SciPy or another engine. Less than 1 is quicker than that.
-
-`make bench` runs all benches and writes this page; `python benches/performance.py --only step`
-runs one of them anew. Each takes the shortest of several times. Let the machine be idle
-meanwhile: ratios of two threads and one ask for it.
+Times differ from machine to machine; ratios of two times measured on the same machine within the
+same minutes hardly do. Every number is such a ratio: the time of asperity over the time of
+something else in the same run. Less than 1 is quicker than that. `make bench` prints all ratios,
+the shortest of several times each, and writes this page from the first two of every bench;
+`python benches/performance.py --only step` runs one of them anew.
 """
-TAIL = """## What is not on this page
-
-`make many` prints time and memory of the default solver from 10 to 10⁵ contacts, `make peers`
-compares solutions of the same contact problems by other engines, and `make linear` the sparse
-factorisations with faer's: they take longer, or need what is not installed with asperity.
-`python benches/solver_steps.py` leaves out one step of the default solver after the other and says
-what each buys, in problems solved and in time. [Contact solvers](solvers.md) describes the steps.
+TAIL = """`make many` prints time and memory of the default solver from 10 to 10⁵ contacts,
+`make peers` compares other engines on the same contact problems, `make linear` the sparse
+factorisations with faer's, and `python benches/solver_steps.py` what each step of the default
+solver buys.
 """
 
 
@@ -108,6 +101,8 @@ def run(name: str, words: Sequence[str]) -> str:
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
+            for one in ratios(line):
+                print(f"{one.case}: {_short(one.value)} ({one.meaning})", flush=True)
             if not line.startswith("ratio\t"):
                 print(line, end="", flush=True)
             lines.append(line)
@@ -149,13 +144,11 @@ def page(found: Mapping[str, Sequence[Ratio]], where: str) -> str:
     parts = [HEAD, where]
     for subject, names in SUBJECTS.items():
         parts.append(f"## {subject}\n")
-        rows = ["| what | ratio | to | what it says | bench |", "|---|---|---|---|---|"]
+        benches = ", ".join(f"`{source(name)}`" for name in names)
+        parts.append(f"From {benches}.\n")
+        rows = ["| what | ratio | to |", "|---|---|---|"]
         for name in names:
-            rows += [
-                f"| {one.case} | {_short(one.value)} | {one.beside} | {one.meaning} | "
-                f"`{source(name)}` |"
-                for one in found[name]
-            ]
+            rows += [f"| {one.case} | {_short(one.value)} | {one.beside} |" for one in found[name][:2]]
         parts.append("\n".join(rows) + "\n")
     return "\n".join([*parts, TAIL])
 

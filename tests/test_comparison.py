@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.runs import comparison
 
 MU, SPEED = 0.5, 1.2
 BLOCK = asp.SlidingPoint(0.018, law=asp.FrictionLaw.isotropic(MU))
@@ -78,27 +77,12 @@ def test_times_may_be_offset_and_frames_lost():
     assert early.left_out == 50
 
 
-def test_samples_behind_a_run_that_goes_on_are_left_out():
-    short = asp.simulate(BLOCK, dt=1e-3, t_end=0.1, u0=[SPEED, 0.0])
-    t = np.arange(0.0, 0.2, 0.01)
-    assert asp.compare_path(short, Measured(t, straight(t))).left_out == 9
-
-
 def test_event_driven_motions_and_disks_compare_as_points():
     motion = asp.integrate(BLOCK, t_end=1.0, u0=[SPEED, 0.0])
     disk = asp.SlidingDisk(asp.FrictionLaw.isotropic(MU), velocity=(SPEED, 0.0))
     for other in (motion, asp.simulate(disk, dt=1e-4, t_end=1.0, until_rest=True)):
         assert asp.compare_path(RUN, other).largest < 1e-7
         assert asp.compare_path(other, RUN).largest < 1e-7
-
-
-def test_comparisons_are_values():
-    t = np.arange(0.0, 0.2, 0.01)
-    comparison = asp.compare_path(RUN, Measured(t, straight(t), 1e-4))
-    assert comparison.replace() == comparison
-    assert repr(comparison).startswith("<PathComparison: 20 points, rms")
-    with pytest.raises(ValueError, match="read-only"):
-        comparison.measured[0] = 0.0
 
 
 @pytest.mark.parametrize(
@@ -117,14 +101,6 @@ def test_what_cannot_be_compared_is_refused(arguments, argument):
     with pytest.raises(asp.ParameterError) as caught:
         asp.compare_path(*arguments)
     assert caught.value.argument == argument
-
-
-def test_only_the_tracked_path_is_called_measured_path():
-    """The protocol of `compare_path`, which tracked paths obey, has a name of its own."""
-    tracked = {"time", "position"}
-    assert not hasattr(comparison, "MeasuredPath")
-    assert tracked <= set(dir(asp.track.MeasuredPath)) | set(asp.track.MeasuredPath.__annotations__)
-    assert "`track.MeasuredPath`" in str(comparison.TimedPath.__doc__)
 
 
 def test_a_run_without_samples_is_refused():

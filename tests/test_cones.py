@@ -6,8 +6,6 @@ import pytest
 from samples import (
     BEAN,
     CONVEX,
-    CORNERED,
-    PENTAGON,
     STAR_PLANE,
     STAR_POLYGON,
     identify,
@@ -51,25 +49,6 @@ def test_moreau_decomposition_into_a_cone_and_its_polar(dimension, count, rng):
     np.testing.assert_allclose((part * rest).sum(1), 0.0, atol=1e-8)
     assert (cone.generators @ polar.generators.T <= 1e-9).all()
     np.testing.assert_allclose(polar.polar().distance(part), 0.0, atol=1e-8)
-
-
-SPECIAL = [
-    ([[0.0, 0.0, 1.0]], "half-space"),
-    ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "wedge"),
-    ([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "half-plane"),
-    ([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0, 0, 2]], "upper"),
-    ([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1e-15, 0.0]], "repeated"),
-    (np.vstack([np.eye(3), -np.eye(3)]), "space"),
-]
-
-
-@pytest.mark.parametrize(("generators", "kind"), SPECIAL, ids=[kind for _, kind in SPECIAL])
-def test_polar_of_cones_with_lines_and_repetitions(generators, kind, rng):
-    cone = asp.Cone([generators])
-    polar = cone.polar()
-    y = rng.normal(size=(100, 3))
-    np.testing.assert_allclose(cone.project(y) + polar.project(y), y, atol=1e-8)
-    np.testing.assert_allclose(polar.polar().project(y), cone.project(y), atol=1e-8)
 
 
 def test_empty_and_trivial_cones():
@@ -154,17 +133,6 @@ def test_corners_flats_and_smooth_points():
     assert half.distance([0.0, 2.0]) == pytest.approx(2.0)
 
 
-@pytest.mark.parametrize("k", range(5))
-def test_corners_of_a_polygon_have_the_normals_of_both_edges(k):
-    v = PENTAGON.vertices
-    edges = np.array([v[k] - v[k - 1], v[(k + 1) % 5] - v[k]])
-    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    cone = PENTAGON.normal_cone(v[k])
-    assert cone.contains(normals).all()
-    assert asp.Cone([normals]).contains(cone.generators).all()
-
-
 def test_reentrant_corners_have_tangent_cones_of_more_than_a_half_turn():
     notch = STAR_POLYGON.vertices[1]
     cone = STAR_POLYGON.tangent_cone(notch)
@@ -179,60 +147,3 @@ def test_reentrant_corners_have_tangent_cones_of_more_than_a_half_turn():
     smooth = BEAN.tangent_cone(dent, tolerance=1e-9)
     assert smooth.is_convex
     assert smooth.contains([[1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]], tolerance=1e-2).all()
-
-
-def unit(angle):
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def test_cones_at_the_origin_of_wedges():
-    wedges = asp.WedgeAsperity(0.5, beta=0.6)
-    around = unit(np.arange(8) * np.pi / 4)
-    normal = wedges.normal_cone([0.0, 0.0])
-    assert not normal.is_empty
-    assert normal.generators.shape == (0, 2)
-    for cone in (
-        wedges.tangent_cone([0.0, 0.0]),
-        asp.WedgeAsperity(1.2, beta=0.5).tangent_cone([0, 0]),
-    ):
-        assert cone.contains(around, tolerance=0.0).all()
-
-
-CORNERS = [
-    (CORNERED, [2.0, 1.0]),
-    (
-        (asp.Rectangle(1.0, 1.0) & asp.Rectangle(1.0, 2.0)) + asp.Rectangle(1.0, 1.0),
-        [2.0, 2.0],
-    ),
-]
-
-
-@pytest.mark.parametrize(("convex", "corner"), CORNERS, ids=["curve", "sum"])
-def test_normal_cone_of_a_corner_has_the_normals_of_both_sides(convex, corner):
-    cone = convex.normal_cone(corner)
-    assert cone.contains(np.eye(2)).all()
-    assert not cone.contains(-np.eye(2)).any()
-
-
-@pytest.mark.parametrize("exponent", [0.5, 0.9, 0.99])
-@pytest.mark.parametrize("turn", [0.0, 0.3, 2.0])
-def test_tangent_cone_of_a_cusp_is_a_ray(exponent, turn):
-    star = asp.Superellipse(1.0, 1.0, exponent).rotated(turn)
-    tip = unit(np.array(turn))
-    cone = star.tangent_cone(tip)
-    assert cone.contains(-tip)
-    np.testing.assert_allclose(cone.project(unit(turn + np.pi + 0.1)), -np.cos(0.1) * tip)
-    np.testing.assert_allclose(cone.project(tip), 0.0, atol=1e-12)
-    assert not cone.contains(unit(turn + np.pi + np.array([-1e-3, 1e-3]))).any()
-
-
-def test_narrow_cones_hold_what_is_inside():
-    cone = asp.Cone([[[1.0, 0.0, 0.0], [1.0, 1e-4, 0.0], [1.0, 0.0, 1e-4]]])
-    assert cone.contains([3.0, 1e-4, 1e-4])
-    assert not cone.contains([3.0, -1e-4, 1e-4])
-
-
-def test_cones_refuse_numbers_by_name():
-    with pytest.raises(asp.DimensionError) as caught:
-        asp.Cone([[[1.0, 0.0]]]).contains(1.0)
-    assert caught.value.argument == "y"

@@ -4,7 +4,6 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Phase, Status
-from asperity.errors import ParameterError
 from profiles import counts
 
 ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
@@ -23,25 +22,6 @@ def test_rows_come_contact_by_contact():
         slice(0, 3),
         slice(3, 6),
     )
-
-
-@pytest.mark.parametrize(
-    ("free", "phase", "percussion"),
-    [
-        ([1.0, 0.2, 0.0], Phase.OPEN, [0.0, 0.0, 0.0]),
-        ([-1.0, 0.3, 0.0], Phase.STICK, [1.0, -0.3, 0.0]),
-        ([-1.0, 3.0, 4.0], Phase.SLIP, [1.0, -0.3, -0.4]),
-    ],
-)
-def test_unit_delassus(free, phase, percussion):
-    problem = asp.ContactProblem(np.eye(3), free_velocity=free, laws=ISOTROPIC)
-    solution = problem.solve()
-    assert solution.phase.tolist() == [phase]
-    np.testing.assert_allclose(solution.percussion, percussion, atol=1e-14)
-    np.testing.assert_allclose(solution.velocity, np.array(free) + percussion, atol=1e-14)
-    assert solution.converged
-    assert not solution.ambiguous
-    assert problem.residual(solution.percussion) <= 1e-12 < problem.residual([1.0, 1.0, 1.0])
 
 
 def test_restitution():
@@ -186,78 +166,6 @@ def test_prescribed_normal_percussion_bounds_the_friction():
 # Blocks of any rank and condition.
 
 
-def test_a_rank_one_block_sticks():
-    """One degree of freedom at rest: stick, in percussions that the shortest solution is not."""
-    direction = np.array([0.6, 0.1, 0.1])
-    delassus = np.outer(direction, direction)
-    percussion = np.array([1.0, 0.0, 0.1])
-    problem = asp.ContactProblem(
-        delassus, free_velocity=-delassus @ percussion, laws=asp.FrictionLaw.isotropic(0.3)
-    )
-    assert problem.residual(percussion) < 1e-15
-    assert problem.solve().phase.tolist() == [Phase.STICK]
-    (found,) = problem.solutions(0)
-    assert found.degenerate
-    assert problem.residual(found.percussion) < 1e-14
-
-
-@pytest.mark.parametrize("law", [asp.FrictionLaw.isotropic(0.3), asp.FrictionLaw.isotropic(0.8)])
-def test_one_degree_of_freedom_always_has_a_solution(law):
-    """`P_T = 0`, `P_N = −u/w_N` stops it, whatever the direction."""
-    rng = np.random.default_rng(3)
-    for _ in range(300):
-        direction = rng.normal(size=3)
-        free = -np.sign(direction[0]) * direction
-        problem = asp.ContactProblem(np.outer(direction, direction), free_velocity=free, laws=law)
-        for solver in (asp.Auto(), asp.Exact()):
-            assert problem.solve(solver).residual < 1e-12
-
-
-@pytest.mark.parametrize("size", [1e-7, 1e-8, 1e-9, 1e-10, 1e-12, 1e-14])
-def test_ill_conditioned_blocks_stick_to_the_last_digit(size):
-    rng = np.random.default_rng(0)
-    for _ in range(100):
-        rows = rng.normal(size=(3, 2))
-        delassus = rows @ rows.T + size * np.eye(3)
-        percussion = np.r_[1, rng.uniform(-0.3, 0.3, 2)]
-        problem = asp.ContactProblem(
-            delassus, free_velocity=-delassus @ percussion, laws=asp.FrictionLaw.isotropic(0.8)
-        )
-        assert problem.solve().residual < 1e-12
-        for found in problem.solutions(0):
-            assert problem.residual(found.percussion) < 1e-12
-
-
-def test_a_lever_swings_through_its_contact():
-    """A step whose block has rank one was said to have no solution."""
-    law = asp.FrictionLaw.isotropic(0.93228214966411)
-    contact = asp.Contact(
-        law,
-        direction=[[-1.0041310508106343, 0.8974350015972649]],
-        normal=[1.1043125974838122],
-        gap=0.2763908478373134,
-    )
-    force = [-1.8972252908543603]
-    lever = asp.LinearSystem(1.0, stiffness=2.4864470804467307, force=force, contacts=[contact])
-    run = asp.simulate(lever, dt=2e-3, t_end=3.0, u0=[-0.7995834678077132])
-    assert run.failed_steps == 0
-
-
-def test_huge_percussions_are_not_preferred_to_slip():
-    """With condition 4·10¹⁴ stick needs percussions of 10¹¹, which are rounding."""
-    delassus = [
-        [2.526287005738972, 5.357653422432051, 0.04198764309490787],
-        [5.357653422432051, 11.362307659305518, 0.08904579694085772],
-        [0.04198764309490787, 0.08904579694085772, 0.0006978471443426125],
-    ]
-    free = [-0.15629588272287434, 0.0822433172342229, 1.5348967962530509]
-    problem = asp.ContactProblem(delassus, free_velocity=free, laws=asp.FrictionLaw.isotropic(0.8))
-    solution = problem.solve()
-    assert solution.phase.tolist() == [Phase.SLIP]
-    assert solution.residual < 1e-14
-    assert np.abs(solution.percussion).max() < 1.0
-
-
 # Contacts without a solution: a checker that knows nothing of the solvers.
 
 
@@ -369,89 +277,6 @@ def test_no_solution_is_said_where_a_checker_proves_it_in_many_problems(name):
 # Loads beside corners, roots beside cusps, numbers beyond reason.
 
 
-def test_loads_beside_a_corner_slip_there():
-    law = asp.FrictionLaw.associated(asp.Rectangle(0.54, 0.48))
-    for exponent in range(1, 15):
-        for sign in (1, -1):
-            d = sign * 10.0**-exponent
-            load = np.array([0.54 * (1 + d), 0.48 * (1 + 2 * d)])
-            problem = asp.ContactProblem(np.eye(2), free_velocity=load, laws=law, normal_force=1.0)
-            phases = [solution.phase for solution in problem.solutions(0)]
-            assert phases == [Phase.SLIP if sign > 0 else Phase.STICK], d
-            assert problem.solve().residual < 1e-14
-
-
-def test_roots_beside_the_cusp_of_a_caustic_are_told_apart():
-    """Loads on two rays near a cusp: brute force on a finer grid knows the number of slips."""
-    reservoir = asp.Ellipse(0.6, 0.2, angle=np.pi / 6)
-    law = asp.FrictionLaw(reservoir, asp.Ellipse(3.0, 1.0))
-
-    def rays(phi):
-        normals = np.stack([np.cos(phi), np.sin(phi)], -1)
-        points = law.direction.support_point(normals)
-        return normals, points / reservoir.gauge(points)[:, None]
-
-    def cross(a, b):
-        return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-
-    phi = np.linspace(0, 2 * np.pi, 400_001)[:-1]
-    normals, points = rays(phi)
-    change = np.gradient(points, phi, axis=0)
-    reach = -cross(normals, change)
-    turn = np.gradient(reach, phi) + (normals * change).sum(1)
-    inside = (reach > 0) & np.roll(reach > 0, 1) & np.roll(reach > 0, -1)
-    cusps = np.flatnonzero(inside & (np.roll(turn, 1) * np.roll(turn, -1) < 0))
-    assert cusps.size >= 2
-    checked = 0
-    for i in cusps:
-        for spread in (1e-3, 3e-3):
-            fine = np.linspace(phi[i] - 4 * spread, phi[i] + 4 * spread, 100_001)
-            fine_normals, fine_points = rays(fine)
-            for j in range(0, 40, 5):
-                k = (i + int(spread / 2 / np.pi * 400_000 * (0.3 + j / 40))) % phi.size
-                sides = np.stack([normals[i], -normals[k]], -1)
-                along = np.linalg.solve(sides, points[k] - points[i])
-                if along.min() <= 0:
-                    continue
-                load = points[i] + along[0] * normals[i]
-                value = cross(fine_normals, load - fine_points)
-                slips = np.count_nonzero(value[1:] * value[:-1] < 0)
-                problem = asp.ContactProblem(
-                    np.eye(2), free_velocity=load, laws=law, normal_force=1.0
-                )
-                found = [s for s in problem.solutions(0) if s.phase is Phase.SLIP]
-                assert len(found) >= slips
-                assert problem.solve().ambiguous or slips == 1
-                checked += slips == 3
-    assert checked >= 10
-
-
-@pytest.mark.parametrize("size", [1e-90, 1e-120, 1e-170, 1e-300])
-def test_velocities_whose_squares_vanish_are_refused_by_name(size):
-    rng = np.random.default_rng(0)
-    directions, free = rng.normal(size=(9, 12)), rng.normal(size=9)
-    problem = asp.ContactProblem(
-        directions @ directions.T, free_velocity=free, laws=asp.FrictionLaw.isotropic(0.3)
-    )
-    if size > 1e-100:
-        small = problem.replace(free_velocity=size * free).solve()
-        np.testing.assert_allclose(small.percussion, size * problem.solve().percussion, rtol=1e-9)
-        return
-    with pytest.raises(
-        asp.ParameterError, match="free_velocity: must be zero everywhere, or 1e-100"
-    ):
-        problem.replace(free_velocity=size * free)
-
-
-def test_velocities_whose_percussions_vanish_are_refused_by_name():
-    free, law = [-1e-95, 1e-96, 0.0], asp.FrictionLaw.isotropic(0.3)
-    with pytest.raises(asp.ParameterError, match=r"free_velocity: must be zero .* entries of G"):
-        asp.ContactProblem(1e80 * np.eye(3), free_velocity=free, laws=law)
-    bounce = {"initial_velocity": [-1e-99, 0.0, 0.0], "normal_restitution": 0.01}
-    with pytest.raises(asp.ParameterError, match=r"initial_velocity: .* times the restitution"):
-        asp.ContactProblem(np.eye(3), free_velocity=np.zeros(3), laws=law, **bounce)
-
-
 @pytest.mark.parametrize("size", [1e90, 1e120, 1e154, 1e200, 1e300])
 def test_velocities_beyond_reason_are_refused_by_name(size):
     law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(0.6, 0.3) & asp.Disk(0.4))
@@ -472,55 +297,7 @@ def test_velocities_beyond_reason_are_refused_by_name(size):
 # Drilling contacts.
 
 
-@pytest.mark.parametrize(
-    ("seed", "contacts", "dof"),
-    [(40, 4, 6), (208, 2, 3), (260, 2, 3), *((k, 1, 3) for k in range(30))],
-)
-def test_drilling_contacts_do_not_panic(seed, contacts, dof):
-    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.3))
-    rng = np.random.default_rng(seed)
-    rows = rng.normal(size=(4 * contacts, dof))
-    rows[::4] += 1.5
-    free = rng.normal(size=4 * contacts)
-    free[::4] -= 2
-    problem = asp.ContactProblem(rows @ rows.T, free_velocity=free, laws=law)
-    for solver in (asp.Auto(), asp.Exact(), asp.ProximalPoint(), asp.SemismoothNewton()):
-        solution = problem.solve(solver, on_failure="record")
-        assert solution.status in Status
-        assert np.isfinite(solution.percussion).all()
-
-
 ISO = asp.FrictionLaw.isotropic(0.3)
-
-
-def test_light_contact_does_not_hide_the_defect_of_heavy_ones():
-    light, heavy = 1e6, 1e-6
-    pair = heavy * np.array([[1.0, 0.9], [0.9, 1.0]])
-    delassus = np.zeros((6, 6))
-    delassus[np.ix_([0, 2], [0, 2])] = pair
-    delassus[np.ix_([1, 3], [1, 3])] = pair
-    delassus[4, 4] = delassus[5, 5] = light
-    free = [1.0, 0.2, 0.5, -0.3, 1.0, 0.5]
-    normal = [10 * light, 10 * light, 10 * heavy]
-    alone = asp.ContactProblem(
-        delassus[:4, :4], free_velocity=free[:4], laws=ISO, normal_force=normal[:2]
-    ).solve()
-    problem = asp.ContactProblem(delassus, free_velocity=free, laws=ISO, normal_force=normal)
-    for solver in (asp.Exact(), asp.ProxGaussSeidel(), asp.ProxJacobi()):
-        together = problem.solve(solver)
-        np.testing.assert_allclose(together.percussion[:4], alone.percussion, rtol=1e-7)
-
-
-@pytest.mark.parametrize("dimension", [1, 2])
-def test_singular_block_sticks(dimension):
-    law = asp.FrictionLaw.isotropic(0.3, dimension=dimension)
-    rows = dimension + 1
-    problem = asp.ContactProblem(
-        np.ones((rows, rows)) + 0.0, free_velocity=-np.ones(rows), laws=law
-    )
-    for solution in problem.solutions(0):
-        assert problem.residual(solution.percussion) < 1e-12
-    assert problem.solve().converged
 
 
 def test_continuum_of_stick_is_ambiguous():
@@ -531,76 +308,4 @@ def test_continuum_of_stick_is_ambiguous():
     assert [one.degenerate for one in problem.solutions(0)] == [True]
 
 
-def test_solutions_with_drilling_are_not_called_none():
-    law = asp.FrictionLaw.associated(asp.CoulombContensou(0.3))
-    problem = asp.ContactProblem(np.eye(4), free_velocity=[-1.0, 0.1, 0.0, 0.0], laws=law)
-    with pytest.raises(ParameterError, match="p = 3"):
-        problem.solutions(0)
-
-
-SORTS_OF_SETS = [(c, d) for c in (0.6, 2.0, 12.0) for d in (1.2, 2.0, 12.0, None)]
-every_sort_of_sets = pytest.mark.parametrize("exponents", SORTS_OF_SETS)
 """Exponents of superellipsoids as reservoir and as direction set, a box where there is none."""
-
-
-def drilling_contact_that_slides(rng, exponents, coupling):
-    """A contact that slides, made from its solution; friction presses it in or lifts it off as
-    strongly as the normal force itself.
-
-    On a box as direction set it slides in two directions and rests in the third.
-    """
-    reservoir_exponent, direction_exponent = exponents
-    reservoir = asp.Superellipsoid(10 ** rng.uniform(-0.3, 0.6, 3), exponent=reservoir_exponent)
-    half_widths = 10 ** rng.uniform(-1, 0, 3)
-    factor = rng.uniform(-1, 1, (4, 4))
-    factor[:, 0] /= coupling
-    delassus = factor.T @ factor + 0.3 * np.eye(4)
-    slip = rng.normal(size=3)
-    if direction_exponent is None:
-        law = asp.FrictionLaw(reservoir, asp.Box(half_widths))
-        slip[2] = 0.0
-        edge = half_widths * np.append(np.sign(slip[:2]), rng.uniform(-0.9, 0.9))
-        force = -edge / float(reservoir.gauge(edge))
-    else:
-        direction = asp.Superellipsoid(half_widths, exponent=direction_exponent)
-        law = asp.FrictionLaw(reservoir, direction)
-        force = law.force(slip, normal_force=1.0)
-    percussion = 10 ** rng.uniform(-1, 1) * np.append(1.0, force)
-    free_velocity = np.append(0.0, slip) - delassus @ percussion
-    return asp.ContactProblem(delassus, free_velocity=free_velocity, laws=law), percussion
-
-
-@pytest.mark.parametrize("coupling", [1.0, 3.0])
-@every_sort_of_sets
-def test_drilling_contacts_under_strong_coupling_are_solved(exponents, coupling):
-    """All have a solution, which is not always the one that is found."""
-    rng = np.random.default_rng(0)
-    for _ in range(200):
-        problem, percussion = drilling_contact_that_slides(rng, exponents, coupling)
-        assert problem.residual(percussion) < 1e-12
-        found = problem.solve(asp.Exact(max_sweeps=1), tolerance=1e-10)
-        assert found.converged
-        assert problem.residual(found.percussion) <= 1e-10
-
-
-@pytest.mark.parametrize("coupling", [1e-3, 0.1])
-@every_sort_of_sets
-def test_two_drilling_contacts_under_strong_coupling_are_solved(exponents, coupling):
-    """In sweeps, whose searches are shorter; `coupling` is that of the two."""
-    rng = np.random.default_rng(0)
-    for _ in range(30):
-        pair = [drilling_contact_that_slides(rng, exponents, 3.0) for _ in range(2)]
-        (one, first), (other, second) = pair
-        between = coupling * rng.uniform(-1, 1, (4, 4))
-        delassus = np.block([[one.delassus, between], [between.T, other.delassus]])
-        percussion = np.append(first, second)
-        own = [each.delassus @ p + each.free_velocity for each, p in pair]
-        problem = asp.ContactProblem(
-            delassus,
-            free_velocity=np.concatenate(own) - delassus @ percussion,
-            laws=[one.laws[0], other.laws[0]],
-        )
-        assert problem.residual(percussion) < 1e-12
-        found = problem.solve(tolerance=1e-10)
-        assert found.converged
-        assert problem.residual(found.percussion) <= 1e-10

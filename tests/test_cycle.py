@@ -39,13 +39,6 @@ def test_the_paper_s_cycle_against_scipy(cycle):
     assert cycle.residual < 1e-9
 
 
-def test_the_motion_itself_ends_on_the_cycle(cycle):
-    # Deviations shrink by 0.6 per turn.
-    motion = asp.integrate(belt(), t_end=1200.0, u0=belt().belt_velocity)
-    slips = [e.time for e in motion.events if e.kind == "slip"]
-    assert np.diff(slips)[-1] == pytest.approx(cycle.period, abs=1e-7)
-
-
 def test_time_stepping_converges_to_the_cycle_at_first_order(cycle):
     start = {"q0": cycle.motion.q[0], "u0": cycle.motion.u[0]}
     errors = []
@@ -67,37 +60,6 @@ def test_deviations_shrink_by_the_multiplier(cycle):
     deviations = np.diff(slips) - cycle.period
     ratios = deviations[1:] / deviations[:-1]
     assert ratios[-1] == pytest.approx(cycle.multipliers[0].real, abs=2e-3)
-
-
-@pytest.mark.parametrize("damping", [0.1, 1e-3, -1e-4])
-def test_multipliers_of_an_uncoupled_oscillator(damping):
-    # Its coordinate does not move on the cycle; its states turn and shrink by exp(-dT/2).
-    falling = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
-    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=falling)
-    contact = asp.Contact(law, direction=[1.0, 0.0], normal_force=1.0, velocity=[-0.2])
-    system = asp.LinearSystem(1.0, stiffness=[1.0, 7.0], damping=[0.0, damping], contacts=[contact])
-    cycle = asp.limit_cycle(system)
-    omega = np.sqrt(7.0 - 0.25 * damping**2)
-    expected = np.exp((-0.5 * damping + 1j * omega) * cycle.period)
-    found = cycle.multipliers[cycle.multipliers.imag * expected.imag > 0.0][0]
-    assert found == pytest.approx(expected, abs=1e-6)
-    assert cycle.is_stable == (damping > 0.0)
-
-
-@pytest.mark.parametrize(
-    ("speed", "period", "slip", "stick", "largest"),
-    [(0.2, 12.001031, 4.296000, 7.705032, 1.133944)],
-)
-def test_stribeck_block(speed, period, slip, stick, largest):
-    falling = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
-    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=falling)
-    cycle = asp.limit_cycle(
-        asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[speed])
-    )
-    assert cycle.period == pytest.approx(period, abs=1e-6)
-    assert cycle.share(Phase.SLIP) * cycle.period == pytest.approx(slip, abs=1e-6)
-    assert cycle.share(Phase.STICK) * cycle.period == pytest.approx(stick, abs=1e-6)
-    assert cycle.maximum[0] == pytest.approx(largest, abs=1e-6)
 
 
 TEXTBOOK = asp.Stribeck(0.5, ratio=0.5)
@@ -154,20 +116,6 @@ def test_every_unstable_belt_with_falling_friction_has_its_cycle(count):
         assert cycle.period == pytest.approx(turn, rel=1e-6), given
 
 
-@pytest.mark.parametrize(
-    ("drop", "period"),
-    [(3e-2, 0.864675), (3e-4, 0.808613), (1e-4, 0.807552), (1e-5, 0.806974), (1e-6, 0.806899)],
-)
-def test_the_faster_friction_falls_the_nearer_the_cycle_is_to_coulomb_s(drop, period):
-    system = falling_belt(0.1, mu=0.5, rate=asp.Stribeck(drop, ratio=0.6))
-    for start in ({}, {"q0": [0.0], "u0": [0.1]}):
-        assert asp.limit_cycle(system, **start).period == pytest.approx(period, abs=6e-7)
-    # Between static and kinetic friction the mass sticks for 2A/v, else it swings harmonically.
-    sharp = falling_belt(0.1, mu=0.5, rate=asp.Stribeck(1e-8, ratio=0.6))
-    limit = 2.0 * (np.pi - np.arctan(0.02 * 10.0 / 0.1)) / 10.0 + 2.0 * 0.02 / 0.1
-    assert asp.limit_cycle(sharp).period == pytest.approx(limit, abs=2e-7)
-
-
 def test_multipliers_are_those_of_the_monodromy_matrix():
     """Where the two sides of a difference quotient differ: a step of 1e-4 was off by 1e-3."""
     rate = asp.Stribeck(0.459, ratio=0.37)
@@ -207,14 +155,7 @@ def test_a_continuum_of_periodic_orbits_is_no_limit_cycle():
         asp.limit_cycle(steady, q0=steady.equilibrium + np.array([0.3, 0.0]), u0=[0.0, 0.0])
 
 
-def test_a_damped_motion_settles():
-    law = asp.FrictionLaw.isotropic(0.5)
-    contact = asp.Contact(law, direction=np.eye(2), normal_force=1.0, velocity=[-1.0, 0.0])
-    damped = asp.LinearSystem(1.0, stiffness=1.0, damping=0.2, contacts=[contact])
-    with pytest.raises(NoCycleError, match="settle"):
-        asp.limit_cycle(damped)
-
-
+@pytest.mark.long
 def test_bifurcation_over_the_belt_direction():
     values = np.deg2rad(np.linspace(40.0, 80.0, 21))
     diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)
@@ -264,32 +205,6 @@ def test_every_unstable_equilibrium_without_a_cycle_has_a_reason():
         assert "not searched for, as the search failed at" in diagram.failures[0]
 
 
-def test_diagrams_do_not_depend_on_the_number_of_threads():
-    values = np.deg2rad([43.0, 46.0, 60.0])
-    one, two = (
-        asp.bifurcation_diagram(belt, parameter="phi", values=values, threads=threads)
-        for threads in (1, 2)
-    )
-    assert one.cycles == two.cycles
-    assert one.failures == two.failures
-
-
-@pytest.mark.parametrize("phi", [44.2, 62.0, 66.0])
-def test_cycles_are_found_from_the_default_start_with_their_shortest_period(phi):
-    # 44.2 degrees: the first start ends in harmonic motions along γ. 62, 66: near resonances.
-    cycle = asp.limit_cycle(belt(np.deg2rad(phi)))
-    assert len(cycle.phases()) == 3
-    assert 25.0 < cycle.period < 50.0
-
-
-def test_the_rim_of_a_continuum_is_no_limit_cycle():
-    # Just slow enough not to stick: smaller swings along γ are periodic, larger ones are not.
-    slow = belt(np.deg2rad(43.0))
-    with pytest.raises(NoCycleError, match="continuum"):
-        asp.limit_cycle(slow, q0=slow.equilibrium)
-    assert asp.limit_cycle(slow).period == pytest.approx(24.942656, abs=1e-5)
-
-
 def test_a_cycle_with_impacts():
     hopping = asp.mechanisms.mode_coupling(0.8, damping=0.05)
     cycle = asp.limit_cycle(hopping)
@@ -309,26 +224,6 @@ def test_every_value_of_the_critical_interval_has_a_cycle():
     diagram = asp.bifurcation_diagram(belt, parameter="phi", values=values)
     assert set(diagram.kinds) == {"unstable"}
     assert np.isfinite(diagram.periods).all(), [f for f in diagram.failures if f]
-
-
-def test_equilibria_are_continued():
-    class Duffing(asp.System):
-        dof = 1
-
-        def __init__(self, p):
-            self.p = p
-
-        def mass(self, q):
-            return np.eye(1)
-
-        def forces(self, t, q, u):
-            return self.p * q - q**3 - 0.1 * u
-
-    diagram = asp.bifurcation_diagram(
-        Duffing, parameter="p", values=[0.5, 1.0, 2.0], cycles=False, q0=[1.0]
-    )
-    assert diagram.equilibria[:, 0] == pytest.approx(np.sqrt([0.5, 1.0, 2.0]))
-    assert set(diagram.kinds) == {"asymptotically stable"}
 
 
 def test_members_that_cannot_be_made_are_named():
@@ -355,38 +250,6 @@ def test_bad_arguments_are_named(cycle):
         asp.limit_cycle(belt(), near=cycle, start=cycle.motion)
     with pytest.raises(asp.ParameterError, match="start"):
         asp.limit_cycle(belt(), start=cycle.motion, q0=[0.0, 0.0])
-
-
-def test_a_run_is_a_start(cycle):
-    for run in (cycle.motion, asp.integrate(belt(), t_end=50.0)):
-        for start in (run, run.end):
-            found = asp.limit_cycle(belt(), start=start, t_end=200.0)
-            assert found.period == pytest.approx(cycle.period, rel=1e-8)
-
-
-def test_a_run_of_time_stepping_is_a_start_though_its_contacts_overlap():
-    hopping = asp.mechanisms.mode_coupling(0.8, damping=0.05)
-    cycle = asp.limit_cycle(hopping)
-    gaps = []
-    for turns in (5.1, 5.3, 5.5, 5.7, 5.9):
-        run = asp.simulate(
-            hopping,
-            dt=1e-3,
-            t_end=turns * cycle.period,
-            q0=cycle.motion.q[0],
-            u0=cycle.motion.u[0],
-        )
-        gaps.append(float(hopping.contacts[0].normal @ run.q[-1]))
-        assert asp.limit_cycle(hopping, start=run.end).period == pytest.approx(cycle.period)
-    assert min(gaps) < -1e-6
-
-
-def test_the_impact_oscillator_hops_periodically():
-    # Beyond its limit μ = 0.808 the rod lifts off once per turn; the contact is curved.
-    cycle = asp.limit_cycle(asp.mechanisms.FrictionalImpactOscillator(1.0))
-    assert cycle.is_stable
-    assert cycle.period == pytest.approx(3.156546, abs=1e-5)
-    assert {phase for phase, _ in cycle.phases()} == {Phase.SLIP, Phase.OPEN}
 
 
 def test_arguments_of_a_diagram_that_fit_no_member_are_refused_at_once():
@@ -440,12 +303,6 @@ def test_the_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, spe
 @pytest.mark.parametrize("twin", TWINS)
 def test_every_cycle_depends_on_speed_mass_and_stiffness_by_one_parameter(phi, speed, twin):
     check_twin(phi, speed, *TWINS[twin])
-
-
-@pytest.mark.parametrize(("phi", "speed"), [(50.0, 1e3), (50.0, 1e4), (60.0, 1e4)])
-def test_a_cycle_that_grows_too_slowly_is_refused_for_this_reason(phi, speed):
-    with pytest.raises(NoCycleError, match="per turn"):
-        asp.limit_cycle(belt(np.deg2rad(phi), speed))
 
 
 INTERRUPTED = """

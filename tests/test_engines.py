@@ -283,14 +283,6 @@ def test_the_stated_creep_is_what_was_recorded(engine, parameters, speed):
     assert f"{shown:.2g} m" in report.deviation
 
 
-def test_creep_under_the_pyramid_over_impratio():
-    recorded = {0.5: 6.34367e-3, 2.0: 1.61588e-3, 10.0: 3.23577e-4, 100.0: 3.235936e-5}
-    for ratio, speed in recorded.items():
-        report = like("mujoco", {"friction": (0.5, 0.5), "impratio": ratio}).report
-        assert report.creep == pytest.approx(speed, rel=0.02)
-        assert report.end_error is None
-
-
 def belt(law):
     """Return the sliding equilibrium of a mass pressed with 10 N onto a belt at 50°, 1 N/m."""
     phi = np.deg2rad(50.0)
@@ -304,15 +296,6 @@ def belt(law):
     return asp.equilibrium(system).q
 
 
-def test_belt_of_siconos():
-    turn = np.deg2rad(30.0)
-    axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    rows = (axes @ np.diag([3.0, 1.0])).T
-    law = like("siconos", {"mu": 1.0, "H": rows})
-    assert np.allclose(belt(law), [25.189, 15.934], atol=1e-3)
-    assert np.allclose(belt(like("pinocchio", {"mu": 1.0, "S": rows})), belt(law), atol=1e-12)
-
-
 def test_belt_of_mujoco_is_as_far_off_as_is_said():
     # The axes of the experiment were turned by -30°; the recorded centre is turned back.
     law = like("mujoco", {"friction": (1.0, 3.0), **ELLIPTIC}).rotated(np.deg2rad(30.0))
@@ -320,16 +303,6 @@ def test_belt_of_mujoco_is_as_far_off_as_is_said():
     angles = np.rad2deg([np.arctan2(q[1], q[0]) for q in (here, recorded)])
     assert abs(angles[1] - angles[0] - 8.2) < 0.1
     assert "8°" in law.report.deviation
-
-
-def test_belt_of_bullet():
-    law = like(
-        "bullet",
-        {"lateralFriction": 1.0, "anisotropicFriction": (3.0, 1.0, 1.0), "enableConeFriction": 1},
-    )
-    q = belt(law)
-    assert abs(np.rad2deg(np.arctan2(q[1], q[0])) - 50.0) < 0.05
-    assert abs(np.linalg.norm(q) - 12.57) < 0.005
 
 
 def test_coefficients_of_continuous_drake_over_the_speed():
@@ -348,61 +321,6 @@ def test_coefficients_of_continuous_drake_over_the_speed():
     assert off.max() <= 0.023 * 0.4 + 1e-6
     assert "0.0092" in law.report.deviation
     assert law.report.creep == 0.5e-4
-
-
-def test_torsional_friction_of_mujoco():
-    """Forces over the normal force that mj_contactForce tells of slip and spin at once."""
-    given = {"friction": (0.4, 0.5, 0.003, 1e-4, 1e-4), "condim": 4, "patch_radius": 0.01}
-    units = np.array([1.0, 1.0, 1.0 / 0.01])
-    ellipsoid = like("mujoco", {**given, "cone": "elliptic"})
-    force = units * [[-0.2533862, 0.27006522, -0.00166217], [-0.10589111, 0.11459817, -0.00281007]]
-    assert np.allclose(ellipsoid.reservoir.gauge(force), 1.0, atol=1e-6)
-    octahedron = like("mujoco", given)
-    force = units * [[-0.21479263, 0.11056309, -0.00072568], [0.0, 0.0, -0.003]]
-    assert np.allclose(octahedron.reservoir.gauge(force), 1.0, atol=1e-6)
-
-
-def test_the_angle_of_exudyn_turns_as_it_does_there():
-    recorded = {
-        0.0: (0.0961038, 0.2866512),
-        0.3: (0.0600772, 0.2273640),
-        -0.3: (0.1476228, 0.3113975),
-    }
-    for angle, position in recorded.items():
-        law = like("exudyn", {"dryFriction": (0.9, 0.3), "dryFrictionAngle": angle})
-        assert np.linalg.norm(slide(law)[0] - position) < 1e-4
-        assert law.report.angle == angle
-
-
-def test_scaled_rows_are_what_the_engine_solves():
-    rows, slip = np.array([[1.0, 0.2], [-0.3, 0.7]]), np.array([0.3, -0.8])
-    scaled = rows @ slip
-    expected = -rows.T @ (0.5 * scaled / np.linalg.norm(scaled))
-    for engine, name in (("siconos", "H"), ("pinocchio", "S")):
-        assert np.allclose(like(engine, {"mu": 0.5, name: rows}).force(slip), expected)
-
-
-def test_a_law_on_a_line():
-    law = like("siconos", {"mu": 0.3, "size": 2})
-    assert law.reservoir == asp.Interval(-0.3, 0.3)
-    assert like("solve_nivp", {"mu": 0.3}).reservoir == law.reservoir
-
-
-def test_geoms_of_mujoco_are_isotropic():
-    law = like("mujoco", {"geom_friction": (0.7, 0.005, 0.0001), "cone": "elliptic"})
-    assert law.reservoir == asp.Disk(0.7)
-    assert like("mujoco", {"friction": (0.7, 0.7), "cone": "elliptic"}) == law
-
-
-def test_of_two_geoms_the_larger_numbers_count():
-    geoms = [(0.7, 0.005, 0.0001), (0.5, 0.02, 0.0001)]
-    law = like("mujoco", {"geom_friction": geoms, "condim": 4, "patch_radius": 0.1})
-    one = like("mujoco", {"geom_friction": (0.7, 0.02, 0.0), "condim": 4, "patch_radius": 0.1})
-    assert law == one
-    # What a geom leaves out has MuJoCo's default.
-    for short in (0.7, (0.7,), [(0.7,), (0.5,)]):
-        alone = like("mujoco", {"geom_friction": short, "condim": 4, "patch_radius": 0.1})
-        assert np.allclose(alone.reservoir.gauge([[0.0, 0.0, 0.05], [0.7, 0.0, 0.0]]), 1.0)
 
 
 @dataclass
@@ -435,12 +353,6 @@ def test_words_are_taken_as_people_write_them(engine, parameters, name, word, ot
         assert like(engine.upper(), {**parameters, name: other}).report.engine == engine
 
 
-def test_engines_have_the_names_of_their_packages():
-    given = {"lateralFriction": 0.5}
-    assert like("PyBullet", given) == like("bullet", given)
-    assert like("solve-nivp", {"mu": 0.5}) == like("solve_nivp", {"mu": 0.5})
-
-
 def test_reports_say_what_holds_of_their_laws():
     """Sentences about unequal coefficients or a measured creep are there where these are."""
     for engine, given in (
@@ -460,14 +372,6 @@ def test_reports_say_what_holds_of_their_laws():
         assert report.creep is None
         assert "mm/s" not in report.deviation
         assert "not measured" in report.deviation
-
-
-def test_the_report_turns_with_the_law():
-    law = like("mujoco", {"friction": (M2, M1), **ELLIPTIC})
-    assert law.report.angle == pytest.approx(0.5 * np.pi)
-    assert law.rotated(0.25 * np.pi).report.angle == pytest.approx(0.75 * np.pi)
-    assert law.rotated(np.pi).report.angle == pytest.approx(-0.5 * np.pi)
-    assert law.replace(reservoir=asp.Disk(0.5)).report is None
 
 
 @pytest.mark.parametrize("case", RECORDED, ids=name_of)

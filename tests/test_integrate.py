@@ -1,23 +1,15 @@
 """Event-driven integration against SciPy, closed forms and time stepping."""
 
 import os
-import pickle
 
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import plot
 from children import run_interrupted
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-13}
-
-
-def stribeck_block():
-    rate = asp.Stribeck(1.0 / 3.0, shape="hyperbolic")
-    law = asp.FrictionLaw.isotropic(1.0, dimension=1).replace(rate=rate)
-    return asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[0.2])
 
 
 def belt():
@@ -27,29 +19,6 @@ def belt():
     return asp.MassOnBelt(
         1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[np.cos(v), np.sin(v)]
     )
-
-
-def test_the_stribeck_block_agrees_with_scipy():
-    """Slip from the edge of stick, x = F_S/k, until the slip vanishes; then stick until x = 1."""
-
-    def slip(_, y):
-        return [y[1], -y[0] + 1.0 / (1.0 + 3.0 * abs(y[1] - 0.2))]
-
-    def sticks(_, y):
-        return y[1] - 0.2
-
-    sticks.terminal, sticks.direction = True, 1
-    # A first step by the series x = 1 + .2 t, γ = −.2 t²/2 + …, which the event would end at once.
-    start = solve_ivp(slip, (0.0, 1e-2), [1.0, 0.2], method="DOP853", **TIGHT)
-    rest = solve_ivp(slip, (1e-2, 10.0), start.y[:, -1], method="DOP853", events=sticks, **TIGHT)
-    slipping, end = rest.t_events[0][0], rest.y_events[0][0]
-    sticking = (1.0 - end[0]) / 0.2
-    motion = asp.integrate(stribeck_block(), t_end=30.0, q0=[1.0], u0=[0.2], tolerance=1e-12)
-    times = {kind: [e.time for e in motion.events if e.kind == kind] for kind in asp.EventKind}
-    first, second = times["slip"][1:3]
-    assert times["stick"][1] - first == pytest.approx(slipping, abs=1e-9)
-    assert second - times["stick"][1] == pytest.approx(sticking, abs=1e-9)
-    assert second - first == pytest.approx(12.001031, abs=5e-7)
 
 
 def ellipse_force(g):
@@ -228,23 +197,6 @@ def test_samples_of_bodies_in_space_are_states_of_the_motion():
     assert (grid.u[-1] == motion.u[-1]).all()
 
 
-def test_motions_are_values():
-    motion = asp.integrate(belt(), t_end=10.0, q0=[20.2, 2.7])
-    assert pickle.loads(pickle.dumps(motion)) == motion
-    assert "3 events" in repr(motion)
-    part = motion.slice(2.0, 6.0)
-    assert [event.phase for event in part.events] == [asp.Phase.SLIP, asp.Phase.SLIP]
-    with pytest.raises(asp.ParameterError, match="t0"):
-        motion.slice(20.0, 30.0)
-
-
-def test_plots_show_motions():
-    motion = asp.integrate(belt(), t_end=30.0, q0=[20.2, 2.7], sample_every=0.1)
-    coloured = plot.plot_path(motion, contact=0)
-    assert [lines.get_label() for lines in coloured.collections] == ["stick", "slip"]
-    assert len(plot.plot_forces_in_reservoir(motion, law=belt().law).lines) == 3
-
-
 def bad(**changes):
     return {"system": belt(), "t_end": 1.0, **changes}
 
@@ -306,26 +258,6 @@ def test_a_run_goes_on_at_its_clock(cut):
         found = [(e.kind, e.contact, e.time) for e in second.events if e.time > cut + 1e-9]
         assert [e[:2] for e in found] == [e[:2] for e in later]
         np.testing.assert_allclose([e[2] for e in found], [e[2] for e in later], atol=1e-9)
-
-
-def test_users_are_asked_at_the_times_of_the_run():
-    class Pushed(asp.System):
-        dof = 1
-        constant_mass = True
-
-        def mass(self, q):
-            return np.eye(1)
-
-        def forces(self, t, q, u):
-            return np.array([np.cos(t)])
-
-    whole = asp.integrate(Pushed(), t_end=1000.0)
-    late = asp.integrate(Pushed(), t_end=1000.5, start=whole)
-    np.testing.assert_allclose(late.q[-1], [1.0 - np.cos(1000.5)], atol=1e-7)
-    section = asp.Section([1.0, 0.0], 1.0, after=1003.0)
-    crossed = asp.integrate(Pushed(), t_end=1010.0, start=whole, section=section)
-    assert crossed.t[-1] == pytest.approx(320.5 * np.pi, abs=1e-7)
-    assert late.t[0] == 1000.0
 
 
 def test_runs_start_from_each_other_however_they_were_made():
@@ -391,52 +323,3 @@ def test_a_long_run_is_interrupted_and_reports():
     found = run_interrupted(INTERRUPTED)
     assert found.lines == ["interrupted"]
     assert found.code == 42
-
-
-@pytest.mark.parametrize("feet", range(1, 25))
-def test_redundant_feet_share_the_load_of_one(feet):
-    """A block slides to rest after v²/(2μg); one that falls first lands and slides on."""
-    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    foot = asp.Contact(line, direction=[1.0, 0.0], normal=[0.0, 1.0])
-    block = asp.LinearSystem(1.0, force=[0.0, -2.0], contacts=[foot] * feet)
-    motion = asp.integrate(block, t_end=3.0, u0=[1.0, 0.0])
-    np.testing.assert_allclose(motion.normal_force[:-1].sum(axis=1), 2.0, rtol=1e-13)
-    np.testing.assert_allclose(motion.q[-1], [1.0 / (2.0 * 0.3 * 2.0), 0.0], rtol=1e-10, atol=1e-15)
-    landing = asp.integrate(block, t_end=3.0, q0=[0.0, 0.01], u0=[1.0, 0.0])
-    # The impact takes μ times the normal percussion from the speed at once.
-    fall = np.sqrt(2.0 * 0.01 / 2.0)
-    left = 1.0 - 0.3 * 2.0 * fall
-    expected = [fall + left**2 / (2.0 * 0.3 * 2.0), 0.0]
-    np.testing.assert_allclose(landing.q[-1], expected, rtol=1e-10, atol=1e-15)
-
-
-@pytest.mark.parametrize("feet", [9, 10, 11, 12])
-def test_a_box_on_many_points_slides_to_rest(feet):
-    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    box = asp.PlanarBody.box(1.0, half_sizes=(0.1, 0.02), position=(0.0, 0.02), velocity=(1.0, 0.0))
-    points = [
-        asp.PointPlane(0, point=(x, -0.02), plane=asp.Line(), law=line)
-        for x in np.linspace(-0.1, 0.1, feet)
-    ]
-    motion = asp.integrate(asp.RigidBodies([box], pairs=points), t_end=0.2)
-    expected = [0.2 - 0.5 * 0.3 * 9.81 * 0.2**2, 0.02, 0.0]
-    np.testing.assert_allclose(motion.q[-1], expected, rtol=1e-9, atol=1e-15)
-
-
-def test_a_ball_that_slides_until_it_rolls():
-    mu, radius, speed, g = 0.2, 0.1, 3.0, 9.81
-    ball = asp.Body.ball(
-        1.5, radius=radius, position=[0.0, 0.0, radius], velocity=[speed, 0.0, 0.0]
-    )
-    floor = asp.SpherePlane(0, radius=radius, plane=asp.Plane(), law=asp.FrictionLaw.isotropic(mu))
-    motion = asp.integrate(
-        asp.RigidBodies([ball], pairs=[floor], gravity=[0.0, 0.0, -g]), t_end=2.0
-    )
-    assert (motion.q.shape[1], motion.u.shape[1]) == (7, 6)
-    (event,) = motion.events
-    assert event.kind == "stick"
-    assert event.time == pytest.approx(2.0 * speed / (7.0 * mu * g), rel=1e-9)
-    assert motion.u[-1, 0] == pytest.approx(5.0 / 7.0 * speed, rel=1e-9)
-    # The spin that rolls, and quaternions of length one.
-    assert motion.u[-1, 3:] == pytest.approx([0.0, 5.0 / 7.0 * speed / radius, 0.0], abs=1e-8)
-    assert np.linalg.norm(motion.q[:, 3:], axis=1) == pytest.approx(1.0, abs=1e-14)

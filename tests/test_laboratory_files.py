@@ -1,16 +1,11 @@
 """What laboratories export: each file is read, or refused with the reason and the remedy."""
 
-from types import SimpleNamespace
-
 import laboratory_files as lab
 import numpy as np
 import pytest
 from asperity import identify
 from asperity.commands.main import main
 from asperity.errors import AsperityError, FitError, ParameterError, RecordError
-from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import by_axes
-from asperity.identify.fitting.uncertainty.covariance import sensitivities
 
 RUN = lab.run()
 DATA = identify.process(identify.RawData([RUN]))
@@ -73,15 +68,6 @@ def test_clock_times_and_counts_of_an_encoder(write, tmp_path):
         identify.load(path, wrong)
 
 
-def test_dates_and_halves_of_days():
-    from asperity.identify.records.tables.clock import seconds
-
-    assert seconds("2026-11-23 00:00:01") - seconds("11/22/2026 11:59:59 PM") == 2.0
-    assert seconds("12:05 AM") == 300.0
-    assert np.isnan(seconds("overload"))
-    assert np.isnan(seconds("31.02.2026 12:00:00"))
-
-
 def test_rest_run_and_rest_in_one_file(write):
     text, raw = lab.rest_run_rest()
     path = write(text)
@@ -111,14 +97,6 @@ def test_rest_run_and_rest_in_one_file(write):
     config.write_text("[run]\nfrom = [1, 2]\nto = [3]\n")
     with pytest.raises(AsperityError, match=r"\[run\]: must have as many ends as begins"):
         identify.load(path, config)
-
-
-def test_windows_of_a_clock(write):
-    path = write(lab.clock_and_counts(RUN))
-    found = identify.inspect_file(path).sections
-    data = identify.load(path, {**found, "run": {"from": "12:00:01", "to": "12:00:05.5"}})
-    assert len(data.phi) == 4501
-    assert data.turns == 2
 
 
 def test_pieces_of_a_record_keep_their_turns(write):
@@ -175,36 +153,6 @@ def test_what_is_wrong_is_refused_with_the_remedy_of_the_configuration(name, wri
     config = write(text, "rig.toml")
     with pytest.raises(kind, match=message):
         identify.fit_law(identify.load(path, config))
-
-
-def test_other_refusals_say_what_to_write(write):
-    table = lab.table(RUN)
-
-    def text(rows):
-        return "\n".join([PLAIN, *(",".join(f"{x:.5f}" for x in row) for row in rows)])
-
-    config = write("", "rig.toml")
-    with pytest.raises(RecordError, match=r"covers 0\.8 turns, at least one"):
-        identify.load(write(text(table[:1600])), config)
-    path = write(text(table))
-    with pytest.raises(RecordError, match="is the same as"):
-        identify.load([path, path], config)
-    swapped = write(text(table[:, [0, 1, 2, 4, 3]]))
-    with pytest.raises(RecordError, match=r"force units: friction coefficient.*see \[units\]"):
-        identify.load(swapped, config)
-    table[:, 0] = table[:, 0].round(2)
-    with pytest.raises(RecordError, match=r"rounded or out of order .*see \[file\] sample_rate"):
-        identify.load(write(text(table)), config)
-    # A line of units that is taken for numbers.
-    with pytest.raises(RecordError, match=r"line 2 is one of units.*see \[file\] header, .* names"):
-        identify.load(
-            write(lab.labview(RUN)),
-            write(
-                '[file]\ndelimiter = "\\t"\n[columns]\ntime = "Time"\nangle = "Phi"\n'
-                'tangential = "Ft"\nradial = "Fr"\nnormal = "Fn"\n',
-                "rig.toml",
-            ),
-        )
 
 
 def test_spreadsheets_and_tables_in_memory(tmp_path):
@@ -282,58 +230,6 @@ def test_tables_of_x_and_y_give_the_same_law(motion, turning):
         means.perturbed(zero=[0.1, 0.0, 0.0])
 
 
-def test_zeros_of_a_stage_do_not_turn_with_the_sliding():
-    zero = np.array([0.4, -0.3, 0.2])
-    frame, sections = plane("velocity", zero=zero)
-    random = np.random.default_rng(1)
-    rest = frame.iloc[:2000].copy()
-    rest["t"] = rest["t"] - 30.0
-    rest[["Fx", "Fy", "Fz"]] = zero + 0.01 * random.normal(size=(2000, 3))
-    names = ["mx", "my"]
-    rest[names] = 0.0
-    pandas = pytest.importorskip("pandas")
-    whole = pandas.concat([rest, frame], ignore_index=True)
-    whole.loc[:1999, "t"] = np.arange(2000) / 200.0
-    whole.loc[2000:, "t"] = 10.0 + np.arange(len(frame)) / 200.0
-    windows = {"run": {"from": 10.0}, "no_load": {"to": 9.996}}
-    data = identify.load(whole, sections | windows)
-    np.testing.assert_allclose(data.zero, zero, atol=2e-3)
-    fit = identify.fit_law(data)
-    assert fit.parameters["reservoir.a"].covers(4.99 / 9.3)
-
-
-def stage_data(kind):
-    # No stroke goes along an axis of D: there the angle of D is what its samples say.
-    options = {"noise": 1e-4, "law": lab.TURNED}
-    frame, sections = plane("velocity", **options) if kind == "plane" else reciprocating(**options)
-    return identify.load(frame, sections | {"processing": {"grid_angle": 0.3, "cut_off": False}})
-
-
-@pytest.mark.parametrize("kind", ["plane", "strokes"])
-def test_calibration_and_zero_move_fits_of_stages_as_predicted(kind):
-    data = stage_data(kind)
-    options = {"reservoir": "ellipse", "direction": "ellipse"}
-    fit = identify.fit_law(data, **options)
-    parts = [(grouped(s, 1).bins(), axes) for s, axes in by_axes(fit._samples, data)]
-    predicted = sensitivities(fit._family, parts, fit.coordinates, data)
-    for entry in range(12):
-        changed = {"matrix": data.matrix.copy(), "zero": data.zero.copy()}
-        if entry < 9:
-            changed["matrix"].flat[entry] += 1e-3
-        else:
-            changed["zero"][entry - 9] += 1e-3
-        force, normal = data.perturbed(**changed)
-        other = identify.fit_law(
-            SimpleNamespace(phi=data.phi, force=force, normal_force=normal, turn=data.turn),
-            confidence=None,
-            **options,
-        )
-        moved = (other.coordinates - fit.coordinates) / 1e-3
-        assert abs(moved - predicted[:, entry]).max() < 0.02 * abs(predicted).max()
-    # What a zero along x adds in one direction it takes in the opposite one.
-    assert abs(predicted[0, 9]) < 0.05 * abs(predicted[0, 11])
-
-
 ANGLES = np.deg2rad(np.arange(0.0, 180.0, 10.0))
 
 
@@ -383,38 +279,6 @@ def test_strokes_there_and_back_give_the_same_law(motion):
         assert abs(one.value - value) < 4.0 * one.standard_error, name
 
 
-def test_a_disk_that_goes_back_and_forth_gives_the_same_law(turning):
-    # The same directions, each passed forwards and backwards.
-    t = np.arange(0.0, 16.0, 1e-3)
-    angle = 1.1 * np.pi * (1.0 - np.cos(0.5 * np.pi * t))
-    forwards = np.sin(0.5 * np.pi * t) >= 0.0
-    slip = np.where(forwards, 1.0, -1.0)[:, None] * np.stack([np.cos(angle), np.sin(angle)], -1)
-    force = -lab.LAW.force(slip, normal_force=lab.LOAD)
-    axis = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    along = (axis * force).sum(axis=1)
-    across = axis[:, 0] * force[:, 1] - axis[:, 1] * force[:, 0]
-    noise = 0.02 * np.random.default_rng(5).normal(size=(3, t.size))
-    readings = np.stack([along, across, np.full(t.size, lab.LOAD)], axis=-1) + noise.T
-    swing = identify.Recording(t, angle=angle, readings=readings)
-    data = identify.process(identify.RawData([swing]))
-    assert data.turns == 8
-    np.testing.assert_allclose(data.force[data.turn >= 0], force[data.turn >= 0], atol=0.12)
-    agree(identify.fit_law(data), turning)
-
-
-def test_inspection_tells_how_a_stage_moves(tmp_path):
-    frame, _ = plane("velocity", turns=2)
-    names = ["t [s]", "vx [mm/s]", "vy [mm/s]", "Fx [N]", "Fy [N]", "Fz [N]"]
-    frame.set_axis(names, axis=1).to_csv(tmp_path / "plane.csv", index=False)
-    (frames, _), names = reciprocating(repeats=1), ["Time (s)", "Stroke (m)", "Ft (N)", "Fr", "Fn"]
-    frames[0].set_axis(names, axis=1).to_csv(tmp_path / "stroke.csv", index=False)
-    for name, turns in (("plane", 2), ("stroke", 2)):
-        found = identify.inspect_file(tmp_path / f"{name}.csv")
-        data = identify.load(tmp_path / f"{name}.csv", found.sections)
-        assert data.turns == turns
-        assert data.goes_round == (name == "plane")
-
-
 def test_motions_are_one_kind_each():
     names = {"velocity_x": 1, "tangential": 2, "radial": 3, "normal": 4}
     for columns, message in (
@@ -435,17 +299,6 @@ def test_motions_are_one_kind_each():
         identify.read_csv("run.csv", angles=3.0)
     with pytest.raises(ParameterError, match="one for each of 1 files"):
         identify.read_csv("run.csv", columns={"velocity": 1}, angles=[3.0, 4.0])
-
-
-def test_recordings_of_a_stage_come_back_from_files(tmp_path):
-    frame, sections = plane("velocity", turns=2)
-    raw = identify.Configuration(sections).read(frame)
-    names = identify.write_raw(raw, tmp_path)
-    again = identify.load(tmp_path / names[0], tmp_path / names[-1])
-    assert (again.force == identify.process(raw).force).all()
-    mixed = raw.replace(recordings=[*raw.recordings, RUN])
-    with pytest.raises(ParameterError, match="disks or of stages"):
-        identify.write_raw(mixed, tmp_path)
 
 
 def test_the_command_inspects_and_overwrites_nothing(write, capsys):
@@ -474,21 +327,6 @@ def test_the_command_inspects_and_overwrites_nothing(write, capsys):
         capsys.readouterr()
         assert main(["identify", *options]) == 2
         assert message in capsys.readouterr().err
-
-
-def test_the_command_takes_strokes(tmp_path, capsys):
-    frames, sections = reciprocating("position", repeats=2)
-    from asperity._base.storage import toml
-
-    paths = []
-    for at, frame in enumerate(frames):
-        paths.append(str(tmp_path / f"{at}.csv"))
-        frame.to_csv(paths[-1], index=False)
-    toml.write(tmp_path / "rig.toml", sections)
-    options = ["--reservoir", "ellipse", "--direction", "ellipse", "--out", str(tmp_path / "out")]
-    assert main(["identify", *paths, "--config", str(tmp_path / "rig.toml"), *options]) in (0, 1)
-    assert "72 strokes, 18 runs" in capsys.readouterr().out
-    assert (tmp_path / "out" / "report.html").exists()
 
 
 def test_files_that_are_hard_to_guess(write):
@@ -544,16 +382,6 @@ def straight_strokes(directions, *, start=0, motion_noise=1e-4):
     return identify.load(pandas.DataFrame(columns), sections)
 
 
-@pytest.mark.parametrize("start", [0, 15, 30])
-@pytest.mark.parametrize("motion_noise", [1e-4, 0.01])
-def test_strokes_along_the_seam_of_angles_keep_the_lack_of_fit(start, motion_noise):
-    data = straight_strokes(6, start=start, motion_noise=motion_noise)
-    for number in range(data.turns):
-        assert np.ptp(data.phi[data.turn == number]) < np.deg2rad(0.1)
-    fit = identify.fit_law(data, reservoir="circle", direction="ellipse")
-    assert fit.defects["lack of fit"].matters
-
-
 def test_noise_of_the_motion_is_no_direction_of_sliding():
     options = {"reservoir": "ellipse", "direction": "ellipse"}
     with pytest.raises(FitError, match="forces in 4 sliding directions"):
@@ -563,25 +391,6 @@ def test_noise_of_the_motion_is_no_direction_of_sliding():
     assert not fit.gaps
 
 
-def test_numbers_written_in_cells_need_no_delimiter(tmp_path):
-    pandas = pytest.importorskip("pandas")
-    pytest.importorskip("openpyxl")
-    names = ["Zeit [s]", "Winkel [deg]", "Ft [N]", "Fr [N]", "Fn [N]"]
-    table = lab.table(RUN)[::8] * [1.0, 180.0 / np.pi, 1.0, 1.0, 1.0]
-    cells = [[lab.number(value, decimal=",") for value in row] for row in table]
-    frame = pandas.DataFrame(cells, columns=names)
-    frame.to_excel(tmp_path / "run.xlsx", index=False)
-    found = identify.inspect_file(tmp_path / "run.xlsx")
-    assert "delimiter" not in found.sections["file"]
-    found.write(tmp_path / "run.toml")
-    read = identify.load(tmp_path / "run.xlsx", tmp_path / "run.toml")
-    held = identify.load(frame, tmp_path / "run.toml")
-    np.testing.assert_allclose(read.force, held.force, atol=1e-12)
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    with pytest.raises(AsperityError, match="must differ from the decimal mark"):
-        identify.load(tmp_path / "run.csv", tmp_path / "run.toml")
-
-
 def test_angles_of_the_wrong_sign_are_named_beside_the_radial_channel():
     frames, sections = reciprocating(law=lab.TURNED)
     angles = [-angle for angle in sections["run"]["angles"]]
@@ -589,13 +398,3 @@ def test_angles_of_the_wrong_sign_are_named_beside_the_radial_channel():
     fit = identify.fit_law(identify.load(frames, changed))
     assert fit.mistake is not None
     assert "the sign of the radial channel or the sign of the angles turned" in fit.mistake.words
-
-
-def test_columns_whose_units_do_not_fit_take_no_role(write):
-    names = ["T [°C]", "t [s]", "Winkel [deg]", "Reibungszahl [-]", "Reibkraft [N]"]
-    names += ["Querkraft [N]", "Normalkraft [N]"]
-    rows = [[23, 0.1 * k, 5 * k, 0.5, 4 + k % 7, k % 5, 9 + k % 3] for k in range(60)]
-    lines = [";".join(map(str, row)) for row in [names, *rows]]
-    found = identify.inspect_file(write("\n".join(lines)))
-    roles = ["", "time", "angle", "", "tangential", "radial", "normal"]
-    assert [one.role for one in found.columns] == roles

@@ -52,17 +52,6 @@ def test_inspection_alone_reads_files_of_programs(name, tmp_path):
     assert angle.high == pytest.approx(highest, rel=3e-3)
 
 
-def test_lines_of_parts_are_those_of_the_file(tmp_path):
-    path = tmp_path / "run.lvm"
-    lines = lab.labview_measurement(RUN, parts=4).splitlines()
-    at = next(at for at, line in enumerate(lines) if at > 900 and line.startswith("3.99"))
-    lines[at] = lines[at].replace(lines[at].split("\t")[2], "NaN")
-    path.write_text("\n".join(lines))
-    found = identify.inspect_file(path)
-    with pytest.raises(RecordError, match=rf"column 'Ft' .*no number in line {at + 1};"):
-        identify.load(path, found.sections)
-
-
 def test_counts_that_do_not_start_again_do_not_tell_a_turn(tmp_path):
     counts = np.floor(RUN.angle / (2.0 * np.pi) * 4096)
     columns = np.column_stack([RUN.time, counts, RUN.readings])
@@ -74,17 +63,6 @@ def test_counts_that_do_not_start_again_do_not_tell_a_turn(tmp_path):
     assert found.notes[0].startswith("counts_per_turn: the counts do not start again")
     sections = found.sections | {"file": found.sections["file"] | {"counts_per_turn": 4096}}
     assert identify.load(path, sections).turns == 3
-
-
-def test_marks_of_groups_count_wherever_they_are(tmp_path):
-    """Groups that begin behind what is read first are seen."""
-    path = tmp_path / "run.csv"
-    time = np.arange(40_000) * 0.02
-    body = [f"{1e3 * t / 900.0:,.4f};{t % 360.0:.4f};1.5;0.5;9.25" for t in time * 90.0]
-    path.write_text("\n".join(["t [ms];phi [deg];Ft [N];Fr [N];Fn [N]", *body]))
-    found = identify.inspect_file(path)
-    assert found.sections["file"]["thousands"] == ","
-    assert found.columns[0].high == pytest.approx(100.0 * time[-1])
 
 
 def book(path, *, info=True):
@@ -107,15 +85,6 @@ def book(path, *, info=True):
         data.to_excel(writer, sheet_name="Daten", index=False)
         weighed.to_excel(writer, sheet_name="Kalibrierung", index=False)
     return columns
-
-
-def test_ranges_of_spreadsheets_are_those_of_all_lines(tmp_path):
-    columns = book(tmp_path / "run.xlsx", info=False)
-    found = identify.inspect_file(tmp_path / "run.xlsx")
-    assert found.sections["file"]["counts_per_turn"] == 4096
-    assert "sheet" not in found.sections["file"]
-    assert found.columns[0].high == pytest.approx(columns[-1, 0])
-    assert found.columns[1].high == pytest.approx(4092, abs=12)
 
 
 def test_the_sheet_with_the_data_is_found_and_named(tmp_path, capsys):
@@ -170,16 +139,6 @@ def test_one_axis_that_moves_is_a_line(tmp_path):
     # Forces along x and y leave open which is across, and of which sign.
     path.write_text("\n".join([names.replace("Ff", "Fx"), *body]))
     assert "position" not in [one.role for one in identify.inspect_file(path).columns]
-
-
-def test_forces_in_the_weight_of_masses(tmp_path):
-    path = tmp_path / "run.csv"
-    columns = lab.in_degrees(RUN) / [1.0, 1.0, 9.80665e-3, 9.80665e-3, 9.80665]
-    body = [",".join(f"{x:.5f}" for x in row) for row in columns]
-    path.write_text("\n".join(["t [s],phi [deg],Ft [gf],Fr [gf],Fn [kgf]", *body]))
-    found = identify.inspect_file(path)
-    assert not found.notes
-    np.testing.assert_allclose(identify.load(path, found.sections).force, DATA.force, atol=1e-4)
 
 
 def test_times_that_are_rounded_have_no_gaps(tmp_path):

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from asperity import identify
 from asperity.errors import RecordError
-from asperity.identify.records.sliding.slopes import slopes
-from asperity.identify.records.sliding.stretches import stretches, usual_speed
 from profiles import counts
 
 pandas = pytest.importorskip("pandas")
@@ -163,26 +161,6 @@ def test_a_stage_that_goes_round_with_an_encoder_makes_turns(step):
     assert off.max() < 2.5
 
 
-@pytest.mark.parametrize("kind", ["sine", "ramp"])
-@pytest.mark.parametrize("dwell", [0.0, 0.5, 5.0])
-@pytest.mark.parametrize("counts", [500, 5000, 100_000])
-def test_strokes_of_a_disk_with_an_encoder(kind, dwell, counts):
-    reach = np.deg2rad(90.0)
-    motion = lab.back_and_forth(kind, length=reach, speed=reach, dwell=dwell, rate=500.0)
-    time, place, velocity = motion
-    read = lab.encoded(place, step=2.0 * np.pi / counts)
-    readings = np.sign(velocity)[:, None] * [5.0, 0.3, 0.0] + [0.0, 0.0, lab.LOAD]
-    run = identify.Recording(time, angle=read, readings=readings)
-    data = identify.process(identify.RawData([run]))
-    assert data.turns == 8
-    used, slides = data.turn >= 0, np.abs(velocity) > 0.1 * reach
-    assert np.count_nonzero(used & ~slides) <= 0.02 * np.count_nonzero(used)
-    assert np.count_nonzero(slides & used) > 0.75 * np.count_nonzero(slides)
-    coarse = run.replace(angle=lab.encoded(place, step=reach / 4.0))
-    with pytest.raises(RecordError, match=r"angle: its steps or noise of 22° are not small"):
-        identify.process(identify.RawData([coarse]))
-
-
 def test_the_law_of_strokes_of_an_encoder_is_that_of_the_motion():
     angles = np.deg2rad(np.arange(0.0, 180.0, 15.0))
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
@@ -196,48 +174,3 @@ def test_the_law_of_strokes_of_an_encoder_is_that_of_the_motion():
     for name, value in truth.items():
         one = fit.parameters[name]
         assert abs(one.value - value) < 4.0 * one.standard_error, name
-
-
-def test_the_usual_speed_does_not_know_rests_and_outliers():
-    random = np.random.default_rng(4)
-    speed = np.concatenate([np.full(200, 2.0), 0.01 * np.abs(random.normal(size=20_000))])
-    speed[[50, 400]] = 500.0
-    assert usual_speed(speed) == pytest.approx(2.0)
-    assert usual_speed(np.zeros(5)) == 0.0
-    fast = np.append(speed, np.full(12, 20.0))
-    assert usual_speed(fast) == pytest.approx(2.0)
-
-
-def test_fast_moves_to_the_next_stroke_do_not_hide_the_strokes():
-    angles = np.arange(8) * np.pi / 8 + 0.1
-    ways = 10e-3 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    segments = np.stack([ways, np.zeros_like(ways), -ways, np.zeros_like(ways)], axis=1)
-    speeds = np.tile([2e-3, 1.0, 40e-3, 1.0], 8)
-    lasts = np.where(np.arange(32) % 2 == 0, 10e-3 / speeds, 0.3)
-    ends = np.cumsum(lasts)
-    time = (np.arange(int(ends[-1] * 200.0)) + 0.4) / 200.0
-    number = np.searchsorted(ends, time, side="right")
-    parts = segments.reshape(-1, 2)
-    begin = np.concatenate([np.zeros((1, 2)), np.cumsum(parts, axis=0)])
-    share = 1.0 - (ends[number] - time) / lasts[number]
-    place = begin[number] + share[:, None] * parts[number]
-    velocity = (parts / lasts[:, None])[number]
-    for step in (0.0, 5 * MICRO):
-        data = identify.load(*in_the_plane(time, lab.encoded(place, step=step), velocity))
-        assert data.turns == 16
-        assert errors_of_direction(data, velocity).max() < 0.5
-
-
-def test_noise_makes_no_ends_and_no_corners():
-    random = np.random.default_rng(5)
-    speed = np.abs(np.sin(np.linspace(0.0, 6.0 * np.pi, 3000)))
-    velocity = np.stack([speed, np.zeros(3000)], axis=-1)
-    noisy = velocity + 0.03 * random.normal(size=(3000, 2))
-    assert stretches(velocity).max() + 1 == stretches(noisy).max() + 1 == 6
-    straight = np.tile([1.0, 0.0], (3000, 1)) + 0.12 * random.normal(size=(3000, 2))
-    assert stretches(straight).max() == 0
-
-
-def test_a_few_positions_have_slopes():
-    found = slopes(np.array([[0.0], [1.0], [3.0]]), np.arange(3.0))
-    np.testing.assert_allclose(found.velocity[:, 0], [1.0, 1.5, 2.0])

@@ -6,7 +6,6 @@ import laboratory_files as lab
 import numpy as np
 import pytest
 from asperity import identify
-from asperity.errors import AsperityError
 
 pandas = pytest.importorskip("pandas")
 
@@ -96,22 +95,6 @@ def test_strokes_go_on_in_the_next_file_and_in_the_next_window(name):
         assert identify.load(frame, sections | {"run": window}).turns == turns
 
 
-def test_pieces_that_only_rest_are_left_out():
-    """Behind a long interruption, a piece may hold no stroke at all."""
-    frame, sections = stroke_record()
-    frame = noisy(frame)
-    rest = frame.iloc[:60].copy()
-    rest["t"] += 100.0 + frame["t"].iloc[-1]
-    whole = pandas.concat([frame, rest], ignore_index=True)
-    data = identify.load(whole, sections | SPLIT)
-    assert len(data.raw.recordings) == 2
-    assert data.turns == 12
-    assert (data.turn[-60:] == -1).all()
-    rest["s"] = 0.0
-    with pytest.raises(AsperityError, match="the stage does not move"):
-        identify.load(rest, sections)
-
-
 def test_a_stroke_of_another_time_or_direction_is_another_one():
     frame, sections = stroke_record()
     frame = noisy(frame)
@@ -177,16 +160,6 @@ def test_strokes_without_load_are_left_out(options, caplog):
         assert fit.parameters[name].value == pytest.approx(value, rel=off)
 
 
-def test_pieces_in_which_the_pin_is_lifted_all_the_time_have_no_stroke():
-    frames, sections = lifted([0.0])
-    bad = frames[0].copy()
-    bad.loc[np.arange(150, len(bad), 400), "Ft"] = np.nan
-    whole = identify.load(frames, sections)
-    cut = identify.load(bad, sections | SPLIT)
-    assert len(cut.raw.recordings) > 8
-    assert (cut.turns, cut.lifted) == (whole.turns, whole.lifted) == (4, 4)
-
-
 def test_lifting_between_strokes_does_not_reach_into_them():
     """The way back may be too fast to be a stroke."""
     frames, sections = lifted([0.0, 1.0])
@@ -201,12 +174,3 @@ def test_lifting_between_strokes_does_not_reach_into_them():
     assert (data.turns, data.lifted) == (8, 0)
     used = data.turn >= 0
     assert np.ptp(data.normal_force[used]) < 0.2
-
-
-def test_what_pulls_is_not_lifted():
-    frames, sections = lifted([0.0])
-    frames[0]["Fn"] *= -1.0
-    with pytest.raises(
-        AsperityError, match="compression must be positive: a minus before its unit"
-    ):
-        identify.load(frames, sections)

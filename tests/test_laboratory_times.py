@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from asperity import identify
 from asperity.errors import AsperityError, ParameterError, RecordError
-from asperity.identify.records.tables import clock
 
 pandas = pytest.importorskip("pandas")
 
@@ -68,14 +67,6 @@ def test_windows_that_hold_nothing_are_refused_in_times_of_the_clock():
         identify.load(dated, CLOCK | {"run": {"from": "2026-11-25 00:00:00"}})
 
 
-def test_rest_and_run_of_windows_about_midnight():
-    sections = CLOCK | {"run": {"from": "23:59:58.2", "to": "00:00:03.3"}}
-    sections["no_load"] = {"from": "23:59:57", "to": "23:59:58"}
-    raw = identify.Configuration(sections).read(frame(TIMES["undated"]))
-    assert [len(one) for one in (*raw.no_load, *raw.recordings)] == [501, 2551]
-    assert raw.no_load[0].time[-1] < raw.recordings[0].time[0]
-
-
 def test_durations_are_times():
     lasting = frame(pandas.to_timedelta(TABLE[:, 0], unit="s"))
     data = identify.load(lasting, CLOCK)
@@ -112,16 +103,3 @@ def test_words_for_numbers_are_refused_by_what_they_say():
     words = held.assign(radial="overload")
     with pytest.raises(AsperityError, match=r"column 'radial' \(radial\): no number in lines 1, 2"):
         identify.load(words, {})
-
-
-def test_an_index_is_a_column_too():
-    indexed = frame(TABLE[:, 0]).set_index("time")
-    assert identify.load(indexed, {}).turns == 3
-    names = {"time": "time", "angle": 0, "tangential": 1, "radial": 2, "normal": 3}
-    assert identify.load(indexed, {"columns": names}).turns == 3
-
-
-def test_texts_of_times():
-    assert clock.text(86_400.0 + 3.25) == "00:00:03.25"
-    assert clock.text(clock.seconds("2026-11-23 05:06:07")) == "2026-11-23 05:06:07"
-    assert clock.text(np.nan) == "no time"

@@ -93,14 +93,6 @@ def test_jacobian_is_the_derivative_of_the_force(law):
     np.testing.assert_allclose(np.einsum("nij,nj->ni", jacobian, slip), 0.0, atol=1e-8)
 
 
-def test_ellipses_have_the_closed_form():
-    law = TILTED_ELLIPSES
-    slip = directions(law)
-    z = slip @ np.diag([9.0, 1.0])
-    expected = -z / law.reservoir.gauge(z)[:, None]
-    np.testing.assert_allclose(law.force(slip), expected, rtol=1e-12)
-
-
 @plane_laws
 def test_direction_is_the_largest_scale_inside_the_reservoir(law):
     theta = np.linspace(0.0, 2 * np.pi, 20_001)
@@ -150,18 +142,6 @@ def test_collinear_law_opposes_sliding_and_associated_law_dissipates_most():
     )
 
 
-@plane_laws
-def test_rotation_commutes_with_the_law(law):
-    angle = 0.6
-    slip = directions(law)
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    turned = law.rotated(angle)
-    assert turned.report == law.report
-    np.testing.assert_allclose(
-        turned.force(slip @ turn.T), law.force(slip) @ turn.T, rtol=1e-7, atol=1e-8
-    )
-
-
 def test_one_and_three_dimensions():
     one_way = asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3))
     np.testing.assert_allclose(one_way.force([[2.0], [-1.0]], normal_force=10.0), [[-3.0], [2.0]])
@@ -173,47 +153,9 @@ def test_one_and_three_dimensions():
         drilling.deflection(0.1)
 
 
-def test_reservoir_per_unit_normal_force_at_zero_load():
-    assert not TILTED_ELLIPSES.force([[1.0, 0.3]], normal_force=0.0).any()
-
-
 @pytest.mark.parametrize("size", [5.0, 1e100, 1e150])
 def test_forces_beyond_the_reservoir_are_refused_by_a_readable_number(size):
     with pytest.raises(asp.ParameterError, match="outside the reservoir, its gauge is") as caught:
         asp.FrictionLaw.isotropic(0.5).slip_direction([size, 0.0], normal_force=1.0)
     assert float(str(caught.value).split()[-1]) == pytest.approx(2.0 * size)
     assert len(str(caught.value)) < 80
-
-
-def test_direction_that_is_the_reservoir_scaled_is_the_associated_law():
-    reservoir = asp.Ellipse(3.0, 1.0, angle=0.5)
-    law = asp.FrictionLaw(reservoir, asp.Ellipse(6.0, 2.0, angle=0.5))
-    assert law.direction == reservoir
-    assert law == asp.FrictionLaw.associated(reservoir)
-
-
-def test_alpha_min_of_thin_sets():
-    law = asp.FrictionLaw(asp.Ellipse(1e6, 1.0, angle=0.7), asp.Superellipse(1.0, 0.3, 7.0))
-    # Along the long axis of C: r_C = 1e6.
-    expected = law.direction.radius(0.7) / 1e6
-    assert law.alpha_min == pytest.approx(expected, rel=1e-6)
-
-
-ISO = asp.FrictionLaw.isotropic(0.3)
-
-
-def test_tiny_slips_have_forces():
-    assert ISO.force([1e-200, 0.0]).tolist() == [-0.3, 0.0]
-    with pytest.raises(asp.ParameterError, match="normal_force"):
-        ISO.slip_direction([0.1, 0.0], normal_force=0.0)
-    # The force jumps where D is flat.
-    rectangle = asp.FrictionLaw.associated(asp.Rectangle(1.0, 0.5))
-    assert rectangle.jacobian([1.0, 0.0]).tolist() == [[0.0, 0.0], [0.0, -np.inf]]
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_direction_set_stays_inside_a_ragged_reservoir(seed):
-    theta = 2.0 * np.pi * np.arange(720) / 720
-    ragged = 1.0 + 0.2 * np.random.default_rng(seed).uniform(size=720)
-    law = asp.FrictionLaw(asp.PolarCurve(theta, ragged), asp.Disk(1.0))
-    assert law.reservoir.gauge(law.direction.boundary(20_001)).max() < 1.0 + 1e-6

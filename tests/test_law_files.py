@@ -1,7 +1,5 @@
 """Files of laws and sets: what is written comes back to the bit, what is wrong is named."""
 
-import contextlib
-import datetime
 import json
 import os
 import re
@@ -121,56 +119,6 @@ def test_provenance_comes_back(tmp_path):
     assert (tmp_path / "again.toml").read_text() == (tmp_path / "law.toml").read_text()
 
 
-def test_files_that_are_not_there_are_no_provenance(tmp_path):
-    (tmp_path / "run.csv").write_bytes(b"time,angle\n")
-    with pytest.raises(FileNotFoundError, match="ran"):
-        asp.Provenance.of_files([tmp_path / "run.csv", tmp_path / "ran.csv"])
-    # What cannot be read twice has a name only, which a folder shows.
-    assert asp.Provenance.of_files([tmp_path]).files == ((tmp_path.name, ""),)
-
-
-CONFIGURATIONS = [
-    {"runs": [{"turns": {"parts": [{"n": 1}]}}, {}]},
-    {"mixed": [1, {"x y": 2, "": []}], "lists": [[{"a": [1]}]]},
-    {"date": datetime.date(2026, 11, 22), "at": datetime.datetime(2026, 11, 22, 1, 2, 3, 4)},
-    {"gone": None, "kept": {"gone": None}},
-    {"array": np.eye(2), "list": [np.float64(0.1), np.int64(3)], "pair": (1, (True, "x"))},
-]
-
-
-@pytest.mark.parametrize("configuration", CONFIGURATIONS, ids=lambda one: next(iter(one)))
-def test_configurations_come_back_as_they_were_kept(configuration, tmp_path):
-    origin = asp.Provenance(configuration=configuration)
-    asp.LawFile(RATED, provenance=origin).save(tmp_path / "law.toml")
-    text = (tmp_path / "law.toml").read_text()
-    assert tomllib.loads(text)["provenance"]["configuration"] == origin.configuration
-    read = asp.LawFile.load(tmp_path / "law.toml").provenance
-    assert read.replace(asperity="", date="") == origin
-
-
-@pytest.mark.parametrize(
-    ("configuration", "key"),
-    [
-        ({"a": {"b": [0, object()]}}, "configuration.a.b[1]"),
-        ({"a": np.nan}, "configuration.a"),
-        ({"a": 2**63}, "configuration.a"),
-        ({"a": [None]}, "configuration.a[0]"),
-        ({"a": 1j}, "configuration.a"),
-        ({"a": {1: 2}}, "configuration.a"),
-    ],
-)
-def test_configurations_that_no_file_holds_are_refused_by_their_key(configuration, key):
-    with pytest.raises(asp.ParameterError) as caught:
-        asp.Provenance(configuration=configuration)
-    assert caught.value.argument == key
-
-
-@pytest.mark.parametrize("files", ["ab", ["ab"], [("a",)], [("a", 1)], [3]])
-def test_files_of_a_provenance_are_pairs_of_texts(files):
-    with pytest.raises(asp.ParameterError, match="files: must be pairs of name and hash"):
-        asp.Provenance(files=files)
-
-
 class OwnDisk(asp.Disk):
     """A set of a user."""
 
@@ -209,14 +157,6 @@ def test_problems_with_laws_of_users_are_refused_by_name(tmp_path):
     with pytest.raises(asp.ParameterError, match=r"laws\[0\].reservoir: of the class OwnDisk is"):
         problem.save(tmp_path / "problem.npz")
     assert not list(tmp_path.iterdir())
-
-
-def test_a_set_is_read_by_the_class_it_is_of(tmp_path):
-    asp.Ellipse(2.0, 1.0).save(tmp_path / "set.toml")
-    with pytest.raises(asp.ParameterError, match="path: must hold a set of the class Disk"):
-        asp.Disk.load(tmp_path / "set.toml")
-    with pytest.raises(asp.ConfigurationError, match="line 3: format: must be 'asperity law'"):
-        asp.FrictionLaw.load(tmp_path / "set.toml")
 
 
 TEXT = """\
@@ -310,16 +250,6 @@ def test_what_is_wrong_is_named_with_line_and_key(old, new, message, tmp_path):
     assert len(str(refused.value)) < 500
 
 
-def test_what_people_write_is_read(tmp_path):
-    """Dates of TOML, a mark of the byte order, lines that end as on other systems."""
-    text = "\ufeff" + TEXT.replace("version = 1\n", "version = 1 # the first\n")
-    text += "[provenance]\ndate = 2026-11-22\nnote = 'dry'\n"
-    (tmp_path / "law.toml").write_bytes(text.replace("\n", "\r\n").encode())
-    read = asp.LawFile.load(tmp_path / "law.toml")
-    assert (read.provenance.date, read.provenance.note) == ("2026-11-22", "dry")
-    assert read.law == loaded(TEXT, tmp_path)
-
-
 def test_files_that_are_none_are_named(tmp_path):
     for path, message in (
         (tmp_path / "none.toml", "none.toml: cannot be read: No such file"),
@@ -357,39 +287,6 @@ def test_sets_are_nested_to_a_limit_that_is_said(tmp_path):
     path.write_text(nested(60))
     with pytest.raises(asp.ConfigurationError, match="must not be nested in more than 50 tables"):
         asp.StarSet.load(path)
-
-
-def test_no_law_is_saved_that_cannot_be_loaded(tmp_path):
-    one = asp.Ellipse(0.5, 0.3)
-    for depth in range(1, 60):
-        one = one | asp.Disk(0.1) if depth % 2 else one & asp.Disk(0.6)
-        law = asp.FrictionLaw.collinear(one)
-        path = tmp_path / f"{depth}.toml"
-        with contextlib.suppress(asp.ParameterError):
-            law.save(path)
-        if path.exists():
-            assert asp.FrictionLaw.load(path) == law
-    with pytest.raises(asp.ParameterError, match="must not be nested"):
-        law.save(path)
-    assert not path.exists()
-
-
-@pytest.mark.parametrize("name", ["", ".", "a\0b"])
-def test_what_names_no_file_is_refused(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(asp.ParameterError, match="path: must name a file"):
-        RATED.save(name)
-    with pytest.raises(asp.ConfigurationError):
-        asp.FrictionLaw.load(name)
-    assert not any(tmp_path.iterdir())
-
-
-def test_bytes_of_other_files_are_not_taken_for_keys(tmp_path):
-    np.savez(tmp_path / "run.npz", t=np.linspace(0.0, 1.0, 100))
-    with pytest.raises(asp.ConfigurationError, match="is no TOML: save it as UTF-8") as caught:
-        asp.FrictionLaw.load(tmp_path / "run.npz")
-    assert str(caught.value).isprintable()
-    assert not caught.value.key
 
 
 def refusal(path):

@@ -4,7 +4,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Stribeck
-from samples import FOURTH_ORDER, PLANE_LAWS, SMOOTH_LAWS, TILTED_ELLIPSES, identify, random_problem
+from samples import FOURTH_ORDER, PLANE_LAWS, SMOOTH_LAWS, identify
 
 PHI = 2.0 * np.pi * np.arange(720) / 720 + 0.001
 THETA = 2.0 * np.pi * np.arange(1000) / 1000 + 0.0003
@@ -35,40 +35,6 @@ def test_asperity_law_has_the_forces_of_the_springs(mu, degrees):
     np.testing.assert_allclose(f[:, 1] / f[:, 0], tangent, rtol=1e-9)
 
 
-def test_equal_flanks_given_as_a_pair_agree_with_the_closed_form():
-    closed = asp.FrictionLaw.asperity(1.2, beta=0.6)
-    for law in (
-        asp.FrictionLaw.asperity(1.2, beta=(0.6, 0.6)),
-        asp.FrictionLaw.asperity(1.2, beta=0.6, weights=(1, 1)),
-    ):
-        np.testing.assert_allclose(law.force(unit(PHI)), closed.force(unit(PHI)), atol=2e-7)
-        assert law.report.closure == pytest.approx(1.0, abs=1e-9)
-
-
-@pytest.mark.parametrize("weights", [None, (1.0, 1.0), (0.2, 0.7)])
-def test_unequal_flanks_across_the_wedges(weights):
-    """Along ±e₁ a spring climbs with tan(β + ρ) and descends with tan(ρ − β), tan ρ = μ."""
-    mu, rising, falling = 0.4, 0.3, 0.6
-    law = asp.FrictionLaw.asperity(mu, beta=(rising, falling), weights=weights)
-    share = np.array(weights or (1 / np.tan(rising), 1 / np.tan(falling)))
-    share /= share.sum()
-    friction = np.arctan(mu)
-    forward = share @ [np.tan(friction + rising), np.tan(friction - falling)]
-    backward = share @ [np.tan(friction - rising), np.tan(friction + falling)]
-    np.testing.assert_allclose(
-        law.force([[1.0, 0.0], [-1.0, 0.0]]), [[-forward, 0], [backward, 0]], atol=1e-7
-    )
-    mirrored = asp.FrictionLaw.asperity(
-        mu, beta=(falling, rising), weights=None if weights is None else weights[::-1]
-    )
-    np.testing.assert_allclose(mirrored.force(-unit(PHI)), -law.force(unit(PHI)), atol=1e-6)
-
-
-def test_without_friction_unequal_flanks_carry_no_mean_force():
-    force = asp.FrictionLaw.asperity(1e-4, beta=(0.2, 0.5)).force(unit(PHI))
-    assert np.linalg.norm(force, axis=1).max() < 2e-4
-
-
 @pytest.mark.parametrize("beta", [0.8, (0.2, 0.8), (0.8, 0.2)])
 def test_locking_springs_are_refused(beta):
     with pytest.raises(asp.ParameterError, match="beta"):
@@ -83,27 +49,6 @@ def test_second_order_tensor_gives_ellipses_with_the_root_of_the_ratio():
     assert law.reservoir == asp.Ellipse(0.3, 0.1)
     assert law.direction.a / law.direction.b == pytest.approx(np.sqrt(3.0), abs=1e-8)
     np.testing.assert_allclose(law.force(unit(PHI)), -unit(PHI) * [0.3, 0.1], rtol=1e-12)
-
-
-def test_flow_rule_of_a_tensor_gives_the_same_ellipses():
-    law = asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi) * [0.3, 0.1])
-    radius = law.direction.radius([0.0, np.pi / 2])
-    assert radius[0] / radius[1] == pytest.approx(np.sqrt(3.0), abs=1e-8)
-    np.testing.assert_allclose(
-        law.reservoir.radius(THETA), asp.Ellipse(0.3, 0.1).radius(THETA), rtol=1e-8
-    )
-    assert law.report.closure == pytest.approx(1.0, abs=1e-12)
-    assert law.report.smallest_resistance == pytest.approx(0.1, abs=1e-12)
-    assert law.report.samples >= 1440
-    assert law.report.misfit < 1e-8
-
-
-@pytest.mark.parametrize(
-    "tensor", [[[0.3, 0.05], [0.05, 0.2]], [[0.2, -0.1], [-0.1, 0.2]], [[0.1, 0.04], [0.04, 0.6]]]
-)
-def test_symmetric_tensors_that_are_not_diagonal(tensor):
-    law = asp.FrictionLaw.tensor(tensor)
-    np.testing.assert_allclose(-law.force(unit(PHI)), unit(PHI) @ np.array(tensor), rtol=1e-10)
 
 
 def test_skew_tensor_has_no_direction_set_and_is_refused_with_its_closure():
@@ -139,14 +84,6 @@ def test_collinear_tensor_function_with_non_convex_reservoir():
     np.testing.assert_allclose(radius, radius.mean(), rtol=1e-9)
     flatter = [(0.2 * one, none), *[(none, none)] * 3, (0.2 / 17.5 * one, none)]
     assert asp.FrictionLaw.tensor_function(flatter).reservoir.is_convex
-
-
-def test_sine_terms_of_a_tensor_function():
-    none = np.zeros((2, 2))
-    pairs = [(0.3 * np.eye(2), none), (none, 0.1 * np.eye(2))]
-    force = asp.FrictionLaw.tensor_function(pairs).force(unit(PHI))
-    expected = -(0.3 + 0.1 * np.sin(PHI))[:, None] * unit(PHI)
-    np.testing.assert_allclose(force, expected, atol=1e-8)
 
 
 def test_fourth_order_tensor_with_non_convex_reservoir_and_convex_direction_set():
@@ -251,86 +188,11 @@ def test_defects_beyond_the_tolerance_are_refused():
         asp.FrictionLaw.from_samples(phi, skew)
 
 
-def test_solvers_agree_on_laws_from_samples():
-    """Both sets are curves; 60 problems of one to three contacts."""
-    rng = np.random.default_rng(7)
-    phi = 2.0 * np.pi * np.arange(72) / 72
-    originals = (TILTED_ELLIPSES, PLANE_LAWS[4])
-    laws = [asp.FrictionLaw.from_samples(phi, -law.force(unit(phi))) for law in originals]
-    unique = 0
-    for _ in range(60):
-        contacts = int(rng.integers(1, 4))
-        problem = random_problem(rng, laws, contacts, rng.random(contacts) < 0.5)
-        exact, prox = (problem.solve(s) for s in (asp.Exact(), asp.ProxGaussSeidel()))
-        if not exact.ambiguous and not prox.ambiguous:
-            unique += 1
-            np.testing.assert_allclose(prox.percussion, exact.percussion, atol=1e-7)
-    assert unique > 50
-
-
-DENSE = 2.0 * np.pi * np.arange(20_000) / 20_000 + 1e-5
-
-
-def test_flow_rule_of_a_thin_tensor_is_resolved():
-    def rule(phi):
-        return unit(phi) * [1.0, 1e-3]
-
-    law, f = asp.FrictionLaw.from_flow_rule(rule), rule(DENSE)
-    error = np.linalg.norm(-law.force(unit(DENSE)) - f, axis=1)
-    assert (error < 1e-3 * np.linalg.norm(f, axis=1)).all()
-
-
-@pytest.mark.parametrize("ratio", [1e-2, 1e-4])
-def test_flow_rules_of_slender_sets_are_resolved(ratio):
-    phi = np.linspace(0.0, 2.0 * np.pi, 5001) + 1e-5
-    law = asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi) * [1.0, ratio])
-    np.testing.assert_allclose(law.force(unit(phi)), -unit(phi) * [1.0, ratio], atol=1e-4)
-
-
 def test_flow_rules_that_cannot_be_resolved_or_called_are_refused_by_name():
     for f in (lambda phi: unit(phi) * [1.0, 1e-8], 3):
         with pytest.raises(asp.ParameterError) as caught:
             asp.FrictionLaw.from_flow_rule(f)
         assert caught.value.argument == "f"
-
-
-NEGATIVE = -0.3 * np.eye(2)
-
-
-TURNING = [[0.0, -0.3], [0.3, 0.0]]
-
-
-@pytest.mark.parametrize(
-    ("argument", "make"),
-    [
-        ("second_order", lambda: asp.FrictionLaw.tensor(NEGATIVE)),
-        ("second_order", lambda: asp.FrictionLaw.tensor(TURNING)),
-        ("second_order", lambda: asp.FrictionLaw.tensor([[0.3, -0.05], [0.05, 0.1]])),
-        ("tensor", lambda: asp.FrictionLaw.tensor_function([(NEGATIVE, np.zeros((2, 2)))])),
-        ("tensor", lambda: asp.FrictionLaw.tensor_function(lambda phi: np.ones((3, 3)))),
-        ("tensor", lambda: asp.FrictionLaw.tensor_function(3)),
-        ("weights", lambda: asp.FrictionLaw.asperity(0.3, beta=(0.3, 0.6), weights=(0.0, 1.0))),
-        ("beta", lambda: asp.FrictionLaw.asperity(1.2, beta=(0.2, 0.8))),
-        ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: -unit(phi))),
-        ("f", lambda: asp.FrictionLaw.from_flow_rule(lambda phi: unit(phi)[:5])),
-    ],
-)
-def test_constructors_name_their_own_argument(argument, make):
-    with pytest.raises((asp.ParameterError, asp.DimensionError)) as caught:
-        make()
-    assert caught.value.argument == argument
-
-
-def test_repeated_directions_are_averaged():
-    phi = 2.0 * np.pi * np.arange(72) / 72
-    exact = -TILTED_ELLIPSES.force(unit(phi))
-    shift = 0.01 * np.random.default_rng(5).normal(size=(72, 2))
-    once = asp.FrictionLaw.from_samples(phi, exact)
-    twice = asp.FrictionLaw.from_samples(
-        np.concatenate([phi, phi + 2.0 * np.pi]), np.concatenate([exact + shift, exact - shift])
-    )
-    slip = unit(DENSE[::50])
-    np.testing.assert_allclose(twice.force(slip), once.force(slip), atol=1e-12)
 
 
 CORNERED = [
@@ -345,23 +207,6 @@ CORNERED = [
     asp.FrictionLaw(asp.Disk(2.7), asp.Polygon([[-0.93, 0.1], [0.76, -0.16], [1.05, -0.02]])),
 ]
 """Laws whose force jumps."""
-
-
-@pytest.mark.parametrize("law", CORNERED, ids=identify)
-def test_flow_rules_that_jump_return_the_law(law):
-    found = asp.FrictionLaw.from_flow_rule(lambda phi: -law.force(unit(phi)))
-    ratio = found.direction.radius(THETA) / law.direction.radius(THETA)
-    assert ratio.max() / ratio.min() == pytest.approx(1.0, abs=1e-4)
-    # A jump lies between two of these directions at most.
-    error = np.linalg.norm(found.force(unit(DENSE)) - law.force(unit(DENSE)), axis=1)
-    assert np.median(error) < 1e-6
-    size = np.linalg.norm(law.force(unit(DENSE)), axis=1).max()
-    assert np.count_nonzero(error > 5e-3 * size) <= 8
-    assert found.report.misfit < 1e-3
-    assert found.report.closure == pytest.approx(1.0, abs=1e-9)
-    turn = np.array([[np.cos(0.01), -np.sin(0.01)], [np.sin(0.01), np.cos(0.01)]])
-    with pytest.raises(asp.ParameterError, match=r"f: must (close|oppose)"):
-        asp.FrictionLaw.from_flow_rule(lambda phi: -law.force(unit(phi)) @ turn)
 
 
 @pytest.mark.parametrize("law", CORNERED[:-1], ids=identify)
@@ -379,43 +224,6 @@ def test_exact_samples_of_forces_that_jump_are_met(law, shift):
     np.testing.assert_allclose(
         found.reservoir.radius(theta), law.reservoir.radius(theta), rtol=1e-6
     )
-
-
-def test_exact_samples_of_a_rectangle_return_it():
-    """All its sides lie at the same place between two samples, so that closure has to find it."""
-    phi = 2.0 * np.pi * np.arange(360) / 360
-    law = asp.FrictionLaw.from_samples(phi, -CORNERED[1].force(unit(phi)))
-    np.testing.assert_allclose(
-        law.reservoir.radius(THETA), CORNERED[1].reservoir.radius(THETA), rtol=1e-9
-    )
-    np.testing.assert_allclose(
-        law.direction.radius(THETA), CORNERED[1].direction.radius(THETA), rtol=1e-5
-    )
-
-
-def test_samples_that_turn_too_fast_to_be_resolved_are_met():
-    """D is 20 times as long as wide; the law missed one of these samples by 61 %."""
-    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.3), asp.Ellipse(20.0, 1.0))
-    phi = 2.0 * np.pi * np.arange(360) / 360 + 0.0123
-    force = -law.force(unit(phi))
-    found = asp.FrictionLaw.from_samples(phi, force)
-    assert np.abs(found.force(unit(phi)) + force).max() < 0.01
-    assert found.report.misfit < 0.01
-
-
-def test_laws_that_miss_their_samples_are_refused():
-    phi = 2.0 * np.pi * np.arange(36) / 36
-    force = -CORNERED[0].force(unit(phi))
-    with pytest.raises(
-        asp.ParameterError, match=r"off by 1\d\d% .* in the direction [14]\.\d+ rad"
-    ):
-        asp.FrictionLaw.from_samples(phi, force)
-    assert asp.FrictionLaw.from_samples(phi, force, misfit_tolerance=2.0).report.misfit > 1.0
-    # Noise is no miss.
-    noise = 0.1 * np.random.default_rng(3).normal(size=(360, 2))
-    phi = 2.0 * np.pi * np.arange(360) / 360
-    found = asp.FrictionLaw.from_samples(phi, unit(phi) + noise)
-    assert found.report.misfit > 0.2
 
 
 def test_report_is_dropped_with_other_sets_and_kept_by_turning():

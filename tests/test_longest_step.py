@@ -178,30 +178,3 @@ def test_motions_that_the_step_makes_grow_diverge_by_name():
     for lanes in (False, True):
         many = asp.simulate_many(BELT, dt=2.1e-3, t_end=2.1, u0=[[1.0, 0.0]] * 3, lanes=lanes)
         assert [type(failure.error) for failure in many.failures] == [asp.DivergenceError] * 3
-
-
-def test_motions_that_reverse_in_many_steps_run():
-    # Shortly before the longest step velocities reverse in every one, and grow for some time.
-    beat = asp.simulate(Stiff(), dt=1.9999e-3, t_end=20.0, u0=[1e-3])
-    assert np.abs(beat.u).max() < 1.0
-    # A ball between a floor and a ceiling that it reaches in every other step.
-    half = asp.FrictionLaw.isotropic(0.5)
-    pairs = [
-        asp.SpherePlane(0, radius=0.1, plane=plane, law=half, normal_restitution=1.0)
-        for plane in (asp.Plane(), asp.Plane(point=(0.0, 0.0, 0.202), normal=(0.0, 0.0, -1.0)))
-    ]
-    ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.101), velocity=(0.0, 0.0, 1.0))
-    bounces = asp.simulate(asp.RigidBodies([ball], pairs=pairs), dt=1e-3, t_end=2.0)
-    assert np.abs(bounces.u).max() < 10.0
-
-
-def test_free_beams_under_follower_thrust_run():
-    """Rounding splits the fourfold eigenvalue of their rigid motions further than any other."""
-    for n, thrust, dt in ((4, 1e-4, 0.25), (4, 1e-3, 5e-4), (8, 1e-4, 0.05)):
-        bend = np.diff(np.eye(n), 2, axis=0)
-        stiffness = bend.T @ bend
-        for i, turned in enumerate(np.diff(np.eye(n), axis=0)):
-            stiffness -= thrust * (i + 1) / n * np.outer(turned, turned)
-        stiffness[0, :2] += [thrust, -thrust]
-        beam = asp.LinearSystem(np.eye(n), stiffness=stiffness, damping=0.01 * bend.T @ bend)
-        assert asp.simulate(beam, dt=dt, t_end=2.0 * dt, u0=np.ones(n)).steps == 2

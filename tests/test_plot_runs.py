@@ -1,7 +1,5 @@
 """Plots of runs: histories, portraits, polar plots, bodies, animations."""
 
-import warnings
-
 import asperity as asp
 import matplotlib as mpl
 import numpy as np
@@ -11,7 +9,6 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 from asperity import mechanisms, plot, track
-from asperity.plot.runs.shapes import edges
 from drawn import drawn
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.3), asp.Ellipse(3.0, 1.0))
@@ -120,16 +117,6 @@ def test_bars_of_motions_reach_from_event_to_event():
     assert sum(lengths.values()) == pytest.approx(20.0, rel=1e-12)
 
 
-def test_bars_are_those_of_the_contacts_chosen(slide):
-    ax = plot.plot_history(slide, quantity="normal_force", contacts=[0, 8])
-    np.testing.assert_array_equal(ax.lines[1].get_ydata(), slide.normal_force[:, 8])
-    (strip,) = ax.child_axes
-    names = [slide.contact_names[i] for i in (0, 8)]
-    assert [one.get_text() for one in strip.get_yticklabels()] == names
-    assert [line.get_label() for line in ax.lines] == names
-    assert not plot.plot_history(slide, quantity="u", phases=False).child_axes
-
-
 def test_histories_of_measured_paths_have_bands(measured):
     ax = plot.plot_history(measured, quantity="speed")
     np.testing.assert_allclose(ax.lines[0].get_ydata(), np.hypot(*measured.velocity.T))
@@ -138,32 +125,6 @@ def test_histories_of_measured_paths_have_bands(measured):
     np.testing.assert_array_equal(
         drawn(plot.plot_path, measured)[0].get_xydata(), measured.position
     )
-
-
-def test_runs_and_measured_paths_share_axes(run, measured):
-    ax = plot.plot_path({"simulated": run, "measured": measured})
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["simulated", "measured"]
-    ax = plot.plot_history({"simulated": run, "measured": measured}, quantity="speed")
-    assert len(ax.lines) == 2
-
-
-def test_what_a_run_knows_need_not_be_said(bodies, slide, run):
-    ends = {one.get_xydata().tobytes() for one in plot.plot_bodies(slide).lines}
-    given = {one.get_xydata().tobytes() for one in plot.plot_bodies(slide, system=bodies).lines}
-    assert ends == given
-    for one, law in ((slide, LAW), (run, run.system.law)):
-        own, same = (plot.plot_forces_in_reservoir(one, **o) for o in ({}, {"law": law}))
-        for mine, other in zip(own.lines, same.lines, strict=True):
-            np.testing.assert_array_equal(mine.get_xydata(), other.get_xydata())
-    unlike = bodies.with_law(asp.FrictionLaw.isotropic(0.3), pairs=1)
-    mixed = asp.simulate(unlike, dt=2e-3, t_end=0.02)
-    with pytest.raises(asp.ParameterError, match="contacts: must share a law"):
-        plot.plot_forces_in_reservoir(mixed)
-    assert plot.plot_forces_in_reservoir(mixed, contacts=8)
-    with pytest.raises(asp.ParameterError, match="law: must be given"):
-        plot.plot_forces_in_reservoir(run.replace(origin=None))
-    with pytest.raises(asp.ParameterError, match=r"system: .* does not know"):
-        plot.plot_bodies(slide.replace(origin=None))
 
 
 def test_axes_and_legends_have_the_names_and_units_of_the_run(slide, run):
@@ -195,32 +156,6 @@ def test_a_portrait_draws_velocities_over_coordinates(bodies, slide):
         plot.plot_phase_portrait(slide, coordinate=3)
 
 
-def test_polar_plots_show_the_coefficients_and_the_deflection():
-    ax = plot.plot_friction_coefficient(LAW, polar=True)
-    along, left, right = ax.lines
-    phi = along.get_xdata()
-    opposing, deflecting = LAW.resistance(phi)
-    np.testing.assert_array_equal(along.get_ydata(), opposing)
-    both = np.nanmax([left.get_ydata(), -right.get_ydata()], axis=0)
-    np.testing.assert_array_equal(
-        np.where(deflecting < 0, right.get_ydata(), both), abs(deflecting)
-    )
-    ax = plot.plot_deflection(LAW, polar=True)
-    np.testing.assert_allclose(ax.lines[0].get_ydata(), np.rad2deg(LAW.deflection(phi)))
-    assert not np.any(ax.lines[1].get_ydata())
-    low, high = ax.get_ylim()
-    assert low < ax.lines[0].get_ydata().min()
-    assert high > ax.lines[0].get_ydata().max()
-
-
-def test_polar_axes_that_are_given_are_recognised():
-    ax = plt.figure().add_subplot(projection="polar")
-    assert plot.plot_friction_coefficient(LAW, ax=ax, across=False) is ax
-    assert ax.lines[0].get_xdata().max() == pytest.approx(2.0 * np.pi)
-    with pytest.raises(asp.ParameterError, match="polar"):
-        plot.plot_deflection(LAW, ax=plt.subplots()[1], polar=True)
-
-
 def test_bodies_are_outlined_where_they_are(bodies, slide):
     ax = plot.plot_bodies(slide, system=bodies, at=[0.4], forces=False, paths=False)
     box, center, circle, radius, middle = (line.get_xydata() for line in ax.lines)
@@ -231,63 +166,6 @@ def test_bodies_are_outlined_where_they_are(bodies, slide):
     np.testing.assert_allclose(np.linalg.norm(circle - place[1, :2], axis=1), 0.06)
     np.testing.assert_allclose(middle, place[1:, :2])
     np.testing.assert_allclose(radius[0], place[1, :2])
-
-
-@pytest.mark.parametrize(("view", "seen"), [("above", (0, 1)), ("front", (0, 2)), ("side", (1, 2))])
-def test_forces_of_contacts_are_drawn_to_scale(bodies, slide, view, seen):
-    ax = plot.plot_bodies(slide, system=bodies, at=[0.1], view=view, contacts=[0, 8])
-    (arrows,) = (one for one in ax.collections if hasattr(one, "U"))
-    force = bodies.contact_forces(slide, frame="world")[50][[0, 8]][:, seen]
-    shown = np.column_stack([arrows.U, arrows.V])
-    scale = np.linalg.norm(shown) / np.linalg.norm(force)
-    np.testing.assert_allclose(shown, scale * force, atol=1e-12)
-    np.testing.assert_allclose(
-        arrows.get_offsets(), bodies.contact_points(slide)[50][[0, 8]][:, seen]
-    )
-
-
-def test_bodies_in_space_have_their_edges(bodies, slide):
-    ax = plot.plot_bodies(slide, system=bodies, at=[0.4], view="space", forces=False, paths=False)
-    assert ax.name == "3d"
-    ends = [np.column_stack(line.get_data_3d()) for line in ax.lines]
-    straight = [one for one in ends if len(one) == 2]
-    lengths = np.sort([np.linalg.norm(np.diff(one, axis=0)) for one in straight])
-    np.testing.assert_allclose(lengths, np.repeat([0.1, 0.2], [8, 4]))
-
-
-def test_edges_of_flat_and_of_solid_hulls():
-    square = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]])
-    assert len(edges(square)) == 4
-    assert len(edges(np.vstack([square, [[0.5, 0.5, 2.0]]]))) == 8
-    assert len(edges(np.vstack([square, square - [0.0, 0.0, 1.0], [[0.5, 0.5, 0.5]]]))) == 12
-
-
-def test_a_system_is_drawn_as_it_starts(bodies):
-    ax = plot.plot_bodies(bodies)
-    np.testing.assert_allclose(ax.lines[1].get_xydata(), [[0.0, 0.0]])
-
-
-def test_bodies_in_a_plane_stand_on_their_line():
-    line = asp.Line()
-    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    box = asp.PlanarBody.box(1.0, half_sizes=(0.1, 0.3), position=(0.0, 0.3))
-    system = asp.RigidBodies(
-        [box], pairs=[asp.BoxPlane(0, half_sizes=(0.1, 0.3), plane=line, law=law)]
-    )
-    motion = asp.integrate(system, t_end=0.1)
-    ax = plot.plot_bodies(motion, system=system, at=1)
-    (arrows,) = (one for one in ax.collections if hasattr(one, "U"))
-    assert arrows.V.sum() > 0.0
-    with pytest.raises(asp.ParameterError, match="view"):
-        plot.plot_bodies(motion, system=system, view="front")
-
-
-def test_the_disk_on_pads_is_drawn_by_the_hull_of_its_points():
-    disk = asp.SlidingDisk(LAW, velocity=(1.0, 0.0), diameter=0.06)
-    ax = plot.plot_bodies(disk)
-    hull = ax.lines[0].get_xydata()
-    assert len(hull) == 13
-    np.testing.assert_allclose(np.linalg.norm(hull, axis=1), 0.03)
 
 
 @pytest.mark.parametrize(
@@ -336,79 +214,6 @@ def test_what_cannot_be_drawn_is_said(run, argument, call):
     assert not plt.get_fignums()
 
 
-def test_measured_paths_have_no_contacts(measured):
-    with pytest.raises(asp.ParameterError, match="no contacts"):
-        plot.plot_history(measured, quantity="slip")
-    with pytest.raises(asp.ParameterError, match="contact"):
-        plot.plot_path(measured, contact=0)
-
-
-def test_axes_made_elsewhere_take_on_the_look_of_the_house():
-    _, ax = plt.subplots()
-    plot.plot_set(asp.Disk(1.0), ax=ax)
-    assert not ax.spines["top"].get_visible()
-    assert ax.xaxis.get_gridlines()[0].get_visible()
-    own = plot.plot_set(asp.Disk(1.0))
-    for made in (ax, own):
-        assert mpl.colors.to_hex(made.spines["left"].get_edgecolor()) == plot.look.GREY.lower()
-
-
-def test_colours_are_those_of_the_house_when_the_figure_is_drawn_later(run, slide, bodies):
-    palette = {plot.look.BLUE, plot.look.ORANGE}
-    for ax in (plot.plot_history(run, quantity="u"), plot.plot_bodies(slide, system=bodies)):
-        shown = {mpl.colors.to_hex(line.get_color()).upper() for line in ax.lines}
-        assert palette <= shown <= {*palette, plot.look.GREY}
-
-
-def test_settings_of_the_user_win_over_the_look():
-    with mpl.rc_context({"axes.spines.top": True, "axes.edgecolor": "red", "axes.grid": False}):
-        _, ax = plt.subplots()
-        plot.plot_set(asp.Disk(1.0), ax=ax)
-    assert ax.spines["left"].get_edgecolor() == mpl.colors.to_rgba("red")
-    ax.grid(False)
-    ax.spines["top"].set_visible(True)
-    plot.plot_set(asp.Disk(0.5), ax=ax)
-    assert ax.spines["top"].get_visible()
-    assert not ax.xaxis.get_gridlines()[0].get_visible()
-
-
-def test_forty_coordinates_have_a_legend_and_bars_that_fit():
-    law = asp.FrictionLaw.isotropic(0.3, dimension=1)
-    contacts = [asp.Contact(law, direction=line, normal_force=0.1) for line in np.eye(40)]
-    chain = asp.LinearSystem(np.ones(40), stiffness=1.0, contacts=contacts)
-    moved = asp.simulate(chain, dt=0.01, t_end=0.5, q0=np.linspace(0.1, 1.0, 40))
-    ax = plot.plot_history(moved)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        ax.figure.canvas.draw()
-    assert len(ax.lines) == 40
-    assert len({line.get_color() for line in ax.lines}) == 40
-    frame = ax.figure.bbox
-    strip = ax.child_axes[0]
-    for part in (ax.get_legend(), strip.xaxis.label, ax.yaxis.label, *strip.get_yticklabels()):
-        box = part.get_window_extent()
-        assert frame.x0 <= box.x0 <= box.x1 <= frame.x1
-        assert frame.y0 <= box.y0 <= box.y1 <= frame.y1
-    labels = sorted(one.get_window_extent().y0 for one in strip.get_yticklabels())
-    assert min(np.diff(labels)) >= 0.9 * strip.get_yticklabels()[0].get_window_extent().height
-
-
-def test_an_animation_lasts_as_long_as_the_run(tmp_path, bodies, slide):
-    from PIL import Image
-
-    path = tmp_path / "slide.gif"
-    plot.save_animation(slide, path, system=bodies, fps=10, speed=0.5, size=(3.0, 2.0), dpi=50)
-    with Image.open(path) as film:
-        assert film.size == (150, 100)
-        durations = []
-        for number in range(film.n_frames):
-            film.seek(number)
-            durations.append(film.info["duration"])
-    # 0.4 s at half the speed, and the last picture.
-    assert sum(durations[:-1]) == 800
-    assert [one.name for one in tmp_path.iterdir()] == ["slide.gif"]
-
-
 def test_an_animation_draws_all_that_the_run_knows_of(tmp_path, bodies, slide):
     from PIL import Image
 
@@ -431,13 +236,3 @@ def test_an_animation_draws_all_that_the_run_knows_of(tmp_path, bodies, slide):
         green = np.abs(pixels - np.array(mpl.colors.to_rgb(plot.look.SLIDING)) * 255).sum(-1) < 60
         rows = green.any(axis=1).astype(int)
         assert np.count_nonzero(np.diff(rows, prepend=0) == 1) == count
-
-
-def test_an_animation_of_a_point_and_as_mp4(tmp_path, run):
-    pytest.importorskip("av")
-    path = tmp_path / "belt.mp4"
-    plot.save_animation(run, path, fps=10, speed=10.0, size=(1.51, 1.01), dpi=100)
-    frames = list(track.VideoFile(path)) if hasattr(track, "VideoFile") else None
-    if frames is not None:
-        assert len(frames) == 21
-    assert path.stat().st_size > 1000

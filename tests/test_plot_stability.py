@@ -1,6 +1,5 @@
 """Root loci, charts of growth rates, bifurcation diagrams: what is drawn, not how it looks."""
 
-import warnings
 from types import SimpleNamespace
 
 import asperity as asp
@@ -13,7 +12,6 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 from asperity.plot import plot_bifurcation, plot_growth_chart, plot_root_locus
 from drawn import drawn
-from matplotlib.artist import Artist
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.contour import QuadContourSet
 
@@ -46,24 +44,6 @@ def _close():
     plt.close("all")
 
 
-@pytest.mark.parametrize(
-    "plot",
-    [
-        lambda ax: drawn(plot_root_locus, ROOTS, values=DAMPING, ax=ax),
-        lambda ax: drawn(
-            plot_growth_chart, [[-1.0, 1.0], [-2.0, 3.0]], x=[0.0, 1.0], y=[0.0, 1.0], ax=ax
-        ),
-        lambda ax: drawn(plot_bifurcation, belt(), ax=ax),
-    ],
-)
-def test_artists_are_drawn_into_the_axes_given(plot):
-    _, ax = plt.subplots()
-    artists = plot(ax)
-    assert all(isinstance(one, Artist) and one.axes is ax for one in artists)
-    assert len(plot(None)) == len(artists)
-    assert len(plt.get_fignums()) == 2
-
-
 def points(lines):
     segments = np.array(lines.get_segments())
     return np.vstack([segments[:, 0], segments[-1:, 1]]) @ [1.0, 1.0j]
@@ -81,78 +61,6 @@ def test_branches_of_a_root_locus_are_continuous_whatever_the_order_of_the_eigen
     np.testing.assert_allclose(found, [first, second])
 
 
-def test_root_locus_takes_objects_with_eigenvalues_and_colours_by_the_parameter():
-    objects = [SimpleNamespace(eigenvalues=row) for row in ROOTS]
-    artists = drawn(plot_root_locus, objects, values=DAMPING, label="damping")
-    lines = [one for one in artists if isinstance(one, LineCollection)]
-    np.testing.assert_allclose(lines[0].get_array(), 0.5 * (DAMPING[1:] + DAMPING[:-1]))
-    assert lines[0].get_clim() == (-0.5, 3.0)
-    bars = [ax for ax in artists[0].figure.axes if ax is not artists[0].axes]
-    assert [ax.get_ylabel() for ax in bars] == ["damping"]
-    ends = {complex(np.round(points(one)[-1], 9)) for one in lines}
-    assert ends == {complex(np.round(root, 9)) for root in ROOTS[-1]}
-
-
-def test_of_many_eigenvalues_those_that_grow_are_picked_out():
-    values = np.linspace(0.0, 1.0, 11)
-    still = -1e4 + 1j * np.arange(1.0, 31.0) * 100.0
-    grows = 30.0 * values[:, None] - 10.0 + 1j * 2.0 * np.pi * 50.0
-    half = np.hstack([np.broadcast_to(still, (11, 30)), grows])
-    ax = plot_root_locus(np.hstack([half, half.conj()]), values=values, unit="Hz")
-    assert len(ax.collections) == 31
-    heavy = [one for one in ax.collections if one.get_linewidths()[0] > 2.0]
-    assert len(heavy) == 1
-    np.testing.assert_allclose(heavy[0].get_segments()[-1][-1], [20.0, 50.0])
-    assert [text.get_text() for text in ax.texts] == ["50"]
-    assert ax.get_xlim()[0] == -200.0
-    assert "Hz" in ax.get_ylabel()
-
-
-def test_what_a_chart_and_a_diagram_know_need_not_be_said():
-    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
-    system = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
-    chart = asp.growth_chart(system, phi=np.linspace(0.0, 1.0, 5), zeta=[0.0, 0.4])
-    ax = plot_growth_chart(chart)
-    assert ax.get_xlabel() == "direction of the belt in degrees"
-    assert ax.get_ylabel() == "rotation of C in degrees"
-    mesh = drawn(plot_growth_chart, chart)[0]
-    same = drawn(
-        plot_growth_chart, chart.growth, x=np.rad2deg(chart.phi), y=np.rad2deg(chart.zeta)
-    )[0]
-    assert np.array_equal(mesh.get_coordinates(), same.get_coordinates())
-    assert np.array_equal(mesh.get_array(), same.get_array())
-    own = plot_growth_chart(chart, x=chart.phi)
-    assert (own.get_xlabel(), own.get_ylabel()) == ("", "rotation of C in degrees")
-    for missing in ({"x": chart.phi}, {"y": chart.zeta}, {}):
-        with pytest.raises(asp.ParameterError, match="must be given: only a GrowthChart"):
-            plot_growth_chart(chart.growth, **missing)
-
-    diagram = asp.bifurcation_diagram(
-        asp.mechanisms.stribeck_block, parameter="belt_velocity", values=[0.2, 0.3], cycles=False
-    )
-    lines = [one for one in drawn(plot_root_locus, diagram) if isinstance(one, LineCollection)]
-    assert lines[0].get_clim() == (0.2, 0.3)
-    (bar,) = (ax for ax in lines[0].figure.axes if ax is not lines[0].axes)
-    assert bar.get_ylabel() == "belt_velocity"
-    assert plot_bifurcation(diagram).get_ylabel() == "q0 in SI units"
-    with pytest.raises(asp.ParameterError, match="values: must be given"):
-        plot_root_locus(diagram.stabilities)
-
-
-def test_root_locus_and_chart_take_what_the_analysis_returns():
-    mu = np.linspace(0.7, 0.8, 6)
-    found = [asp.stability(asp.mechanisms.mode_coupling(value)) for value in mu]
-    artists = drawn(plot_root_locus, found, values=mu)
-    lines = [one for one in artists if isinstance(one, LineCollection)]
-    assert sum(points(one)[-1].real > 1e-3 for one in lines) == 2
-    law = asp.FrictionLaw(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0))
-    phi, zeta = np.linspace(0.0, np.pi, 7), np.linspace(0.0, np.pi / 2, 5)
-    belt = asp.MassOnBelt(1.0, stiffness=1.0, law=law, normal_force=1.0, belt_velocity=[1.0, 0.0])
-    growth = asp.growth_chart(belt, phi=phi, zeta=zeta).growth
-    mesh = drawn(plot_growth_chart, growth, x=phi, y=zeta)[0]
-    np.testing.assert_array_equal(mesh.get_array().reshape(5, 7), growth.T)
-
-
 def test_growth_chart_draws_the_border_where_growth_begins():
     x, y = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31)
     mesh, border = drawn(plot_growth_chart, x[:, None] - y, x=x, y=y)
@@ -167,14 +75,6 @@ def test_growth_chart_draws_the_border_where_growth_begins():
     )
     for path in border.get_paths():
         np.testing.assert_allclose(*path.vertices.T, atol=1e-5)
-
-
-def test_growth_chart_has_no_border_where_nothing_grows_or_everything_does():
-    x = np.arange(3.0)
-    rounding = 1e-16 * np.random.default_rng(2).normal(size=(3, 3))
-    for growth in (np.zeros((3, 3)), np.full((3, 3), -1.0), rounding, rounding - np.eye(3)):
-        assert len(drawn(plot_growth_chart, growth, x=x, y=x)) == 1
-    assert len(drawn(plot_growth_chart, 1.0 + np.eye(3), x=x, y=x)) == 1
 
 
 def test_bifurcation_shows_every_kind_of_equilibrium_once():
@@ -194,14 +94,6 @@ def test_bifurcation_shows_every_kind_of_equilibrium_once():
     assert filling.axes.get_xlabel() == "speed"
 
 
-def test_unstable_cycles_are_dotted():
-    diagram = belt()
-    diagram.cycle_stable = diagram.values == 1.0
-    lines = drawn(plot_bifurcation, diagram)[1:5]
-    assert [line.get_linestyle() for line in lines] == ["-", "-", ":", ":"]
-    np.testing.assert_allclose(lines[2].get_ydata(), [np.nan, 0.0, 1.0, 2.0, np.nan, np.nan])
-
-
 def test_lines_do_not_cross_from_one_branch_of_cycles_to_another():
     diagram = belt()
     # The cycle at 1 is alone on its branch; those at 2 and 3 lie on another one.
@@ -215,44 +107,6 @@ def test_lines_do_not_cross_from_one_branch_of_cycles_to_another():
         there = np.isfinite(line.get_ydata())
         assert line.get_xdata()[there].tolist() == own
     assert (lines[0].get_marker(), lines[2].get_marker()) == (".", "None")
-
-
-def test_bifurcation_without_cycles_draws_equilibria_only():
-    diagram = belt()
-    diagram.cycle_minima = diagram.cycle_maxima = np.full((6, 2), np.nan)
-    assert len(drawn(plot_bifurcation, diagram)) == 3
-
-
-LAW = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
-
-
-def on_belt(phi):
-    return asp.MassOnBelt(
-        1.0, stiffness=1.0, law=LAW, normal_force=1.0, belt_velocity=[np.cos(phi), np.sin(phi)]
-    )
-
-
-@pytest.mark.parametrize("cycles", [True, False])
-@pytest.mark.parametrize("degrees", [[40.0, 80.0], [80.0]])
-@pytest.mark.parametrize("coordinate", [0, 1])
-def test_diagrams_in_which_no_cycle_was_found_are_drawn(cycles, degrees, coordinate):
-    diagram = asp.bifurcation_diagram(
-        on_belt, parameter="phi", values=np.deg2rad(degrees), cycles=cycles
-    )
-    assert diagram.cycle_minima.shape == diagram.equilibria.shape == (len(degrees), 2)
-    assert np.isnan(diagram.cycle_maxima).all()
-    (line,) = drawn(plot_bifurcation, diagram, coordinate=coordinate)
-    np.testing.assert_array_equal(line.get_ydata(), diagram.equilibria[:, coordinate])
-
-
-def test_growth_that_is_nowhere_known_is_drawn_grey_without_a_warning():
-    x = np.arange(3.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert len(drawn(plot_growth_chart, np.full((3, 3), np.nan), x=x, y=x)) == 1
-        assert len(drawn(plot_growth_chart, [[-1.0, 1.0]], x=[0.0], y=[0.0, 1.0])) == 1
-        partly = np.where(np.eye(3) > 0, np.nan, x[:, None] - 1.0)
-        assert len(drawn(plot_growth_chart, partly, x=x, y=x)) == 2
 
 
 def nowhere():

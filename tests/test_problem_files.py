@@ -4,7 +4,7 @@ import asperity as asp
 import h5py
 import numpy as np
 import pytest
-from asperity.contact.files import FRICTIONLESS, percussions
+from asperity.contact.files import percussions
 from samples import LAWS, TILTED_ELLIPSES, random_problem
 from scipy.sparse import block_diag, csc_array, csr_array, tril, triu
 
@@ -145,17 +145,6 @@ def _keys(file):
 
 
 @every_format
-def test_a_dense_operator_comes_back_dense(tmp_path, suffix):
-    problem = plain().replace(delassus=plain().delassus.toarray())
-    path = tmp_path / f"problem{suffix}"
-    problem.save(path)
-    read = asp.ContactProblem.load(path)
-    assert read == problem
-    assert isinstance(read.delassus, np.ndarray)
-    assert read != plain()
-
-
-@every_format
 @pytest.mark.parametrize("law", [DISK, TILTED_ELLIPSES])
 @pytest.mark.parametrize("known", [True, False], ids=["known", "assembled"])
 def test_bodies_come_back(tmp_path, law, known, suffix):
@@ -171,17 +160,6 @@ def test_bodies_come_back(tmp_path, law, known, suffix):
     np.testing.assert_array_equal(
         read.solve(tolerance=1e-9).percussion, problem.solve(tolerance=1e-9).percussion
     )
-
-
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: repr(law)[:40])
-def test_every_law_comes_back(tmp_path, law):
-    size = law.dimension
-    problem = asp.ContactProblem(
-        csr_array(np.eye(size)), free_velocity=np.ones(size), laws=law, normal_force=1.0
-    )
-    path = tmp_path / "law.npz"
-    problem.save(path)
-    assert asp.ContactProblem.load(path).laws == (law,)
 
 
 def test_plain_npz_has_the_keys_of_other_engines(tmp_path):
@@ -210,15 +188,6 @@ def test_plain_npz_has_the_keys_of_other_engines(tmp_path):
         product = directions.T @ inverse @ directions
         np.testing.assert_allclose(product, delassus.toarray(), atol=1e-12)
         np.testing.assert_allclose(directions.T @ inverse @ data["f"] + data["b"], data["q"])
-
-
-@pytest.mark.parametrize("name", ["extended", "restitution", "everything", "drilling"])
-def test_other_problems_cannot_be_taken_for_plain_ones(tmp_path, name):
-    path = tmp_path / "other.npz"
-    PROBLEMS[name].save(path)
-    with np.load(path, allow_pickle=False) as data:
-        assert "mu" not in data
-        assert not any(data[key].dtype.hasobject for key in data)
 
 
 def test_fclib_layout(tmp_path):
@@ -304,21 +273,6 @@ def test_a_global_problem_alone_is_assembled(tmp_path):
     np.testing.assert_allclose(read.delassus.toarray(), problem.delassus.toarray(), atol=1e-14)
 
 
-@every_format
-def test_no_friction_is_a_tiny_disk(tmp_path, suffix):
-    path = tmp_path / f"problem{suffix}"
-    problem = plain(asp.FrictionLaw.isotropic(FRICTIONLESS))
-    problem.save(path)
-    read = asp.ContactProblem.load(path)
-    assert read == problem
-    if suffix == ".npz":
-        with np.load(path) as data:
-            assert not data["mu"].any()
-    solution = read.solve(tolerance=1e-9)
-    tangential = np.delete(solution.percussion, np.arange(0, 12, 3))
-    assert np.abs(tangential).max() < 1e-10
-
-
 def test_solution_and_guesses_of_a_file_check_and_start_a_solve(tmp_path):
     import h5py
 
@@ -340,9 +294,3 @@ def test_solution_and_guesses_of_a_file_check_and_start_a_solve(tmp_path):
     np.testing.assert_allclose(again.percussion, solution.percussion, atol=1e-9)
     with pytest.raises(asp.DimensionError, match="start"):
         problem.solve(start=found.solution[:-1])
-
-
-def test_the_plain_format_holds_no_percussions(tmp_path):
-    path = tmp_path / "problem.npz"
-    plain().save(path)
-    assert percussions(path).solution is None

@@ -167,29 +167,6 @@ def test_steps_that_did_not_converge_are_logged(caplog):
     assert f"{run.failed_steps} of {run.steps} steps did not converge" in message
 
 
-def test_values_without_an_equilibrium_are_logged(caplog):
-    def family(k):
-        return asp.MassOnBelt(1.0, stiffness=k, law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0])
-
-    with caplog.at_level(logging.INFO, logger="asperity"):
-        asp.bifurcation_diagram(family, parameter="k", values=[0.0, 1.0], cycles=False)
-    assert any("no equilibrium at k = 0" in one for one in messages(caplog))
-
-
-def test_the_choice_of_models_is_logged(caplog):
-    with caplog.at_level(logging.INFO, logger="asperity"):
-        fit = LONG["fit_law"]()
-    (message,) = messages(caplog)
-    assert f"is {fit.comparison.best.reservoir}, circle" in message
-
-
-def test_frames_without_the_mark_are_logged(caplog):
-    empty = np.full_like(FRAME, 120)
-    with caplog.at_level(logging.WARNING, logger="asperity"):
-        track.track_mark([FRAME, empty, FRAME], fps=500.0, scene=track.Scene.from_scale(1e-3))
-    assert messages(caplog) == ["track_mark: 1 of 3 frames do not show the mark"]
-
-
 def test_the_library_shows_nothing_by_itself(capsys):
     LONG["fit_law"]()
     assert capsys.readouterr() == ("", "")

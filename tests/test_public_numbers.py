@@ -1,5 +1,7 @@
 """No public function takes NaN, infinity, masked or complex numbers without a word."""
 
+import itertools
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -23,14 +25,6 @@ ALLOWED = {
     ("plot.plot_growth_chart", "growth", "nan"),
     ("plot.plot_root_locus", "eigenvalues", "complex"),
 }
-CASES = [
-    (key, name, kind)
-    for key, call in CALLS.items()
-    if call is not None
-    for name in call.numbers
-    for kind in SPOILT
-    if (key, name, kind) not in ALLOWED
-]
 
 
 def test_every_public_callable_has_a_valid_call():
@@ -60,11 +54,18 @@ def spoil(value, bad):
     return spoilt
 
 
-@pytest.mark.parametrize(("key", "name", "kind"), CASES, ids=["-".join(case) for case in CASES])
-def test_what_is_no_number_is_refused_by_name(key, name, kind):
-    call = CALLS[key]
-    arguments = call.arguments(name)
-    spoilt = spoil(arguments.get(name), SPOILT[kind])
-    with pytest.raises(AsperityError) as caught:
-        call.function(**{**arguments, name: spoilt})
-    assert name in (getattr(caught.value, "argument", None), *str(caught.value).split(": "))
+@pytest.mark.parametrize("key", [key for key, call in CALLS.items() if call and call.numbers])
+def test_what_is_no_number_is_refused_by_name(key):
+    call, passed = CALLS[key], []
+    for name, kind in itertools.product(call.numbers, SPOILT):
+        if (key, name, kind) in ALLOWED:
+            continue
+        arguments = call.arguments(name)
+        spoilt = spoil(arguments.get(name), SPOILT[kind])
+        try:
+            call.function(**{**arguments, name: spoilt})
+        except AsperityError as error:
+            if name in (getattr(error, "argument", None), *str(error).split(": ")):
+                continue
+        passed.append((name, kind))
+    assert passed == []

@@ -29,18 +29,6 @@ def slip():
 
 
 @all_rates
-def test_factor_falls_from_one(rate):
-    speed = np.array([0.0, rate.speed, 1e6 * rate.speed])
-    drop = {"exponential": np.exp(-1.0), "hyperbolic": 0.5}[rate.shape]
-    at_speed = rate.ratio + (1 - rate.ratio) * drop + rate.viscous * rate.speed
-    np.testing.assert_allclose(rate(speed)[:2], [1.0, at_speed], rtol=1e-14)
-    assert rate(speed)[2] == pytest.approx(rate.ratio + rate.viscous * speed[2], abs=1e-5)
-    assert rate(0.1).shape == ()
-    with pytest.raises(asp.ParameterError, match="speed"):
-        rate(-0.1)
-
-
-@all_rates
 @pytest.mark.parametrize("law", PLANE_LAWS[:5], ids=identify)
 def test_force_in_slip_is_the_dry_force_times_the_factor(rate, law, slip):
     rated = law.replace(rate=rate)
@@ -55,16 +43,6 @@ def test_force_in_slip_is_the_dry_force_times_the_factor(rate, law, slip):
         factor * law.dissipation(slip, normal_force=3.0),
         rtol=1e-12,
     )
-
-
-@all_rates
-def test_jacobian_is_the_derivative_of_the_force(rate, slip):
-    law = TILTED_ELLIPSES.replace(rate=rate)
-    slip = slip[np.linalg.norm(slip, axis=1) > 0.01]
-    jacobian = law.jacobian(slip)
-    for j, e in enumerate(1e-7 * np.eye(2)):
-        column = (law.force(slip + e) - law.force(slip - e)) / 2e-7
-        np.testing.assert_allclose(jacobian[..., j], column, rtol=1e-4, atol=1e-5)
 
 
 def test_rate_belongs_to_the_law_but_not_to_its_shape():
@@ -107,13 +85,6 @@ def test_block_on_belt_has_the_known_stick_slip_cycle():
     assert stick == pytest.approx(7.705032, abs=5e-3)
     assert period - stick == pytest.approx(4.296, abs=5e-3)
     assert motion.q[starts[0] :, 0].max() == pytest.approx(1.133944, abs=5e-4)
-
-
-def test_block_on_belt_sticks_while_the_spring_is_weaker_than_static_friction():
-    motion = block_on_belt(1e-3, 6.0)
-    released = np.flatnonzero(motion.phase[1:, 0] != asp.Phase.STICK)[0] + 1
-    assert motion.q[released, 0] == pytest.approx(1.0, abs=2e-3)
-    np.testing.assert_allclose(motion.u[1 : released - 1, 0], 0.2, rtol=1e-9)
 
 
 @pytest.mark.parametrize("viscous", [100.0, 1e4])
@@ -217,19 +188,6 @@ def test_long_steps_of_laws_that_turn_the_slip_end_in_the_consistent_solution(la
         assert np.argmin(distance) == np.argmax(along)
 
 
-@pytest.mark.parametrize("law", TURNING_LAWS[:2], ids=["ellipses", "slender"])
-def test_short_steps_of_laws_that_turn_the_slip_tend_to_the_motion(law):
-    point = sliding_point(law, Stribeck(0.1, ratio=0.5, viscous=30.0))
-    motion = asp.integrate(point, t_end=0.02, u0=[3.0, -2.0])
-    steps = [4e-4, 2e-4, 1e-4]
-    errors = [
-        np.abs(asp.simulate(point, dt=dt, t_end=0.02, u0=[3.0, -2.0]).u[-1] - motion.u[-1]).max()
-        for dt in steps
-    ]
-    assert errors[-1] < 1e-2
-    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.2)
-
-
 def sliders(rates, laws, loads, force):
     """Points in the plane that know nothing of each other, as one system."""
     n = 2 * len(rates)
@@ -271,35 +229,6 @@ def test_thirty_sliders_slide_as_each_alone():
                 np.testing.assert_allclose(together[:, k], alone.u, rtol=1e-7, atol=1e-9)
 
 
-def test_thirty_contacts_of_one_body_are_one_contact():
-    law = asp.FrictionLaw.isotropic(0.4)
-    rate = Stribeck(0.1, ratio=0.6, viscous=100.0)
-    loads = np.linspace(0.1, 3.0, 30)
-    motions = []
-    for shares in (loads, [loads.sum()]):
-        contacts = [
-            asp.Contact(law.replace(rate=rate), direction=np.eye(2), normal_force=load)
-            for load in shares
-        ]
-        table = asp.LinearSystem(2.0, force=[20.0, 5.0], contacts=contacts)
-        motions.append(asp.simulate(table, dt=1e-2, t_end=0.5, u0=[1.0, -1.0], tolerance=1e-12))
-    np.testing.assert_allclose(motions[0].u, motions[1].u, rtol=1e-8, atol=1e-10)
-
-
-def test_contacts_of_one_body_share_a_stiff_factor():
-    # Four contacts under one body: each reacts to the friction of all.
-    law = asp.FrictionLaw.isotropic(0.4).replace(rate=Stribeck(0.1, ratio=0.6, viscous=1e4))
-    contacts = [
-        asp.Contact(law, direction=np.eye(2), normal_force=load) for load in (1.0, 2.0, 3.0, 4.0)
-    ]
-    table = asp.LinearSystem(2.0, force=[8.0, 0.0], contacts=contacts)
-    motion = asp.simulate(table, dt=0.05, t_end=2.0, u0=[1.0, 1.0])
-    assert motion.failed_steps == 0
-    # 0.4 · 10 N · f(v) = 8 N with f = 0.6 + 0.4 exp(−v/0.1) + κv, for v ≪ 0.1.
-    assert motion.u[-1, 0] == pytest.approx(1.0 / (1e4 - 4.0), rel=1e-5)
-    assert abs(motion.u[-1, 1]) < 1e-12
-
-
 def test_a_box_on_a_stiff_viscous_floor_slides_as_a_point_does():
     law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.1, ratio=1.0, viscous=50.0))
     height = 0.01
@@ -312,131 +241,6 @@ def test_a_box_on_a_stiff_viscous_floor_slides_as_a_point_does():
     point = asp.simulate(asp.SlidingPoint(2.0, law=law), u0=[1.0, 0.5], **options)
     assert slid.failed_steps == 0
     np.testing.assert_allclose(slid.u[:, :2], point.u, atol=1e-8)
-
-
-def test_a_landing_in_the_plane_of_the_friction_takes_the_factor_of_its_end():
-    # Three rows of a contact on two velocities: its block is singular, and its friction changes
-    # the normal percussion.
-    law = asp.FrictionLaw.isotropic(1.5).replace(
-        rate=Stribeck(0.74, ratio=0.0, shape="hyperbolic", exponent=3.4, viscous=0.044)
-    )
-    slope = asp.Contact(law, direction=np.eye(2), normal=[-0.36, 1.0], gap=3.5)
-    point = asp.LinearSystem([5.6, 48.8], force=[9.8, -2.3], contacts=[slope])
-    motion = asp.simulate(point, dt=0.14, t_end=4.2, tolerance=1e-12)
-    assert motion.failed_steps == 0
-    before, now = np.linalg.norm(motion.u[:-1], axis=1), np.linalg.norm(motion.u[1:], axis=1)
-    pressed = motion.normal_force[1:, 0] > 0.0
-    assert pressed.sum() > 5
-    assert not pressed[:5].any()
-    assert (motion.phase[1:, 0][pressed] == asp.Phase.SLIP).all()
-    factor = law.rate(before) - 0.044 * before + 0.044 * now
-    friction = np.linalg.norm(motion.force[1:, 0], axis=1)
-    expected = 1.5 * factor * motion.normal_force[1:, 0]
-    np.testing.assert_allclose(friction[pressed], expected[pressed], rtol=1e-9)
-
-
-def test_a_falling_factor_still_costs_one_solve():
-    falling = asp.FrictionLaw.isotropic(0.5).replace(rate=Stribeck(0.1, ratio=0.4))
-    motion = asp.simulate(asp.SlidingPoint(1.0, law=falling), dt=1e-3, t_end=0.1, u0=[1.0, 0.0])
-    assert motion.iterations.max() == 1
-
-
-def test_a_step_whose_factors_are_not_found_gives_up_before_long():
-    """Eight directions of friction on three velocities, two contacts with flat sides.
-
-    In the sixth step every factor that is tried leaves a problem of thousands of iterations.
-    """
-    rate = Stribeck(
-        0.8042755126953125,
-        ratio=0.7794647216796875,
-        shape="hyperbolic",
-        exponent=7.326021081465797,
-        viscous=0.05417327880859375,
-    )
-    laws = [
-        asp.FrictionLaw(
-            asp.Superellipsoid([56.23413251903491, 0.04762735300523933, 0.01], exponent=1.0),
-            asp.Ball(0.009786606894657367),
-        ),
-        asp.FrictionLaw(
-            asp.Box(
-                lower=[-13.228816615648402, -12.97837189926098], upper=[13.228816615648402] * 2
-            ),
-            asp.Box(lower=[-1.7640910479125431] * 2, upper=[13.2288166156484, 0.07150050052954164]),
-            rate=rate,
-        ),
-        asp.FrictionLaw(
-            asp.Box(
-                lower=[-13.228816615648402, -13.228816615648402, -0.059947488920294126],
-                upper=[13.213951694331437, 99.20212976395713, 99.98594712341624],
-            ),
-            asp.Box(
-                lower=[-0.03372516643136681, -0.059896960595114464, -0.059947488920294126],
-                upper=[0.05996434116581489, 6.216101058455589e-6, 5.997276906503546e-6],
-            ),
-        ),
-    ]
-    near_one = 0.999969482421875
-    directions = [
-        [
-            [-1.0, -0.55242919921875, -0.09075927734375],
-            [0.5, 0.875, -0.748931884765625],
-            [0.722686767578125, -0.610321044921875, -0.13934326171875],
-        ],
-        [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]],
-        [[-0.875, near_one, near_one], [near_one] * 3, [near_one] * 3],
-    ]
-    belts = [
-        [-0.0826719912883803, 0.31622776601683794, 0.0],
-        [-13.228816615648402] * 2,
-        [-99.98594712341624, 0.0, -99.98594712341624],
-    ]
-    loads = [0.5623413251903491, 13.228816615648402, 13.228816615648402]
-    contacts = [
-        asp.Contact(law, direction=direction, velocity=belt, normal_force=load)
-        for law, direction, belt, load in zip(laws, directions, belts, loads, strict=True)
-    ]
-    system = asp.LinearSystem(
-        [0.01, 0.01, 0.01778279410038923],
-        force=[1.7782794100389228, 56.23413251903491, 0.6583873005701364],
-        contacts=contacts,
-    )
-    dt = 0.12945582061432676
-    motion = asp.simulate(
-        system, dt=dt, t_end=6 * dt, q0=[0.0] * 3, u0=[0.0] * 3, on_failure="record"
-    )
-    assert motion.steps == 6
-    assert 0 < motion.iterations.max() < 20_000
-
-
-@pytest.mark.parametrize("solver", [asp.Exact(), asp.ProxJacobi(), asp.ProxGaussSeidel()])
-def test_friction_that_underflows_lets_slide(solver):
-    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(0.01))
-    point = asp.SlidingPoint(1.0, law=law)
-    motion = asp.simulate(point, dt=1e-2, t_end=0.2, u0=[10.0, 0.0], solver=solver)
-    np.testing.assert_allclose(motion.u, [[10.0, 0.0]] * len(motion.u), rtol=1e-9, atol=1e-9)
-    assert (motion.phase[1:] == asp.Phase.SLIP).all()
-
-
-@pytest.mark.parametrize("speed", 10.0 ** np.arange(-8.0, 4.0))
-@pytest.mark.parametrize("shape", ["exponential", "hyperbolic"])
-def test_falling_rates_are_never_monotone(speed, shape):
-    for ratio, exponent in ((0.0, 1.0), (0.9, 2.0), (0.5, 0.5)):
-        rate = Stribeck(speed, ratio=ratio, shape=shape, exponent=exponent)
-        law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2)).replace(rate=rate)
-        assert_breaks_monotonicity(law, law.is_maximal_monotone)
-
-
-def test_rising_rates_do_not_make_a_law_monotone():
-    law = TILTED_ELLIPSES.replace(rate=Stribeck(0.1, ratio=1.0, viscous=0.5))
-    assert_breaks_monotonicity(law, law.is_maximal_monotone)
-
-
-def test_jacobian_at_high_speeds_is_finite():
-    law = asp.FrictionLaw.isotropic(0.3).replace(rate=Stribeck(1.0, exponent=300.0))
-    jacobian = law.jacobian([[1e3, 0.0], [0.0, -1e3], [0.999, 0.0], [1e-3, 0.0]])
-    assert np.isfinite(jacobian).all()
-    assert np.isfinite(law.force([1e3, 0.0])).all()
 
 
 def test_steps_end_with_the_factors_of_their_speeds_or_count_as_not_converged():

@@ -1,9 +1,7 @@
 """What a release stands on: versions and addresses that agree, extras, complete archives."""
 
 import ast
-import datetime
 import importlib.util
-import itertools
 import re
 import shlex
 import shutil
@@ -21,7 +19,6 @@ ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CARGO = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]
 WORKFLOWS = [ROOT / ".github" / "workflows" / name for name in ("ci.yml", "release.yml")]
-DATE = datetime.date(2027, 1, 2)
 
 
 def _load(name):
@@ -72,15 +69,6 @@ def test_a_new_version_is_written_to_all_places(copy, capsys):
     assert (copy / "CITATION.cff").read_text(encoding="utf-8").count("date-released") == 1
 
 
-def test_a_dry_run_shows_and_changes_nothing(copy, capsys):
-    before = contents(copy)
-    assert release.main(["--root", str(copy), "bump", "9.8.7", "--dry-run"]) == 0
-    shown = capsys.readouterr().out
-    assert '+version = "9.8.7"\n' in shown
-    assert "+version: 9.8.7\n" in shown
-    assert contents(copy) == before
-
-
 @pytest.mark.parametrize(
     ("version", "message"),
     [
@@ -95,12 +83,6 @@ def test_versions_that_are_none_are_refused(copy, version, message, capsys):
     assert release.main(["--root", str(copy), "bump", version]) == 1
     assert message in capsys.readouterr().err
     assert contents(copy) == before
-
-
-def test_candidates_come_before_their_release():
-    ordered = ["0.9.9", "1.0.0-rc.1", "1.0.0-rc.2", "1.0.0-rc.10", "1.0.0", "1.0.1", "1.10.0"]
-    for earlier, later in itertools.pairwise(ordered):
-        assert release.rank(earlier) < release.rank(later)
 
 
 def test_a_release_without_changes_is_refused(copy, capsys):
@@ -144,34 +126,6 @@ def test_places_that_disagree_are_named(copy, name, capsys):
         assert f"  {name}" in capsys.readouterr().err
 
 
-def test_a_tag_of_another_version_is_refused(capsys):
-    assert release.main(["check", "v9.8.7"]) == 1
-    assert "the tag is v9.8.7" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("failing", [1, 2, 4, 6])
-def test_all_files_are_written_or_none(copy, monkeypatch, failing):
-    """The n-th call that writes or renames fails."""
-    before = contents(copy)
-    texts = release.bumped(copy, "9.8.7", DATE)
-    calls = itertools.count(1)
-
-    def failing_at(function):
-        def called(*arguments, **keywords):
-            if next(calls) == failing:
-                raise OSError(28, "No space left on device")
-            return function(*arguments, **keywords)
-
-        return called
-
-    monkeypatch.setattr(release.os, "replace", failing_at(release.os.replace))
-    monkeypatch.setattr(release.Path, "write_text", failing_at(release.Path.write_text))
-    with pytest.raises(OSError, match="No space"):
-        release.write(texts)
-    monkeypatch.undo()
-    assert contents(copy) == before
-
-
 def test_addresses_of_the_project_agree():
     """Every address of the project begins with one of those in pyproject.toml."""
     urls = PROJECT["urls"]
@@ -204,33 +158,13 @@ def test_addresses_are_changed_together(copy, capsys):
     assert f'Homepage = "{host}"' in (copy / "pyproject.toml").read_text(encoding="utf-8")
 
 
-GITHUB = "https://github.com/somebody/friction"
-
-
-@pytest.mark.parametrize(
-    ("site", "repository"),
-    [
-        ("friction.example", GITHUB),
-        ("https://friction", GITHUB),
-        ("https://friction.example/a b", GITHUB),
-        ("https://friction.example", "https://gitlab.com/somebody/friction"),
-        ("https://friction.example", "https://github.com/somebody"),
-        ("https://friction.example", f"{GITHUB}/tree/main"),
-    ],
-)
-def test_addresses_that_would_break_links_are_refused(copy, site, repository):
-    before = contents(copy)
-    assert release.main(["--root", str(copy), "address", site, repository]) == 1
-    assert contents(copy) == before
-
-
 def test_pictures_and_links_of_the_readme_are_found_from_everywhere():
     """Registries show the page, too: they do not have the repository beside it."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     urls = PROJECT["urls"]["Repository"]
     raw = urls.replace("github.com", "raw.githubusercontent.com") + "/main/"
     pictures = re.findall(r"!\[[^\]]*\]\(([^)]*)\)", text)
-    assert len(pictures) > 3
+    assert pictures
     for address in pictures:
         assert address.startswith(raw)
         assert (ROOT / address.removeprefix(raw)).is_file()
@@ -241,8 +175,9 @@ def test_pictures_and_links_of_the_readme_are_found_from_everywhere():
         assert (ROOT / address.removeprefix(f"{urls}/blob/main/")).exists()
     for label, address in re.findall(r"(?<!!)\[([^\]]+)\]\(([^)]*)\)", text):
         assert address.startswith(("https://", "#")), label
-    named = re.findall(r"\[((?:docs/)?[\w/.`]+\.(?:md|bib|cff))\](?![:(])", text)
-    assert set(named) <= set(pages)
+    plain = re.sub("```.*?```", "", text, flags=re.DOTALL)
+    named = re.findall(r"(?<![\w!])\[([^\]]+)\](?![:(])", plain)
+    assert set(named) - {"WL19", *PROJECT["optional-dependencies"]} <= set(pages)
 
 
 def test_extras_are_there_and_hold_each_other():
@@ -328,21 +263,6 @@ def test_crates_that_the_registry_has_are_left_out(capsys):
     assert "--no-verify --package asperity\n" in capsys.readouterr().out
     assert crates.main([], lambda address: read(next(iter(lines)))) == 0
     assert "has all crates" in capsys.readouterr().out
-
-
-def test_what_publishes_has_the_rights_it_needs_and_can_be_run_again():
-    yaml = pytest.importorskip("yaml")
-    jobs = yaml.safe_load(WORKFLOWS[1].read_text(encoding="utf-8"))["jobs"]
-    assert jobs["crates"]["permissions"] == {"contents": "read", "id-token": "write"}
-    assert jobs["pypi"]["permissions"] == {"id-token": "write", "attestations": "write"}
-    assert jobs["page"]["permissions"] == {"contents": "write"}
-    assert all(jobs[name]["environment"] == "release" for name in ("crates", "pypi", "page"))
-    steps = {name: str(job["steps"]) for name, job in jobs.items()}
-    assert [name for name, text in steps.items() if "CARGO_REGISTRY_TOKEN" in text] == ["crates"]
-    assert "'skip-existing': True" in steps["pypi"]
-    assert "--prerelease" in steps["page"]
-    assert "gh release view" in steps["page"]
-    assert "-rc." in jobs["pages"]["if"]
 
 
 def test_the_sdist_holds_all_that_the_repository_holds(tmp_path):

@@ -80,50 +80,6 @@ def test_radius_and_boundary_of_planar_sets(star):
     np.testing.assert_allclose(angles, np.arange(8) * np.pi / 4, atol=1e-12)
 
 
-@all_sets
-def test_indicator_is_zero_inside_and_infinite_outside(star, rng):
-    boundary = star.boundary(50)
-    assert not star.indicator(boundary * rng.uniform(0.0, 1.0, size=(len(boundary), 1))).any()
-    assert np.isinf(star.indicator(boundary * 1.001)).all()
-    assert np.ndim(star.indicator(boundary[0])) == 0
-
-
-@all_sets
-def test_scaled_and_mapped_sets(star, rng):
-    x = random_directions(rng, CASES, star.dimension)
-    np.testing.assert_allclose(star.scaled(2.5).gauge(x), star.gauge(x) / 2.5, rtol=1e-10)
-    matrix = random_matrix(rng, star.dimension)
-    np.testing.assert_allclose(star.mapped(matrix).gauge(x @ matrix.T), star.gauge(x), rtol=1e-10)
-    np.testing.assert_allclose(star.preimage(matrix).gauge(x), star.gauge(x @ matrix.T), rtol=1e-10)
-
-
-@planar_sets
-def test_rotated_sets(star):
-    theta = np.linspace(0.1, 6.0, 25)
-    np.testing.assert_allclose(
-        star.rotated(0.8).radius(theta + 0.8), star.radius(theta), rtol=1e-10
-    )
-
-
-KEPT = (
-    asp.CappedRectangle,
-    asp.Polygon,
-    asp.PolarCurve,
-    asp.SupportCurve,
-    asp.Intersection,
-    asp.Union,
-    asp.MinkowskiSum,
-    asp.Ellipse,
-    asp.Superellipse,
-)
-
-
-@pytest.mark.parametrize("star", [s for s in PLANE if isinstance(s, KEPT)], ids=identify)
-def test_classes_survive_turning_and_scaling(star):
-    assert type(star.rotated(0.2)) is type(star)
-    assert type(star.scaled(2.0)) is type(star)
-
-
 def test_sets_of_space_are_those_of_their_formulas(rng):
     x = rng.normal(size=(200, 3))
     a = np.array([0.5, 0.3, 0.8])
@@ -151,20 +107,6 @@ def test_sets_of_space_are_those_of_their_formulas(rng):
     np.testing.assert_allclose(law.force([-1.0, 0.0, 0.0])[0], -lower[0])
     assert asp.Box(a).lower.tolist() == (-a).tolist()
     assert asp.Box(a).upper.tolist() == a.tolist()
-
-
-def test_classes_are_kept_where_the_shape_allows():
-    assert asp.Ellipse(3.0, 1.0).rotated(0.2).scaled(2.0) == asp.Ellipse(6.0, 2.0, angle=0.2)
-    assert asp.Disk(1.0).rotated(0.2) == asp.Disk(1.0)
-    assert isinstance(asp.Box([1.0, 2.0]).rotated(0.2), asp.Mapped)
-    assert asp.WedgeAsperity(0.5, beta=0.3).rotated(0.2) == asp.WedgeAsperity(
-        0.5, beta=0.3, angle=0.2
-    )
-    assert asp.CoulombContensou(0.5, pressure="uniform").scaled(2.0) == asp.CoulombContensou(
-        1.0, pressure="uniform"
-    )
-    twice = asp.Box([1.0, 2.0]).mapped([[2.0, 0.0], [0.0, 1.0]]).mapped([[1.0, 0.0], [0.0, 3.0]])
-    assert twice == asp.Mapped(asp.Box([1.0, 2.0]), [[2.0, 0.0], [0.0, 3.0]])
 
 
 @all_sets

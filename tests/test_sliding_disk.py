@@ -1,7 +1,5 @@
 """The disk on three pads: loads of the pads, agreement with the point mass, spin."""
 
-import pickle
-
 import asperity as asp
 import numpy as np
 import pytest
@@ -90,35 +88,6 @@ def test_spin_shortens_no_disk_and_bends_the_path():
     assert np.hypot(*(ends[1] - ends[0])) > 5e-3
 
 
-@pytest.mark.parametrize(("tolerance", "share"), [(1e-10, 1e-6), (1e-13, 1e-10)])
-def test_the_loads_sum_up_to_the_weight_as_the_tolerance_says(tolerance, share):
-    for spin in (0.0, 40.0, 200.0):
-        disk = asp.SlidingDisk(EXTENDED, velocity=VELOCITY, spin=spin)
-        run = asp.simulate(disk, dt=1e-4, t_end=0.6, tolerance=tolerance)
-        assert run.normal_force[1:].sum(axis=1) == pytest.approx(WEIGHT, rel=share)
-        assert np.isnan(run.normal_force[0]).all()
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0])
-@pytest.mark.parametrize("tolerance", [1e-10, 1e-13])
-def test_the_disk_rests_when_the_point_does(angle, tolerance):
-    """Whatever the angle of the pads, to the two steps that the residual velocities may blur."""
-    point = slide(asp.SlidingPoint(0.018, law=EXTENDED), u0=VELOCITY, dt=1e-4)
-    disk = asp.SlidingDisk(EXTENDED, velocity=VELOCITY, angle=angle)
-    run = asp.simulate(disk, dt=1e-4, t_end=0.4, tolerance=tolerance)
-    assert disk.rest_time(run) == pytest.approx(point.t[-1], abs=2.1e-4)
-    stopped = slide(disk, dt=1e-4)
-    assert stopped.status == "at_rest"
-    assert stopped.t[-1] == pytest.approx(point.t[-1], abs=2.1e-4)
-
-
-def test_a_disk_that_moves_has_no_rest_time():
-    moving = asp.SlidingDisk(EXTENDED, velocity=VELOCITY)
-    assert np.isnan(moving.rest_time(asp.simulate(moving, dt=1e-3, t_end=0.1)))
-    resting = moving.replace(velocity=(0.0, 0.0))
-    assert resting.rest_time(asp.simulate(resting, dt=1e-3, t_end=0.1)) == 0.0
-
-
 def on_three_pads(mu, speed=-1.0, **options):
     """A disk that slides with one pad behind, which lifts off if µ is above r/h."""
     disk = asp.SlidingDisk(asp.FrictionLaw.isotropic(mu), velocity=(speed, 0.0), **options)
@@ -152,14 +121,6 @@ def test_a_disk_that_tips_does_not_sink_into_the_plane(mu, speed):
     # Between two of the twelve points of the edge the rim lies R (1 - cos 15°) deeper.
     assert lowest.min() > -0.014 * (1.0 - np.cos(np.pi / 12)) - 1e-4
     assert run.status == "at_rest"
-
-
-def test_disks_are_values():
-    disk = asp.SlidingDisk(EXTENDED, velocity=VELOCITY, spin=2.0)
-    assert pickle.loads(pickle.dumps(disk)) == disk
-    assert disk.replace(spin=2.0) == disk
-    assert disk.replace(spin=0.0) != disk
-    assert "spin=2.0" in repr(disk)
 
 
 @pytest.mark.parametrize(

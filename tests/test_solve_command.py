@@ -52,15 +52,6 @@ def test_the_table_has_a_row_per_problem_small_ones_first(capsys, folder):
     assert lines[-1].startswith("solved 3 of 3 to 1e-08, ")
 
 
-def test_files_and_folders_may_be_mixed(capsys, folder):
-    extra = folder / "more" / "single.npz"
-    extra.parent.mkdir()
-    problem(2).save(extra)
-    code, lines, _ = run(capsys, folder / "5_contacts.npz", extra, "--repeat", 3)
-    assert code == 0
-    assert [line.split()[0] for line in lines[1:-1]] == ["single", "5_contacts"]
-
-
 @pytest.mark.parametrize("solver", ["exact", "prox-gauss-seidel", "newton", "proximal-point"])
 def test_every_solver_can_be_chosen(capsys, folder, solver):
     code, lines, _ = run(capsys, folder, "--solver", solver, "--tolerance", 1e-6)
@@ -102,19 +93,6 @@ def test_user_errors_exit_with_2(capsys, folder, name, words):
     code, _, error = run(capsys, folder / name)
     assert code == 2
     assert words in error
-
-
-@pytest.mark.parametrize("option", ["--tolerance", "--time-limit", "--repeat"])
-def test_options_must_be_positive(capsys, folder, option):
-    code, _, error = run(capsys, folder, option, 0)
-    assert code == 2
-    assert option in error
-
-
-def test_a_folder_without_problems_exits_with_2(capsys, tmp_path):
-    code, _, error = run(capsys, tmp_path)
-    assert code == 2
-    assert "holds no .npz" in error
 
 
 def test_grader_by_hand():

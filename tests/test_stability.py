@@ -71,23 +71,6 @@ def test_trace_tangent_cone_and_eigenvalues_agree():
     assert 200 < unstable < 9000
 
 
-def test_verdict_follows_the_tangent_cone_test():
-    rng = np.random.default_rng(6)
-    kinds = {True: 0, False: 0}
-    for _ in range(300):
-        law = random_smooth_law(rng)
-        system = belt(law, rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.2, 2.0))
-        found = asp.stability(system)
-        (margin,) = found.margins
-        if abs(margin) < 1e-4:
-            continue
-        assert (found.kind == "unstable") == (margin < 0.0) == (found.trace < 0.0)
-        assert found.kind != "asymptotically stable"
-        assert not found.is_defective
-        kinds[margin < 0.0] += 1
-    assert min(kinds.values()) > 5
-
-
 def test_matrices_of_a_contact():
     """L projects on the force, H and B vanish along γ; (87), (88), (111)."""
     rng = np.random.default_rng(7)
@@ -114,20 +97,6 @@ def test_matrices_of_a_contact():
         np.testing.assert_allclose(found.symmetric + found.skew, found.matrix, atol=1e-12)
         np.testing.assert_array_equal(found.skew, -found.skew.T)
         np.testing.assert_allclose(found.trace, np.trace(B) / 2.0, rtol=1e-9, atol=1e-12)
-
-
-def test_jordan_block_at_the_end_of_the_critical_range():
-    for phi in asp.critical_directions(PAPER)[0]:
-        found = asp.stability(belt(PAPER, phi))
-        assert found.kind == "neutral"
-        assert found.is_defective
-        assert "grow like t" in found.reason
-        B = found.matrix
-        np.testing.assert_allclose(B @ B, 0.0, atol=1e-8 * np.linalg.norm(B) ** 2)
-        for aside in (-1e-3, 1e-3):
-            near = asp.stability(belt(PAPER, phi + aside))
-            assert not near.is_defective
-            assert (near.kind == "unstable") == (near.margins[0] < 0.0)
 
 
 def test_verdict_does_not_depend_on_units():
@@ -267,55 +236,3 @@ def test_conservative_and_gyroscopic_systems_are_neutral():
             assert asp.stability(asp.LinearSystem(M, stiffness=K, damping=G)).kind == "neutral"
         damped = asp.LinearSystem(M, stiffness=K, damping=1e-6 * M)
         assert asp.stability(damped).kind == "asymptotically stable"
-
-
-def test_multiple_eigenvalues_with_all_their_modes_are_not_defective():
-    assert not asp.stability(asp.LinearSystem(np.eye(5), stiffness=3.0)).is_defective
-    # A free mass drifts: its eigenvalue 0 is double and has one mode.
-    free = asp.stability(asp.LinearSystem(np.eye(2), stiffness=[1.0, 0.0]))
-    assert free.is_defective
-    assert free.kind == "neutral"
-
-
-def test_a_belt_whose_velocity_depends_on_the_place():
-    """Point on a turntable: the friction force follows the motion through χ(q) and W(q)."""
-    spin, pole = 0.7, np.array([0.3, -2.0])
-    K = np.array([[9.0, 0.3], [0.3, 7.0]])
-
-    def axes(q):
-        """e₁, e₂ of the law turn with the place."""
-        c, s = math.cos(0.2 * q[0]), math.sin(0.2 * q[0])
-        return np.array([[c, -s], [s, c]])
-
-    def surface(q):
-        return spin * np.array([-(q[1] - pole[1]), q[0] - pole[0]])
-
-    class Turntable(asp.System):
-        dof = 2
-        contacts = (asp.ContactLaw(PAPER, normal_force=0.05),)
-
-        def mass(self, q):
-            return np.eye(2)
-
-        def forces(self, t, q, u):
-            return -K @ q
-
-        def direction(self, t, q, contact):
-            return axes(q)
-
-        def velocity(self, t, q, contact):
-            return -axes(q).T @ surface(q)
-
-    found = asp.stability(Turntable())
-
-    def field(x):
-        turned = axes(x[:2])
-        gamma = turned.T @ (x[2:] - surface(x[:2]))
-        return np.append(x[2:], turned @ PAPER.force(gamma, normal_force=0.05) - K @ x[:2])
-
-    rest = np.append(found.equilibrium.q, [0.0, 0.0])
-    np.testing.assert_allclose(field(rest), 0.0, atol=1e-9)
-    h = 1e-5
-    A = np.stack([(field(rest + h * e) - field(rest - h * e)) / (2 * h) for e in np.eye(4)], -1)
-    np.testing.assert_allclose(found.first_order_matrix, A, atol=1e-6)
-    assert "follower force" in found.mechanisms

@@ -79,26 +79,6 @@ def test_jordan_blocks_on_the_axis(size):
         assert shifted.kind == "unstable"
 
 
-def test_an_eigenvalue_zero_does_not_make_others_defective():
-    """0 is single with a damper on the free coordinate; ±i is double and has both modes."""
-    system = asp.LinearSystem(np.eye(3), stiffness=[1.0, 1.0, 0.0], damping=[0.0, 0.0, 1.0])
-    assert not asp.stability(system).is_defective
-    chain = [[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]]
-    drift = asp.stability(asp.LinearSystem(np.eye(3), stiffness=np.multiply(chain, 1.0 / 3.0)))
-    assert drift.is_defective
-    assert drift.kind == "neutral"
-
-
-def test_growth_beside_eigenvalues_on_the_axis_at_the_same_frequency():
-    divergence = asp.stability(asp.LinearSystem(np.eye(2), stiffness=[-4.0, 0.0]))
-    assert divergence.kind == "unstable"
-    np.testing.assert_allclose(divergence.growth_rate, 2.0)
-    flutter = asp.stability(
-        asp.LinearSystem(np.eye(2), stiffness=[1.0 + 1e-6, 1.0], damping=[-2e-3, 0.0])
-    )
-    np.testing.assert_allclose(flutter.growth_rate, 1e-3, rtol=1e-9)
-
-
 def right_half_plane(M, B, K):
     """Number of eigenvalues with a positive real part of two equations, exactly, by Routh."""
     entries = [

@@ -6,7 +6,6 @@ import asperity as asp
 import numpy as np
 import pytest
 from scipy.sparse import csc_array
-from scipy.spatial.transform import Rotation
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 LINE = asp.FrictionLaw.isotropic(0.5, dimension=1)
@@ -90,16 +89,6 @@ def test_custom_system_equals_the_linear_one():
     np.testing.assert_allclose(custom.force, model.force, atol=1e-11)
 
 
-def test_time_dependent_belt():
-    class Shaken(Block):
-        def velocity(self, t, q, contact):
-            return np.array([-1.0 if t < 0.1 else 0.0])
-
-    motion = asp.simulate(Shaken(), dt=1e-3, t_end=1.0)
-    assert motion.u[:, 0].max() == pytest.approx(0.1 * 0.5 * 9.81, rel=1e-2)
-    assert motion.u[-1, 0] == 0.0
-
-
 def test_unilateral_custom_system_falls_and_rests():
     class Falling(asp.System):
         dof = 2
@@ -156,33 +145,6 @@ def test_unilateral_custom_system_falls_and_rests():
 def test_signatures_are_checked_when_the_class_is_defined(methods, message):
     with pytest.raises(TypeError, match=message):
         type("Faulty", (asp.System,), methods)
-
-
-def test_abstract_bases_may_be_incomplete():
-    class Base(asp.System, abstract=True):
-        def mass(self, q):
-            return np.eye(1)
-
-    with pytest.raises(TypeError, match="forces"):
-        type("Incomplete", (Base,), {})
-
-
-def test_missing_kinematics_are_named_before_the_first_step():
-    class Unfinished(asp.System):
-        dof = 1
-        contacts = (asp.ContactLaw(LINE),)
-
-        def mass(self, q):
-            return np.eye(1)
-
-        def forces(self, t, q, u):
-            return np.zeros(1)
-
-        def direction(self, t, q, contact):
-            return np.eye(1)
-
-    with pytest.raises(TypeError, match=r"must define the method normal\(self, t, q, contact\)"):
-        asp.simulate(Unfinished(), dt=0.1, t_end=1.0)
 
 
 def test_exceptions_in_a_callback_come_back_with_their_traceback():
@@ -256,25 +218,6 @@ def test_a_system_in_blocks_moves_as_the_same_in_one():
         np.testing.assert_allclose(run.force, runs[0].force, atol=1e-12)
 
 
-def test_what_is_constant_is_asked_for_once():
-    system = ConstantRow(3)
-    asp.simulate(system, dt=1e-2, t_end=1.0)
-    # Directions also for the phases and for the sample at the beginning, which no step has led to.
-    assert system.calls == {"mass": 3, "direction": 9}
-    changing = RowInBlocks(3)
-    asp.simulate(changing, dt=1e-2, t_end=1.0)
-    assert changing.calls["mass"] == 300
-
-
-def test_contacts_of_other_blocks_do_not_meet():
-    count = 400
-    system = ConstantRow(count)
-    run = asp.simulate(system, dt=1e-2, t_end=0.1, u0=np.ones(count))
-    assert run.status == "finished"
-    # One sweep solves contacts that do not meet, whatever their number.
-    assert run.iterations.max() == 1
-
-
 class Turning(asp.System):
     """A wheel with friction, its attitude as cosine and sine."""
 
@@ -312,169 +255,6 @@ def test_a_system_may_advance_its_own_coordinates():
     angle = asp.simulate(Angle(), q0=[0.3], **options)
     np.testing.assert_allclose(run.q, np.hstack([np.cos(angle.q), np.sin(angle.q)]), atol=1e-12)
     np.testing.assert_allclose(run.u, angle.u, atol=1e-12)
-
-
-def test_what_advance_raises_comes_back():
-    class Failing(Turning):
-        def advance(self, q, u, dt):
-            raise ZeroDivisionError("in the user's code")
-
-    with pytest.raises(ZeroDivisionError, match="user's code"):
-        asp.simulate(Failing(), dt=0.1, t_end=1.0, q0=[1.0, 0.0])
-
-
-def test_advance_counts_where_the_numbers_are_equal():
-    class Doubled(asp.System):
-        """A coordinate in half metres."""
-
-        dof = 1
-
-        def mass(self, q):
-            return np.eye(1)
-
-        def forces(self, t, q, u):
-            return np.ones(1)
-
-        def advance(self, q, u, dt):
-            return q + 2.0 * dt * u
-
-    run = asp.simulate(Doubled(), dt=0.5, t_end=2.0)
-    np.testing.assert_allclose(run.q[-1], 4.0)
-    with pytest.raises(asp.ParameterError, match="has its own `advance`"):
-        asp.integrate(Doubled(), t_end=2.0)
-
-
-class Turned(asp.System):
-    """A body in space by its velocities (v, Ω); the lowest point of its sphere may meet a floor."""
-
-    dof = 6
-    rotations = (3,)
-    constant_mass = True
-
-    def __init__(self, inertia, *, law=None, radius=0.1):
-        self.inertia, self.radius = np.asarray(inertia), radius
-        self.contacts = () if law is None else (asp.ContactLaw(law),)
-
-    def mass(self, q):
-        mass = np.eye(6)
-        mass[3:, 3:] = self.inertia
-        return mass
-
-    def forces(self, t, q, u):
-        return np.concatenate([[0.0, 0.0, -9.81], np.cross(self.inertia @ u[3:], u[3:])])
-
-    def normal(self, t, q, contact):
-        return np.eye(6)[2]
-
-    def gap(self, t, q, contact):
-        return q[2] - self.radius
-
-    def direction(self, t, q, contact):
-        rotation = Rotation.from_quat(np.roll(q[3:], -1)).as_matrix()
-        lever = [0.0, 0.0, -self.radius]
-        return np.array([[*e, *(rotation.T @ np.cross(lever, e))] for e in np.eye(3)[:2]]).T
-
-
-SPUN = [1.0, 0.3, 2.0, 0.3, 5.0, 0.2]
-
-
-@pytest.mark.parametrize("velocity", [[1.0, 0.3, 0.0], [1.0, 0.3, -1.0]])
-def test_a_body_of_the_user_turns_as_a_rigid_body(velocity):
-    law = asp.FrictionLaw.isotropic(0.3)
-    state = {"velocity": velocity, "angular_velocity": SPUN[3:]}
-    ball = asp.Body.ball(1.0, radius=0.1, position=(0.0, 0.0, 0.1 - 0.05 * velocity[2]), **state)
-    bodies = asp.RigidBodies(
-        [ball],
-        pairs=[asp.SpherePlane(0, radius=0.1, plane=asp.Plane(), law=law)],
-        gravity=(0.0, 0.0, -9.81),
-    )
-    own = Turned(ball.inertia, law=law)
-    start = {"q0": bodies.q0, "u0": bodies.u0}
-    options = {"dt": 1e-3, "t_end": 0.5, "tolerance": 1e-13}
-    run, expected = asp.simulate(own, **start, **options), asp.simulate(bodies, **options)
-    np.testing.assert_allclose(run.q, expected.q, atol=1e-13)
-    np.testing.assert_allclose(run.u, expected.u, atol=1e-12)
-    motion, expected = asp.integrate(own, t_end=0.5, **start), asp.integrate(bodies, t_end=0.5)
-    np.testing.assert_allclose(motion.q[-1], expected.q[-1], atol=1e-12)
-    np.testing.assert_allclose(motion.u[-1], expected.u[-1], atol=1e-12)
-    assert [event.kind for event in motion.events] == [event.kind for event in expected.events]
-
-
-def test_a_tumbling_body_of_the_user_is_integrated():
-    inertia = np.diag([0.1, 0.2, 0.25])
-    body = asp.Body(1.0, inertia=inertia, velocity=SPUN[:3], angular_velocity=SPUN[3:])
-    bodies = asp.RigidBodies([body], gravity=(0.0, 0.0, -9.81))
-    # No rotation is where it starts by default.
-    motion = asp.integrate(Turned(inertia), t_end=2.0, u0=SPUN)
-    expected = asp.integrate(bodies, t_end=2.0)
-    np.testing.assert_allclose(motion.q[-1], expected.q[-1], atol=1e-12)
-    # Steps of gyroscopic torques of the user are of first order.
-    errors = []
-    for dt in (1e-3, 5e-4):
-        run = asp.simulate(Turned(inertia), dt=dt, t_end=2.0, u0=SPUN)
-        errors.append(np.abs(run.q[-1] - expected.q[-1]).max())
-    assert 1.9 < errors[0] / errors[1] < 2.1
-
-
-def test_what_has_other_coordinates_is_read_back(tmp_path):
-    runs = [
-        asp.simulate(Turning(), dt=1e-2, t_end=0.1, q0=[1.0, 0.0]),
-        asp.simulate(Turned(np.eye(3)), dt=1e-2, t_end=0.1, u0=SPUN),
-    ]
-    for number, run in enumerate(runs):
-        run.save(tmp_path / f"{number}.npz")
-        assert asp.Trajectory.load(tmp_path / f"{number}.npz") == run
-
-
-@pytest.mark.parametrize("run", ["simulate", "integrate"])
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"rotations": 3}, "rotations: must be a list of integers, got 3"),
-        ({"rotations": [4]}, "rotations: must be ascending numbers of velocities"),
-        ({"rotations": [0, 2]}, "rotations: must be ascending numbers of velocities"),
-        ({"coordinates": 7}, "rotations: must be left out"),
-        ({"advance": lambda self, q, u, dt: q}, "rotations: must be left out"),
-    ],
-)
-def test_rotations_that_do_not_fit_are_named(changes, message, run):
-    system = type("Wrong", (Turned,), changes)(np.eye(3))
-    with pytest.raises(asp.ParameterError, match=message):
-        _run(run, system, u0=SPUN)
-
-
-def _run(name, system, **start):
-    options = {"dt": 0.1} if name == "simulate" else {}
-    return getattr(asp, name)(system, t_end=1.0, **start, **options)
-
-
-@pytest.mark.parametrize("run", ["simulate", "integrate"])
-@pytest.mark.parametrize("wrong", [-np.eye(1), np.zeros((1, 1))])
-def test_the_mass_of_a_block_is_named(wrong, run):
-    def block_mass(self, q, block):
-        return wrong if block == 1 else np.eye(1)
-
-    system = type("Wrong", (RowInBlocks,), {"block_mass": block_mass})(3)
-    with pytest.raises(asp.ParameterError, match="of block 1 ") as raised:
-        _run(run, system)
-    assert raised.value.argument == "block_mass"
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"blocks": 3}, "blocks: must be a list of integers, got 3"),
-        ({"blocks": []}, "blocks: must have a block"),
-        ({"blocks": [1, 1]}, "dof: must be 2, the sum of blocks, got 3"),
-        ({"touched": lambda self, contact: [5]}, "touched: must return ascending numbers"),
-        ({"touched": lambda self, contact: [1, 0]}, "touched: must return ascending numbers"),
-        ({"touched": lambda self, contact: []}, "touched: must return ascending numbers"),
-    ],
-)
-def test_blocks_that_do_not_fit_are_named(changes, message):
-    system = type("Wrong", (RowInBlocks,), changes)(3)
-    with pytest.raises(asp.ParameterError, match=message):
-        asp.simulate(system, dt=0.1, t_end=1.0)
 
 
 class Thrown(asp.System):
@@ -607,49 +387,3 @@ def test_every_system_takes_another_law():
         linear.with_law(smooth, contacts=2)
     with pytest.raises(asp.DimensionError, match="law: must have 2"):
         linear.with_law(asp.FrictionLaw.isotropic(0.1, dimension=1))
-
-
-class TwoFeet(asp.System):
-    dof = 2
-    contacts = (
-        asp.ContactLaw(asp.FrictionLaw.isotropic(0.6, dimension=1), normal_force=1.0, name="left"),
-        asp.ContactLaw(asp.FrictionLaw.isotropic(0.6, dimension=1), normal_force=1.0),
-    )
-
-    def mass(self, q):
-        return np.eye(2)
-
-    def forces(self, t, q, u):
-        return np.zeros(2)
-
-    def direction(self, t, q, contact):
-        return np.eye(2)[:, contact : contact + 1]
-
-
-def test_systems_of_classes_of_the_user_take_another_law():
-    smooth = asp.FrictionLaw.isotropic(0.1, dimension=1)
-    feet = TwoFeet()
-    for chosen, wanted in ((None, (smooth, smooth)), ("left", (smooth, None)), (1, (None, smooth))):
-        other = feet.with_law(smooth, contacts=chosen)
-        rough = feet.contacts[0].law
-        assert [one.law for one in other.contacts] == [law or rough for law in wanted]
-        run = asp.simulate(other, dt=0.01, t_end=0.5, u0=[1.0, 1.0])
-        slowed = [0.1 if law else 0.6 for law in wanted]
-        np.testing.assert_allclose(run.u[-1], 1.0 - 0.5 * np.array(slowed), atol=1e-12)
-    assert feet.contacts is TwoFeet.contacts
-    with pytest.raises(asp.ParameterError, match=r"contacts: .*'left'"):
-        feet.with_law(smooth, contacts="right")
-    with pytest.raises(asp.DimensionError, match="law: must have 1"):
-        feet.with_law(asp.FrictionLaw.isotropic(0.1))
-    with pytest.raises(asp.ParameterError, match="law: must be a FrictionLaw"):
-        feet.with_law(0.1)
-
-
-def test_a_class_that_computes_its_contacts_is_named():
-    class Computed(TwoFeet):
-        @property
-        def contacts(self):
-            return TwoFeet.contacts
-
-    with pytest.raises(asp.ParameterError, match=r"system: must let .* Computed computes them"):
-        Computed().with_law(asp.FrictionLaw.isotropic(0.1, dimension=1))

@@ -44,19 +44,6 @@ def followed(frames, **mark):
     return track_mark(frames, fps=500.0, scene=PIXELS, mark=Mark(**mark))
 
 
-@pytest.mark.parametrize("offset", [0.0, 1e6])
-@pytest.mark.parametrize("robust", [False, True])
-def test_circles_through_exact_points(offset, robust):
-    rng = np.random.default_rng(1)
-    for _ in range(20):
-        centre, radius = offset + rng.normal(size=2), rng.uniform(0.1, 5.0)
-        angle = rng.uniform(0.0, 2.0 * np.pi, 17)
-        points = centre + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-        circle = fit_circle(points, robust=robust)
-        assert circle.centre == pytest.approx(centre, abs=1e-9 + 1e-15 * offset)
-        assert circle.radius == pytest.approx(radius, abs=1e-9)
-
-
 @pytest.mark.parametrize("robust", [False, True])
 @pytest.mark.parametrize("correlation", [0.0, 1.5])
 def test_errors_of_circles_are_as_large_as_stated(robust, correlation):
@@ -71,16 +58,6 @@ def test_errors_of_circles_are_as_large_as_stated(robust, correlation):
         stated.append(np.diag(circle.covariance)[:2])
     ratio = np.sqrt(np.mean(np.square(off)) / np.mean(stated))
     assert 0.9 < ratio < 1.2
-
-
-def test_points_far_off_do_not_move_a_robust_circle():
-    rng = np.random.default_rng(3)
-    angle = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
-    radius = 20.0 + 0.05 * rng.standard_normal(120)
-    radius[:18] += 3.0
-    points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-    assert np.hypot(*fit_circle(points).centre) > 0.5
-    assert np.hypot(*fit_circle(points, robust=True).centre) < 0.03
 
 
 @pytest.mark.parametrize(
@@ -106,20 +83,6 @@ def test_centres_between_pixels():
         track = followed([frame])
         assert track.pixel[0] == pytest.approx(centre, abs=0.02)
         assert track.diameter[0] == pytest.approx(2.0 * radius, abs=0.25)
-
-
-@pytest.mark.parametrize("colour", PAINT)
-def test_every_colour_is_found_among_the_others(colour):
-    others = [name for name in PAINT if name != colour]
-    rng = np.random.default_rng(5)
-    for other in others:
-        disks = [((30.3, 30.6), 12.0, PAINT[colour])]
-        if {colour, other} & {"white", "black"} == set():
-            disks.append(((80.0, 30.0), 18.0, PAINT[other]))
-        frame = painted((60, 120), *disks, noise=3.0, rng=rng)
-        track = followed([frame], colour=colour)
-        assert track.pixel[0] == pytest.approx([30.3, 30.6], abs=0.1)
-        assert track.status[0] == Sight.GOOD
 
 
 def test_noise_moves_the_centre_as_much_as_stated():
@@ -154,15 +117,6 @@ def test_reflections_are_reported_and_hardly_move_the_centre():
     assert tracks[2].coverage[0] < 1.0
 
 
-@pytest.mark.parametrize("defocus", [0.5, 2.0, 4.0])
-def test_blur_is_the_width_of_the_edge(defocus):
-    frame = painted((90, 90), ((45.0, 45.0), 20.0, PAINT["red"]), defocus=defocus)
-    track = followed([frame], blur_limit=0.15)
-    # A step through a Gaussian filter has the width sqrt(2π) σ.
-    assert track.blur[0] == pytest.approx(np.sqrt(2.0 * np.pi) * defocus, abs=0.7)
-    assert bool(track.status[0] & Sight.BLURRED) == (defocus > 3.0)
-
-
 def test_a_lost_mark_is_found_again_where_it_can_be():
     blank = painted((100, 160))
     places = [(30.0, 30.0), (34.0, 30.0), None, None, (44.0, 40.0), (48.0, 41.0)]
@@ -177,15 +131,6 @@ def test_a_lost_mark_is_found_again_where_it_can_be():
     assert track.pixel[4:] == pytest.approx(np.array(places[4:]), abs=0.02)
 
 
-def test_a_mark_at_the_border_has_no_position():
-    frames = [
-        painted((60, 100), ((x, 30.0), 9.0, PAINT["red"])) for x in (60.0, 75.0, 88.0, 95.0, 120.0)
-    ]
-    track = followed(frames)
-    assert track.status.tolist() == [0, 0, 0, Sight.CLIPPED, Sight.LOST]
-    assert np.isnan(track.pixel[3:]).all()
-
-
 def test_a_covered_mark_is_not_taken_for_another_one():
     """Another thing of its colour is in view; a gap, then the mark goes on."""
     frames = []
@@ -198,19 +143,6 @@ def test_a_covered_mark_is_not_taken_for_another_one():
     assert track.quality == "16 good, 8 lost"
     assert track.frames(Sight.LOST).tolist() == list(range(8, 16))
     assert track.pixel[16:, 0] == pytest.approx(30.0 + 3.0 * np.arange(16, 24), abs=0.05)
-
-
-def test_two_marks_that_may_be_meant_are_ambiguous():
-    twins = [((40.0, 30.0), 9.0, PAINT["red"]), ((90.0, 30.0), 9.0, PAINT["red"])]
-    track = followed([painted((60, 120), *twins)] * 2)
-    # Which one is meant is not known later, either.
-    assert track.frames(Sight.AMBIGUOUS).tolist() == [0, 1]
-    # Covered for a frame, then both are in reach: the one that is on its way.
-    frames = [painted((60, 120), twins[0])] * 3 + [painted((60, 120))]
-    near = [twins[0], ((68.0, 30.0), 9.0, PAINT["red"])]
-    track = followed([*frames, painted((60, 120), *near)])
-    assert track.pixel[4] == pytest.approx([40.0, 30.0], abs=0.05)
-    assert Sight(int(track.status[4])) == Sight.AMBIGUOUS
 
 
 MEETINGS = [
@@ -257,21 +189,6 @@ def film(places, noise=0.0, again=()):
     return frames
 
 
-def test_stick_and_slip_is_no_film_with_repeated_frames():
-    # Three frames of slip, four of stick; a body that comes to rest within a frame and goes on.
-    steps = [1.5, 1.5, 1.5, 0.0, 0.0, 0.0, 0.0] * 6
-    halting = [1.5, 1.2, 0.75, 0.3, 0.012, 0.0, 0.0, 0.0, 0.5, 1.5, 1.5]
-    for moves in (steps, halting):
-        places = np.cumsum([0.0, *moves])
-        track = followed(film(places, noise=2.0))
-        assert track.quality == f"{len(places)} good"
-        # Without noise rest and repetition look alike: they are told, and keep their positions.
-        track = followed(film(places))
-        assert not track.frames(Sight.REPEATED).size
-        assert np.isfinite(track.position).all()
-    assert "20 still" in followed(film(np.cumsum([0.0, *steps]))).quality
-
-
 @pytest.mark.parametrize("pace", [1.0, 0.2])
 @pytest.mark.parametrize("noise", [1.0, 3.0])
 def test_frames_that_are_shown_again_have_no_position(pace, noise):
@@ -286,13 +203,6 @@ def test_frames_that_are_shown_again_have_no_position(pace, noise):
         assert track.frames(Sight.REPEATED).tolist() == again
         assert np.isnan(track.position[again]).all()
         assert track.quality == f"{len(places) - len(again)} good, {len(again)} repeated"
-
-
-def test_light_that_flickers_repeats_no_frame():
-    frames = film(np.cumsum([0.0, *[1.5, 1.5, 1.5, 0.0, 0.0, 0.0] * 6]), noise=2.0)
-    for k, frame in enumerate(frames):
-        frame[:] = np.clip(frame * (1.0 + 0.04 * np.cos(2.0 * k)), 0.0, 255.0)
-    assert not followed(frames).frames(Sight.REPEATED).size
 
 
 def test_marks_that_stand_still_in_images_without_noise_are_reported():
@@ -314,32 +224,6 @@ def test_marks_that_stand_still_in_images_without_noise_are_reported():
         [0, 1, 2, *[2] * 12, 3, 4, 5],
     ):
         assert "still" not in followed(film(places)).quality
-
-
-@pytest.mark.parametrize("radius", [80, 120, 200])
-@pytest.mark.parametrize("place", ["corner", "edge", "middle"])
-def test_a_large_mark_is_whole_wherever_it_is(radius, place):
-    near = radius + 3.0
-    centre = {"corner": (near, near), "edge": (near, 240.0), "middle": (320.0, 240.0)}[place]
-    column, row = np.meshgrid(np.arange(640.0), np.arange(480.0))
-    depth = radius + 0.5 - np.hypot(column - centre[0], row - centre[1])
-    frame = 128.0 + np.clip(depth, 0.0, 1.0)[..., None] * (np.array(PAINT["red"]) - 128.0)
-    track = followed([np.rint(frame).astype(np.uint8)] * 2)
-    assert track.quality == "2 good"
-    assert track.pixel[1] == pytest.approx(centre, abs=0.05)
-
-
-def test_the_mark_is_followed_past_another_one():
-    frames = [
-        painted(
-            (100, 200),
-            ((30.0 + 4.0 * k, 30.0), 9.0, PAINT["red"]),
-            *([((160.0, 75.0), 14.0, PAINT["red"])] if k else []),
-        )
-        for k in range(6)
-    ]
-    track = followed(frames)
-    assert track.pixel[:, 0] == pytest.approx(30.0 + 4.0 * np.arange(6), abs=0.02)
 
 
 def test_a_known_diameter_chooses_the_mark_and_reveals_a_wrong_scale():
@@ -377,36 +261,3 @@ def test_bad_arguments_are_named(arguments, message):
     good = {"frames": [painted((40, 40))], "fps": 500.0, "scene": PIXELS}
     with pytest.raises(ParameterError, match=message):
         track_mark(**{**good, **arguments})
-
-
-def test_frames_of_two_sizes_are_refused():
-    red = ((20.0, 20.0), 9.0, PAINT["red"])
-    with pytest.raises(DimensionError, match="frame 1"):
-        followed([painted((40, 40), red), painted((40, 44), red)])
-
-
-@pytest.mark.parametrize(
-    ("arguments", "name"),
-    [
-        ({"colour": "pink"}, "colour"),
-        ({"diameter": 0.0}, "diameter"),
-        ({"threshold": -1.0}, "threshold"),
-        ({"threshold": 300.0}, "threshold: must be at most"),
-        ({"smoothing": -1.0}, "smoothing"),
-        ({"smoothing": 1e6}, "smoothing: must be at most"),
-        ({"blur_limit": 0.0}, "blur_limit"),
-    ],
-)
-def test_marks_check_their_arguments(arguments, name):
-    with pytest.raises(ParameterError, match=name):
-        Mark(**arguments)
-
-
-def test_a_table_of_frames(tmp_path):
-    track = followed([painted((60, 60), ((30.0, 30.0), 9.0, PAINT["red"]))] * 2)
-    track.to_csv(tmp_path / "frames.csv")
-    header, first, _ = (tmp_path / "frames.csv").read_text().splitlines()
-    assert header.split(",")[2:4] == ["column [px]", "row [px]"]
-    assert first.split(",")[-1] == "good"
-    assert len(first.split(",")) == len(header.split(","))
-    assert float(first.split(",")[2]) == pytest.approx(30.0, abs=0.02)

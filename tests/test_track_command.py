@@ -5,9 +5,8 @@ import shutil
 
 import numpy as np
 import pytest
-from asperity import ConfigurationError
 from asperity.commands.main import main
-from asperity.track import VideoFile, VirtualCamera, read_config, track_mark, write_video
+from asperity.track import VideoFile, VirtualCamera, track_mark, write_video
 from filmed import RUN, SMALL
 
 CONFIG = """
@@ -69,49 +68,6 @@ def test_a_film_that_loses_the_mark_exits_with_1(folder, tmp_path, capsys):
     assert "frames 12-19" in told
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [("file", "must name a folder"), ("file/out", "must name a folder"), ("out", "report.html")],
-)
-def test_folders_to_write_into_are_checked_first(name, message, folder, tmp_path, capsys):
-    (tmp_path / "file").write_text("mine")
-    (tmp_path / "out" / "report.html").mkdir(parents=True)
-    arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
-    assert main([*arguments, "--out", str(tmp_path / name)]) == 2
-    told = capsys.readouterr().err.strip()
-    assert re.fullmatch(f"asperity: --out: .*{message}.*", told)
-    assert (tmp_path / "file").read_text() == "mine"
-    assert [one.name for one in (tmp_path / "out").iterdir()] == ["report.html"]
-
-
-def test_half_a_result_is_none(folder, tmp_path, capsys, monkeypatch):
-    def fails(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("asperity.track.recording.write_report", fails)
-    arguments = ["track", str(folder), "--config", str(folder / "track.toml")]
-    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
-    assert "No space left" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_film_that_ends_in_motion_exits_with_1(folder, tmp_path, capsys):
-    film = tmp_path / "film"
-    film.mkdir()
-    for number, image in enumerate(sorted(folder.glob("*.png"))[:15]):
-        shutil.copy(image, film / f"{number}.png")
-    config = tmp_path / "track.toml"
-    config.write_text("start = 0.004\nstop = 0.05\n" + (folder / "track.toml").read_text())
-    arguments = ["track", str(film), "--config", str(config), "--out", str(tmp_path / "out")]
-    assert main(arguments) == 1
-    told = capsys.readouterr().out
-    assert "does not come to rest in view" in told
-    assert re.search(r"motion +0.0040 to 0.0500 s", told)
-    config.write_text("bandwidth = 1e300\n" + (folder / "track.toml").read_text())
-    assert main(arguments) == 2
-    assert "track.toml, line 1: bandwidth: must be between" in capsys.readouterr().err
-
-
 POINTS = "pixels = [[0, 0], [1, 0], [0, 1]]\nplane = [[0, 0], [1, 0], [0, 1]]\n"
 
 
@@ -142,42 +98,6 @@ def test_bad_configurations_are_one_line(old, new, message, tmp_path, capsys, fo
     assert re.search(message, told)
     assert "\n" not in told
     assert not out.exists()
-
-
-def test_binary_configurations_and_missing_ones(tmp_path, capsys, folder):
-    config = tmp_path / "track.toml"
-    config.write_bytes(b"\xff\xfe\x00fps")
-    for path in (config, tmp_path / "none.toml"):
-        arguments = ["track", str(folder), "--config", str(path), "--out", str(tmp_path / "out")]
-        assert main(arguments) == 2
-        assert path.name in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("contents", "message"),
-    [(b"", "slow.mp4: is empty"), (b"hello\nworld", "slow.mp4: is no video .* text")],
-)
-def test_files_that_are_no_video_need_no_pyav(
-    contents, message, tmp_path, folder, capsys, monkeypatch
-):
-    monkeypatch.setitem(__import__("sys").modules, "av", None)
-    (tmp_path / "slow.mp4").write_bytes(contents)
-    arguments = ["track", str(tmp_path / "slow.mp4"), "--config", str(folder / "track.toml")]
-    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
-    assert re.search(message, capsys.readouterr().err)
-
-
-def test_configurations_that_cannot_be_read_say_what_to_do(tmp_path):
-    for path, message in (
-        (tmp_path, "is a folder"),
-        (tmp_path / "none.toml", "none.toml: cannot be read: No such file"),
-        (tmp_path / "wide.toml", "save it as UTF-8"),
-        (tmp_path / "flag.toml", "flag.toml, line 2: fps: must be a number, got True"),
-    ):
-        (tmp_path / "wide.toml").write_bytes(CONFIG.encode("utf-16"))
-        (tmp_path / "flag.toml").write_text(CONFIG.replace("500.0", "true"))
-        with pytest.raises(ConfigurationError, match=message):
-            read_config(path)
 
 
 def damaged(folder, kind):

@@ -44,47 +44,6 @@ def test_standard_errors_hold_what_they_say():
         assert np.std(values, axis=0) == pytest.approx(np.ones((4, 2)), abs=0.2)
 
 
-def test_wider_windows_have_smaller_errors():
-    rng = np.random.default_rng(2)
-    noisy = decelerated(TIME)[0] + 2e-5 * rng.standard_normal((150, 2))
-    narrow, wide = (
-        MeasuredPath(TIME, noisy, np.full((150, 2), 2e-5), bandwidth=h) for h in (0.02, 0.04)
-    )
-    # Errors of a velocity fall with the bandwidth to the power 3/2.
-    ratio = narrow.velocity_error[75] / wide.velocity_error[75]
-    assert ratio == pytest.approx(2.0**1.5 * narrow.scatter / wide.scatter, rel=0.1)
-
-
-def test_the_end_is_the_mean_at_rest():
-    rng = np.random.default_rng(3)
-    t = np.arange(300) / 500.0
-    place = np.column_stack([0.25 - 2.0 * np.maximum(0.35 - t, 0.0) ** 2, np.zeros_like(t)])
-    path = MeasuredPath(t, place + 1e-5 * rng.standard_normal(place.shape), np.full((300, 2), 1e-5))
-    assert path.end == pytest.approx([0.25, 0.0], abs=5e-6)
-    assert path.start[0] == pytest.approx(place[0], abs=5e-5)
-    assert path.start[1] == pytest.approx([1.4, 0.0], abs=0.02)
-
-
-def test_too_few_neighbours_give_no_velocity():
-    place = decelerated(TIME)[0]
-    place[1:30] = np.nan
-    path = MeasuredPath(TIME, place, np.full_like(place, 1e-5), bandwidth=0.02)
-    assert np.isnan(path.velocity[0]).all()
-    assert not np.isnan(path.velocity[40]).any()
-
-
-def test_a_table_with_units(tmp_path):
-    place = decelerated(TIME)[0]
-    path = MeasuredPath(TIME, place, np.full_like(place, 1e-5))
-    path.to_csv(tmp_path / "path.csv")
-    header = (tmp_path / "path.csv").read_text().splitlines()[0].split(",")
-    table = np.loadtxt(tmp_path / "path.csv", delimiter=",", skiprows=1)
-    assert header[:3] == ["t [s]", "x1 [m]", "x2 [m]"]
-    assert table[:, 1:3] == pytest.approx(place, rel=1e-9)
-    assert table.shape == (150, len(header))
-    assert path.bandwidth == pytest.approx(0.1 * TIME[-1])
-
-
 def slid(before, after, rate=500.0):
     """Return times, places and velocities of a slide of 0.3 s between two rests."""
     t = np.arange(round((before + 0.3 + after) * rate)) / rate
@@ -110,30 +69,6 @@ def test_rests_before_and_after_change_neither_bandwidth_nor_velocity(before, af
     assert path.end == pytest.approx([0.225, 0.0675], abs=3e-5)
 
 
-def test_errors_hold_up_to_the_stop():
-    score = {"velocity": [], "acceleration": []}
-    for seed in range(60):
-        t, place, speed = slid(0.0, 0.02)
-        noisy = place + 2e-5 * np.random.default_rng(seed).standard_normal(place.shape)
-        path = MeasuredPath(t, noisy, np.full_like(place, 2e-5))
-        near = (t > 0.27) & (t < 0.295)
-        truth = {"velocity": speed[near], "acceleration": np.full(near.sum(), -5.0)}
-        for name, values in score.items():
-            off = getattr(path, name)[near, 0] - truth[name]
-            values.append(np.abs(off / getattr(path, f"{name}_error")[near, 0]) < 1.96)
-    assert np.nanmean(score["velocity"]) > 0.85
-    assert np.nanmean(score["acceleration"]) > 0.8
-
-
-def test_a_section_may_be_stated():
-    t, place, _ = slid(0.5, 0.5)
-    path = MeasuredPath(t, place, np.full_like(place, 2e-5), section=(0.55, 0.7))
-    assert path.section == (0.55, 0.7)
-    assert path.bandwidth == pytest.approx(0.015)
-    assert path.start[1][0] == pytest.approx(1.25)
-    assert path.replace(bandwidth=0.02).section == path.section
-
-
 def test_windows_that_do_not_fit_are_told():
     rng = np.random.default_rng(6)
     t, place, _ = slid(0.0, 0.0)
@@ -152,29 +87,6 @@ def test_a_body_that_leaves_the_view_has_no_end_point():
     assert not path.comes_to_rest
     with pytest.raises(ParameterError, match="does not come to rest in view"):
         assert path.end is None
-
-
-def test_a_last_frame_that_is_off_is_not_the_end():
-    t, place, _ = slid(0.0, 0.05)
-    place = place + 2e-5 * np.random.default_rng(7).standard_normal(place.shape)
-    place[-1] += 5e-3
-    path = MeasuredPath(t, place, np.full_like(place, 2e-5))
-    assert path.end == pytest.approx([0.225, 0.0675], abs=3e-5)
-
-
-def test_no_velocity_at_the_onset_is_an_error():
-    t, place, _ = slid(0.0, 0.05)
-    place[1:60] = np.nan
-    path = MeasuredPath(t, place, np.full_like(place, 2e-5))
-    with pytest.raises(ParameterError, match="no velocity is known"):
-        assert path.start is None
-
-
-@pytest.mark.parametrize("bandwidth", [1e-30, 0.002, 0.0035, 1e300, np.inf])
-def test_bandwidths_are_between_frames_and_duration(bandwidth):
-    place = decelerated(TIME)[0]
-    with pytest.raises(ParameterError, match="bandwidth"):
-        MeasuredPath(TIME, place, np.full_like(place, 1e-5), bandwidth=bandwidth)
 
 
 def test_windows_are_exact_however_long():

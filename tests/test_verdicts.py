@@ -8,9 +8,7 @@ from samples import (
     BEAN,
     CONVEX,
     CORNERED,
-    LINE,
     PENTAGON,
-    SPACE,
     STAR_POLYGON,
     identify,
     random_directions,
@@ -118,26 +116,6 @@ def test_convexity_of_a_modulated_disk_switches_where_the_closed_form_says():
         critical = 1.0 / (1 + k * k)
         assert asp.PolarCurve(theta, 1.0 + 0.99 * critical * np.cos(k * theta)).is_convex
         assert not asp.PolarCurve(theta, 1.0 + 1.01 * critical * np.cos(k * theta)).is_convex
-
-
-def test_verdicts_are_conditions_and_are_kept():
-    star = asp.Rectangle(2.0, 1.0)
-    assert star.is_convex is star.is_convex
-    assert (1 if star.is_convex else 0) == 1
-    assert not asp.Verdict(False, exact=True, tolerance=0.0, defect=0.1, witness=[[1.0, 0.0]])
-    with pytest.raises(asp.ParameterError, match="holds"):
-        asp.Verdict(1, exact=True, tolerance=0.0, defect=0.0, witness=None)
-    assert len({star.is_convex for star in LINE + SPACE}) <= 3
-
-
-def test_short_straight_parts_are_found_exactly():
-    star = asp.Disk(1.0) + asp.Rectangle(1e-3, 1e-3)
-    verdict = star.is_strictly_convex
-    assert not verdict
-    assert verdict.exact
-    a, b = verdict.witness
-    assert np.linalg.norm(a - b) > 1e-3
-    np.testing.assert_allclose(star.gauge([a, b, 0.5 * (a + b)]), 1.0, rtol=1e-12)
 
 
 def test_interval_that_is_nearly_symmetric_is_not():

@@ -107,7 +107,7 @@ def _bullet(
         )
     a, b = float(mu * scale[0]), float(mu * scale[1])
     deviation = (
-        "This is the law of Bullet's multibodies, as which pybullet makes every body. Its rigid "
+        "This is the law of Bullet's multibodies, which pybullet uses for every body. Its rigid "
         "bodies (btRigidBody) have by default one friction direction, along the slip, and so no "
         "box; they were not run. "
     )

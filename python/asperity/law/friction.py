@@ -361,7 +361,7 @@ class FrictionLaw(Questions):
         engine          parameters, in its own words
         ==============  ============================================================================
         ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction of
-                        its multibodies, as which pybullet makes every body
+                        its multibodies, which pybullet uses for every body
         ``cardillo``    mu, anisotropy (two factors), solver (``"Moreau"``, ``"BackwardEuler"``, …)
         ``dart``        mu, mu2 as in SDF, along and across fdir1
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,

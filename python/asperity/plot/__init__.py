@@ -1,8 +1,8 @@
 """Plots of sets, laws, motions and stability; need matplotlib (``pip install "asperity[plot]"``).
 
 Every function takes what it draws first and all else by name, draws into the axes ``ax=``, or into
-new ones, and returns them. It has the look of the house without a `style` around it. Runs are those
-of `simulate` and `integrate`, limit cycles, or several of them in a list or, by labels, in a dict.
+new ones, and returns them. The asperity style is applied automatically. Runs are those of
+`simulate` and `integrate`, limit cycles, or several of them in a list or, by labels, in a dict.
 """
 
 from asperity.plot.cones import plot_cones, plot_projection

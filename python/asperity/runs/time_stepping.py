@@ -228,8 +228,8 @@ def _refuse_overlap(system: RigidBodies, q: Array, argument: str) -> None:
         raise ParameterError(
             argument,
             f"must not let bodies overlap: {system.labels.contacts[contact]} does by "
-            f"{-gap:.3g} m, which no percussion undoes. start=State(q, u) begins with it all the "
-            "same in simulate",
+            f"{-gap:.3g} m; time stepping does not remove penetration. To start anyway pass "
+            "start=State(q, u) to simulate",
         )
 
 

@@ -165,7 +165,11 @@ class MeasuredPath(TableResult, Value):
         speed = float(np.nanmax(np.linalg.norm(self.velocity, axis=1), initial=0.0))
         steps = np.diff(self.position[self.seen], axis=0)
         length = float(np.linalg.norm(steps, axis=1).sum())
-        rest = "and comes to rest in view" if self.comes_to_rest else "and does not rest in the end"
+        rest = (
+            "and comes to rest in view"
+            if self.comes_to_rest
+            else "but does not come to rest in view"
+        )
         lines = [
             f"The mark is seen in {int(self.seen.sum())} of {counted(len(self), 'frame')}.",
             f"The body moves from t = {first:.6g} s to {last:.6g} s, {1e3 * length:.6g} mm at up "

@@ -90,9 +90,8 @@ class ResultFolder:
     def filled(self) -> Iterator[Path]:
         """Yield a temporary folder, whose files replace those in the folder once all are complete.
 
-        Files of an older result step aside before the first new one comes, also those that the new
-        one lacks: whenever a process is killed, what has the names belongs to one result. The
-        temporary folder, ``.asperity-…``, is then left behind with the others and can be removed.
+        Old files are moved away before new ones are moved in, so that a crash never leaves a
+        mixture. The temporary folder, ``.asperity-…``, is then left behind and can be removed.
         """
         out = self._out
         made = [place for place in (out, *out.parents) if not place.exists()]

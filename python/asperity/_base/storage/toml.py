@@ -344,7 +344,7 @@ class TomlFile:
 
     @contextmanager
     def blamed(self) -> Iterator[None]:
-        """Say of a wrong option where in the file it is, and of a remedy where to write it."""
+        """Add file, line and key to errors about options."""
         try:
             yield
         except RecordError as error:
