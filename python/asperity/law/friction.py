@@ -462,9 +462,10 @@ class FrictionLaw(Questions):
         Raises:
             ConfigurationError: with file, line and key of what is wrong.
         """
-        from asperity.law.file import LawFile
+        from asperity.law.file import read
 
-        return LawFile.load(path).law
+        with read(path) as (law, _, _):
+            return law
 
     def _misses(self, phi: Array, force: Array) -> Array:
         """Return by how much of the largest force the law misses each of them."""

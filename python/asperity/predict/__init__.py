@@ -11,7 +11,7 @@
 from asperity.predict.bands import Bands, Region, propagate
 from asperity.predict.examples import write_example
 from asperity.predict.law_sheet import LawSheet, describe_law
-from asperity.predict.scenario import Scenario, load_law
+from asperity.predict.scenario import Scenario
 from asperity.predict.simulation import Simulation, simulate_scenario
 from asperity.predict.stability_sheet import Belt, StabilitySheet, describe_stability
 
@@ -25,7 +25,6 @@ __all__ = [
     "StabilitySheet",
     "describe_law",
     "describe_stability",
-    "load_law",
     "propagate",
     "simulate_scenario",
     "write_example",

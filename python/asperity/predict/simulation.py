@@ -158,7 +158,7 @@ class Simulation(TableResult):
         from asperity.plot.look import png
 
         self.to_csv(folder / "results.csv")
-        paths = self.scenario.kind.paths(self.scenario.setup().system, self.run)
+        paths = self.scenario.kind.paths(self.scenario.setup()[0], self.run.q)
         columns = {"t [s]": self.run.t}
         for name, path in paths.items():
             for axis, values in zip("xyz", path.T, strict=False):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -108,6 +108,49 @@ class PointPlane(PlanePair):
             **_on_plane(body, plane, law, frame, patch_radius),
             **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
             point=_vector(point, "point", len(plane.point)),
+        )
+
+    @classmethod
+    def cylinder(
+        cls,
+        body: int,
+        *,
+        radius: float,
+        height: float,
+        plane: Plane,
+        law: FrictionLaw,
+        points: int = 12,
+        normal_restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+    ) -> tuple[Self, ...]:
+        """Return points on both edges of a cylinder: it stands, slides and tips on a plane.
+
+        On its side it rests, but it does not roll there as a round one does.
+
+        Args:
+            body: number of the body, whose third axis is that of the cylinder.
+            radius: R > 0 in m.
+            height: h > 0 in m.
+            plane: that it touches.
+            law: as of `PointPlane`.
+            points: number of points of each edge.
+            normal_restitution: e_N in [0, 1].
+            tangential_restitution: e_T in [0, 1].
+        """
+        count, half = arrays.count(points, "points", 3), 0.5 * arrays.positive(height, "height")
+        edge = arrays.unit_vectors(2.0 * np.pi * np.arange(count) / count)
+        edge *= arrays.positive(radius, "radius")
+        return tuple(
+            cls(
+                body,
+                point=(*place, z),
+                plane=plane,
+                law=law,
+                normal_restitution=normal_restitution,
+                tangential_restitution=tangential_restitution,
+            )
+            for z in (-half, half)
+            for place in edge.tolist()
         )
 
 
