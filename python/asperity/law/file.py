@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, Self
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.storage import data, provenance, toml
 from asperity._base.storage.data import HEAD_SCHEMA, FileFormat

@@ -128,8 +128,8 @@ def _is_record(value: object) -> bool:
 
 def _list_or_name(part: NDArray[Any], key: str, arrays: Arrays | None, *, small: bool) -> Any:
     # Lists have neither complex numbers nor the shape of what has no entries; and records, unlike
-    # values, make no arrays of lists.
-    inline = small and 0 < part.size <= _INLINE and part.dtype.kind != "c"
+    # values, make no arrays of lists. Arrays of the result itself are found by their own names.
+    inline = small and "." in key and 0 < part.size <= _INLINE and part.dtype.kind != "c"
     if arrays is None or inline:
         return part.tolist()
     arrays[key] = part
@@ -217,16 +217,14 @@ def typed(value: object, key: str, kinds: Kinds, arrays: Arrays | None = None) -
     }
 
 
-def built_as_typed(
-    table: Any, key: str, kinds: Kinds, arrays: Mapping[str, NDArray[Any]] | None = None
-) -> Any:
+def built_as_typed(table: Any, key: str, kinds: Kinds, arrays: Arrays | None = None) -> Any:
     """Return the value of a table with its ``type`` and its arguments.
 
     Args:
         table: what `typed` has returned, or somebody has written.
         key: of the table, for messages.
         kinds: classes that may be made.
-        arrays: that stand beside the table, by their keys.
+        arrays: that stand beside the table, by their keys; those that are used are taken out.
 
     Raises:
         ParameterError: whose argument is the key of what is wrong.
@@ -237,7 +235,7 @@ def built_as_typed(
         name = table[_ARRAY]
         if not isinstance(name, str) or name not in arrays:
             raise ParameterError(key, f"needs the array {name!r}, which is missing")
-        return arrays[name]
+        return arrays.pop(name)
     name, place = table.get("type"), _joined(key, ".type")
     if name is None:
         raise ParameterError(place, f"is missing: it is one of {_words(kinds)}")
