@@ -15,6 +15,7 @@ from asperity import identify, mechanisms, plot, predict, problems, track
 from asperity.contact import files, grading
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
+from samples import public_of
 from test_values import CYCLE, VALUES
 
 MODULES = (
@@ -479,8 +480,7 @@ def public():
     seen = set()
     for module in MODULES:
         prefix = module.__name__.removeprefix("asperity").lstrip(".")
-        for name in getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")]):
-            kind = getattr(module, name)
+        for name, kind in public_of(module).items():
             if not inspect.isclass(kind) and not inspect.isfunction(kind):
                 continue
             if not kind.__module__.startswith("asperity"):

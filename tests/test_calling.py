@@ -8,6 +8,7 @@ import pytest
 from asperity import identify, mechanisms, plot, problems, track
 from asperity.contact import files, grading
 from asperity.sets import StarSet
+from samples import public_of
 
 MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
 
@@ -89,8 +90,7 @@ def public_callables():
     seen = set()
     for module in MODULES:
         prefix = module.__name__.removeprefix("asperity").lstrip(".")
-        for name in getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")]):
-            kind = getattr(module, name)
+        for name, kind in public_of(module).items():
             if not (inspect.isclass(kind) or inspect.isfunction(kind)) or kind in seen:
                 continue
             if not kind.__module__.startswith("asperity"):

@@ -6,7 +6,8 @@ import pickle
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import Certificate, Status, problems
+from asperity import Status, problems
+from asperity.contact import Certificate
 from asperity.contact.grading import natural_map, proves_no_solution
 from asperity.errors import NoSolutionError
 from random_problems import chain
@@ -146,7 +147,7 @@ def test_the_table_names_every_defect_with_its_unit():
 def test_stages_tell_what_was_done():
     solution = contact().solve()
     assert sum(stage.iterations for stage in solution.stages) == solution.iterations
-    assert all(isinstance(stage, asp.Stage) for stage in solution.stages)
+    assert all(isinstance(stage, asp.contact.Stage) for stage in solution.stages)
     assert solution.stages is solution.stages
 
 
@@ -281,7 +282,7 @@ def test_paradoxes_are_proven_for_every_law(law):
             # With p = 3 the solutions of a contact are not listed: nothing tells of none.
             assert law.dimension > 2
         else:
-            proof = asp.Infeasibility(
+            proof = asp.contact.Infeasibility(
                 kind="one_contact",
                 contact=0,
                 direction=np.eye(block.shape[0])[0],
@@ -525,7 +526,7 @@ def test_solutions_check_what_they_hold(wrong):
 def test_proofs_hold_what_they_can_hold(argument, value):
     given = {"kind": "closing", "contact": 0, "direction": [1.0], "residual": 0.0}
     with pytest.raises(asp.ParameterError) as caught:
-        asp.Infeasibility(**{"closing_velocity": 0.1, **given, argument: value})
+        asp.contact.Infeasibility(**{"closing_velocity": 0.1, **given, argument: value})
     assert caught.value.argument == argument
 
 
@@ -573,7 +574,7 @@ def test_jaws_that_close_on_a_body_that_leaves_one_of_them(solver, loads):
 def test_nearly_singular_problems_that_have_a_solution_are_not_refuted(gap, closing):
     """Both percussions are positive in rational arithmetic: they are about closing/gap."""
     problem = normals([[1.0, -1.0 + gap], [-1.0 + gap, 1.0]], [-1.0, 1.0 - closing])
-    claim = asp.Infeasibility(
+    claim = asp.contact.Infeasibility(
         kind="closing",
         contact=0,
         direction=[0.5, 0.0, 0.5, 0.0],
@@ -687,7 +688,7 @@ def test_bodies_that_the_operator_has_lost_are_asked_as_well(mass):
         assert solution.status is not Status.NO_SOLUTION
     claim = {"contact": 0, "closing_velocity": 0.5, "residual": 0.0}
     weights = np.array([0.5, 0.0, 0.5, 0.0])
-    closing = asp.Infeasibility(kind="closing", direction=weights, **claim)
+    closing = asp.contact.Infeasibility(kind="closing", direction=weights, **claim)
     # It is a proof where nothing is known but G.
     assert proves_no_solution(problem.replace(delassus=problem.delassus), closing)
     assert not proves_no_solution(problem, closing)
@@ -752,14 +753,14 @@ def test_proofs_among_bodies_need_weights_that_move_none():
     weights = np.zeros(12)
     weights[::3] = 0.25
     claim = {"kind": "closing", "contact": 0, "closing_velocity": 2.5e-6, "residual": 0.0}
-    assert proves_no_solution(problem, asp.Infeasibility(direction=weights, **claim))
+    assert proves_no_solution(problem, asp.contact.Infeasibility(direction=weights, **claim))
     # Nothing proves it where only G is known, which may hold other bodies.
     unknown = problem.replace(delassus=problem.delassus)
-    assert not proves_no_solution(unknown, asp.Infeasibility(direction=weights, **claim))
+    assert not proves_no_solution(unknown, asp.contact.Infeasibility(direction=weights, **claim))
     for contact in range(4):
         other = weights.copy()
         other[3 * contact] *= 1.0 + 1e-9
-        assert not proves_no_solution(problem, asp.Infeasibility(direction=other, **claim))
+        assert not proves_no_solution(problem, asp.contact.Infeasibility(direction=other, **claim))
 
 
 def test_light_directions_of_a_body_that_contacts_hardly_feel_are_no_rounding():
@@ -789,7 +790,7 @@ def test_light_directions_of_a_body_that_contacts_hardly_feel_are_no_rounding():
     for solver in (asp.Auto(), asp.ProximalPoint(), asp.InteriorPoint(), asp.ADMM()):
         assert problem.solve(solver, tolerance=1e-8).converged
     weights = np.array([1.0, 0.0, 1.0, 0.0, slope, 0.0])
-    claim = asp.Infeasibility(
+    claim = asp.contact.Infeasibility(
         kind="closing",
         contact=0,
         direction=weights / weights.sum(),

@@ -27,7 +27,7 @@ def rng():
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 5])
 def test_projection_onto_a_cone_is_that_of_nonnegative_least_squares(dimension, count, rng):
     generators = rng.normal(size=(count, dimension))
-    cone = asp.Cone([generators], dimension=dimension)
+    cone = asp.sets.Cone([generators], dimension=dimension)
     y = rng.normal(size=(50, dimension))
     expected = np.zeros_like(y)
     if count:
@@ -43,7 +43,7 @@ def test_projection_onto_a_cone_is_that_of_nonnegative_least_squares(dimension, 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 5])
 def test_moreau_decomposition_into_a_cone_and_its_polar(dimension, count, rng):
-    cone = asp.Cone([rng.normal(size=(count, dimension))], dimension=dimension)
+    cone = asp.sets.Cone([rng.normal(size=(count, dimension))], dimension=dimension)
     polar = cone.polar()
     y = rng.normal(size=(200, dimension))
     part, rest = cone.project(y), polar.project(y)
@@ -65,7 +65,7 @@ SPECIAL = [
 
 @pytest.mark.parametrize(("generators", "kind"), SPECIAL, ids=[kind for _, kind in SPECIAL])
 def test_polar_of_cones_with_lines_and_repetitions(generators, kind, rng):
-    cone = asp.Cone([generators])
+    cone = asp.sets.Cone([generators])
     polar = cone.polar()
     y = rng.normal(size=(100, 3))
     np.testing.assert_allclose(cone.project(y) + polar.project(y), y, atol=1e-8)
@@ -73,16 +73,16 @@ def test_polar_of_cones_with_lines_and_repetitions(generators, kind, rng):
 
 
 def test_empty_and_trivial_cones():
-    empty = asp.Cone([], dimension=2)
+    empty = asp.sets.Cone([], dimension=2)
     assert empty.is_empty
     assert not empty.contains([0.0, 0.0])
     assert empty.distance([1.0, 0.0]) == np.inf
     assert empty.generators.shape == (0, 2)
-    origin = asp.Cone([[]], dimension=2)
+    origin = asp.sets.Cone([[]], dimension=2)
     assert not origin.is_empty
     assert origin.contains([[0.0, 0.0], [1e-3, 0.0]]).tolist() == [True, False]
     assert origin.polar().contains(np.random.default_rng(1).normal(size=(20, 2))).all()
-    assert asp.Cone([np.eye(2)]) != asp.Cone([np.eye(2)[::-1]])
+    assert asp.sets.Cone([np.eye(2)]) != asp.sets.Cone([np.eye(2)[::-1]])
 
 
 def points_of(convex, rng):
@@ -162,7 +162,7 @@ def test_corners_of_a_polygon_have_the_normals_of_both_edges(k):
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     cone = PENTAGON.normal_cone(v[k])
     assert cone.contains(normals).all()
-    assert asp.Cone([normals]).contains(cone.generators).all()
+    assert asp.sets.Cone([normals]).contains(cone.generators).all()
 
 
 def test_reentrant_corners_have_tangent_cones_of_more_than_a_half_turn():
@@ -227,12 +227,12 @@ def test_tangent_cone_of_a_cusp_is_a_ray(exponent, turn):
 
 
 def test_narrow_cones_hold_what_is_inside():
-    cone = asp.Cone([[[1.0, 0.0, 0.0], [1.0, 1e-4, 0.0], [1.0, 0.0, 1e-4]]])
+    cone = asp.sets.Cone([[[1.0, 0.0, 0.0], [1.0, 1e-4, 0.0], [1.0, 0.0, 1e-4]]])
     assert cone.contains([3.0, 1e-4, 1e-4])
     assert not cone.contains([3.0, -1e-4, 1e-4])
 
 
 def test_cones_refuse_numbers_by_name():
     with pytest.raises(asp.DimensionError) as caught:
-        asp.Cone([[[1.0, 0.0]]]).contains(1.0)
+        asp.sets.Cone([[[1.0, 0.0]]]).contains(1.0)
     assert caught.value.argument == "y"

@@ -680,7 +680,7 @@ def test_laws_of_all_sets_are_made_to_the_bit(reservoir, direction):
         ("cap", 1.0, lambda cap: asp.CappedRectangle(3.0, 2.0, cap=cap)),
         ("upper", [0.2, 0.3], lambda upper: asp.Box(lower=[-0.1, -0.2], upper=upper)),
         ("vertices[0, 0]", 7.0, lambda x: asp.Polygon([[x, -3.0], [5.0, 6.0], [-5.0, -4.0]])),
-        ("matrix[0, 1]", 0.2, lambda m: asp.Mapped(asp.Disk(4.0), [[1.0, m], [0.0, 0.5]])),
+        ("matrix[0, 1]", 0.2, lambda m: asp.sets.Mapped(asp.Disk(4.0), [[1.0, m], [0.0, 0.5]])),
         ("sets[1].a", 4.0, lambda a: asp.Disk(3.0) + asp.Ellipse(a, 1.0)),
     ],
 )

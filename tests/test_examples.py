@@ -18,6 +18,7 @@ from pathlib import Path
 import asperity as asp
 import matplotlib.pyplot as plt
 import pytest
+from samples import public_of
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FIGURES = sorted(EXAMPLES.glob("paper/*/fig*.py"))
@@ -116,7 +117,7 @@ def public_classes():
     """Return the classes among the public names of the package and of its rooms, by name."""
     rooms = [importlib.import_module(f"asperity{room}") for room in ROOMS]
     names = {
-        f"{room.__name__}.{name}": getattr(room, name) for room in rooms for name in room.__all__
+        f"{room.__name__}.{name}": one for room in rooms for name, one in public_of(room).items()
     }
     return {name: one for name, one in names.items() if inspect.isclass(one)}
 

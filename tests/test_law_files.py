@@ -254,7 +254,7 @@ def loaded(text, folder):
 
 def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
     law = loaded(TEXT, tmp_path)
-    mapped = asp.Mapped(asp.Disk(0.5), np.eye(2))
+    mapped = asp.sets.Mapped(asp.Disk(0.5), np.eye(2))
     assert law.reservoir == asp.Ellipse(0.6, 0.2) & mapped
     assert law.rate == asp.Stribeck(0.1)
 

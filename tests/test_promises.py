@@ -6,7 +6,6 @@ import tomllib
 from functools import cache
 from pathlib import Path
 
-import asperity as asp
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -19,16 +18,6 @@ ROWS = [
 NAMED = re.compile(r"`([\w./]+\.(?:py|rs))::(\w+)`")
 TESTS = sorted({found for _, tests in ROWS for found in NAMED.findall(tests)})
 ONLY_POSIX = ('os.name == "nt"', "needs processes and limits of POSIX", "a timer of POSIX")
-
-NAMES_OF_0_1 = [
-    "AsperityError", "Ball", "Box", "Contact", "ContactLaw", "ContactProblem",
-    "ContactSolution", "ConvergenceError", "DimensionError", "Disk", "Ellipse", "Exact",
-    "FrictionLaw", "Interval", "LinearSystem", "LocalSolution", "Mapped", "MassOnBelt",
-    "NoSolutionError", "Outcome", "ParameterError", "Phase", "ProxGaussSeidel",
-    "ProxJacobi", "Rectangle", "SimulationInterrupted", "SlidingPoint", "Solver",
-    "StarSet", "Status", "Superellipse", "System", "Trajectory", "__version__", "simulate",
-]  # fmt: skip
-
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 # What the tests of an extra need: `make test` installs all of them.
@@ -135,11 +124,6 @@ def test_what_does_not_run_is_noticed(code, runs, monkeypatch):
 def test_what_does_not_run_in_rust_is_noticed(code, runs, monkeypatch):
     monkeypatch.setitem(globals(), "source", lambda name: code)
     assert is_test_of_rust("x.rs", "it") is runs
-
-
-def test_public_names_of_the_first_version_are_still_there():
-    assert [name for name in NAMES_OF_0_1 if name not in asp.__all__] == []
-    assert all(hasattr(asp, name) for name in NAMES_OF_0_1)
 
 
 def test_warnings_of_deprecation_are_errors(pytestconfig):

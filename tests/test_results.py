@@ -26,7 +26,7 @@ from public_calls import (
     STABILITY_SHEET,
     TRIANGLE,
 )
-from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
+from samples import ALL_SETS, LAWS, PLANE_LAWS, identify, public_of
 
 pandas = pytest.importorskip("pandas")
 xarray = pytest.importorskip("xarray")
@@ -84,8 +84,8 @@ RESULTS = [
     PREDICTION,
     LAW_SHEET,
     STABILITY_SHEET,
-    asp.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
-    asp.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
+    asp.sweeps.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
+    asp.sweeps.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
 ]
 TABLES = [result for result in RESULTS if isinstance(result, TableResult)]
 SAVED = [result for result in RESULTS if hasattr(result, "save")]
@@ -97,7 +97,7 @@ def named(result):
 
 def public_results():
     rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.predict, asp.problems)
-    names = (getattr(room, name) for room in rooms for name in room.__all__)
+    names = (one for room in rooms for one in public_of(room).values())
     return {one for one in names if isinstance(one, type) and issubclass(one, Result)}
 
 

@@ -58,13 +58,13 @@ def test_strict_convexity(star):
 def has_straight_parts(star):
     """Of the samples, by construction."""
     match star:
-        case asp.Mapped():
+        case asp.sets.Mapped():
             return has_straight_parts(star.set)
         case asp.Superellipse():
             return star.exponent == 1.0
         case asp.SupportCurve():
             return star == CORNERED
-        case asp.Intersection() | asp.MinkowskiSum():
+        case asp.sets.Intersection() | asp.sets.MinkowskiSum():
             return any(has_straight_parts(part) for part in star.sets)
         case _:
             return star.dimension > 1 and isinstance(star, STRAIGHT)
@@ -124,9 +124,9 @@ def test_verdicts_are_conditions_and_are_kept():
     star = asp.Rectangle(2.0, 1.0)
     assert star.is_convex is star.is_convex
     assert (1 if star.is_convex else 0) == 1
-    assert not asp.Verdict(False, exact=True, tolerance=0.0, defect=0.1, witness=[[1.0, 0.0]])
+    assert not asp.sets.Verdict(False, exact=True, tolerance=0.0, defect=0.1, witness=[[1.0, 0.0]])
     with pytest.raises(asp.ParameterError, match="holds"):
-        asp.Verdict(1, exact=True, tolerance=0.0, defect=0.0, witness=None)
+        asp.sets.Verdict(1, exact=True, tolerance=0.0, defect=0.0, witness=None)
     assert len({star.is_convex for star in LINE + SPACE}) <= 3
 
 

@@ -21,7 +21,6 @@ __all__ = [
     "ProxJacobi",
     "ProximalPoint",
     "SemismoothNewton",
-    "Solver",
 ]
 
 

@@ -39,11 +39,13 @@ _PLAIN = (bool, int, float, str)
 
 def classes(*rooms: ModuleType) -> dict[str, type]:
     """Return the public classes of values of some rooms by their names, without mere bases."""
-    public = (getattr(room, name) for room in rooms for name in room.__all__)
     return {
-        one.__name__: one
-        for one in public
-        if isinstance(one, type) and issubclass(one, Value) and one.__init__ is not object.__init__
+        name: one
+        for room in rooms
+        for name, one in vars(room).items()
+        if isinstance(one, type) and issubclass(one, Value) and not name.startswith("_")
+        if (one.__module__.startswith(room.__name__) or name in room.__all__)
+        and one.__init__ is not object.__init__
     }
 
 
