@@ -72,7 +72,7 @@ LONG = {
     ),
     "fit_law": lambda **o: identify.fit_law(FORCES, reservoir="best", direction="circle", **o),
     "track_mark": lambda **o: track.track_mark(
-        [FRAME] * 3, fps=500.0, scene=track.Scene.from_scale(1e-3), **o
+        [FRAME] * 3, fps=500.0, scene=track.PlaneView.from_scale(1e-3), **o
     ),
 }
 for bands in (False, True):
@@ -186,7 +186,7 @@ def test_the_choice_of_models_is_logged(caplog):
 def test_frames_without_the_mark_are_logged(caplog):
     empty = np.full_like(FRAME, 120)
     with caplog.at_level(logging.WARNING, logger="asperity"):
-        track.track_mark([FRAME, empty, FRAME], fps=500.0, scene=track.Scene.from_scale(1e-3))
+        track.track_mark([FRAME, empty, FRAME], fps=500.0, scene=track.PlaneView.from_scale(1e-3))
     assert messages(caplog) == ["track_mark: 1 of 3 frames do not show the mark"]
 
 

@@ -8,7 +8,7 @@ import pytest
 from asperity import ParameterError
 from asperity.track import (
     Mark,
-    Scene,
+    PlaneView,
     Sight,
     VirtualCamera,
     fit_circle,
@@ -88,7 +88,7 @@ def test_frames_are_the_same_every_time():
 
 def test_the_camera_shows_what_its_scene_says():
     run = asp.simulate(asp.SlidingPoint(1.0, law=TABLE_1), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
-    scene = Scene.from_scale(5e-4, origin=(30.0, 80.0))
+    scene = PlaneView.from_scale(5e-4, origin=(30.0, 80.0))
     camera = VirtualCamera(
         run, fps=100.0, size=(120, 100), scene=scene, noise=0.0, mark=Mark(diameter=0.012)
     )
@@ -122,17 +122,17 @@ def test_bad_cameras_are_refused(options, name):
     "value",
     [
         Mark("blue", diameter=0.01, threshold=20.0),
-        Scene.from_scale(1e-3, angle=0.3),
+        PlaneView.from_scale(1e-3, angle=0.3),
         VirtualCamera(RUN, size=(64, 54), fps=50.0, tilt=0.1),
         track_mark(
             VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
             fps=50.0,
-            scene=Scene.from_scale(1e-3),
+            scene=PlaneView.from_scale(1e-3),
         ),
         track_mark(
             VirtualCamera(RUN, size=(160, 135), fps=50.0).frames(),
             fps=50.0,
-            scene=Scene.from_scale(1e-3),
+            scene=PlaneView.from_scale(1e-3),
         ).path(),
         fit_circle([[3.0, 1.0], [1.0, 3.0], [-1.0, 1.0], [1.0, -1.1]]),
     ],

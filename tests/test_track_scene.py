@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
-from asperity.track import Mark, Scene, track_mark
+from asperity.track import Mark, PlaneView, track_mark
 
 SIZE = (640, 480)
-CAMERA = Scene.from_camera((0.1, -0.5, 0.8), target=(0.1, 0.05), focal_length=900.0, size=SIZE)
+CAMERA = PlaneView.from_camera((0.1, -0.5, 0.8), target=(0.1, 0.05), focal_length=900.0, size=SIZE)
 PLANE = np.stack(np.meshgrid([0.0, 0.1, 0.2], [0.0, 0.06, 0.12]), axis=-1).reshape(-1, 2)
 
 
@@ -28,12 +28,12 @@ def test_a_camera_is_a_pinhole():
 
 
 def test_points_determine_the_scene():
-    scene = Scene.from_points(CAMERA.to_pixels(PLANE), PLANE)
+    scene = PlaneView.from_points(CAMERA.to_pixels(PLANE), PLANE)
     pixel = np.random.default_rng(2).uniform(0.0, 480.0, (50, 2))
     assert scene.to_plane(pixel) == pytest.approx(CAMERA.to_plane(pixel), abs=1e-12)
     assert scene.mismatch(CAMERA.to_pixels(PLANE), PLANE) < 1e-9
     four = PLANE[[0, 2, 6, 8]]
-    scene = Scene.from_points(CAMERA.to_pixels(four), four)
+    scene = PlaneView.from_points(CAMERA.to_pixels(four), four)
     assert scene.to_plane(pixel) == pytest.approx(CAMERA.to_plane(pixel), abs=1e-12)
 
 
@@ -42,7 +42,7 @@ def test_errors_of_points_average_out():
     pixel = CAMERA.to_pixels(PLANE)
     worst, mismatches = 0.0, []
     for _ in range(50):
-        scene = Scene.from_points(pixel + 0.1 * rng.standard_normal(pixel.shape), PLANE)
+        scene = PlaneView.from_points(pixel + 0.1 * rng.standard_normal(pixel.shape), PLANE)
         worst = max(worst, np.abs(scene.to_pixels(PLANE) - pixel).max())
         mismatches.append(scene.mismatch(pixel, PLANE))
     # Of 18 coordinates the homography takes 8: 0.1 sqrt(2 · 8/18) remain.
@@ -51,9 +51,9 @@ def test_errors_of_points_average_out():
 
 
 def test_a_scale_counts_rows_downwards_and_may_turn():
-    scene = Scene.from_scale(1e-3, origin=(100.0, 200.0))
+    scene = PlaneView.from_scale(1e-3, origin=(100.0, 200.0))
     assert scene.to_plane([110.0, 180.0]) == pytest.approx([0.01, 0.02])
-    turned = Scene.from_scale(1e-3, origin=(100.0, 200.0), angle=np.pi / 2)
+    turned = PlaneView.from_scale(1e-3, origin=(100.0, 200.0), angle=np.pi / 2)
     assert turned.to_plane([100.0, 190.0]) == pytest.approx([0.01, 0.0])
     assert turned.to_plane([90.0, 200.0]) == pytest.approx([0.0, 0.01])
 
@@ -69,7 +69,7 @@ def test_the_size_of_a_pixel():
 
 
 def test_the_centre_of_the_mark_is_not_the_centre_of_its_image():
-    view = Scene.from_camera((0.0, -0.3, 0.2), target=(0.0, 0.0), focal_length=700.0, size=SIZE)
+    view = PlaneView.from_camera((0.0, -0.3, 0.2), target=(0.0, 0.0), focal_length=700.0, size=SIZE)
     centre, radius = np.array([0.01, 0.02]), 0.03
     row, column = np.mgrid[: SIZE[1], : SIZE[0]]
     fine = np.array([-0.375, -0.125, 0.125, 0.375])
@@ -103,18 +103,18 @@ def test_the_centre_of_the_mark_is_not_the_centre_of_its_image():
 )
 def test_points_that_do_not_determine_a_scene_are_refused(pixels, plane, error, message):
     with pytest.raises(error, match=message):
-        Scene.from_points(pixels, plane)
+        PlaneView.from_points(pixels, plane)
 
 
 @pytest.mark.parametrize(
     ("make", "name"),
     [
-        (lambda: Scene(np.zeros((3, 3))), "homography"),
-        (lambda: Scene(np.eye(2)), "homography"),
-        (lambda: Scene.from_scale(-1.0), "metres_per_pixel"),
-        (lambda: Scene.from_scale(1.0, origin=(1.0,)), "origin"),
+        (lambda: PlaneView(np.zeros((3, 3))), "homography"),
+        (lambda: PlaneView(np.eye(2)), "homography"),
+        (lambda: PlaneView.from_scale(-1.0), "metres_per_pixel"),
+        (lambda: PlaneView.from_scale(1.0, origin=(1.0,)), "origin"),
         (
-            lambda: Scene.from_camera((0, 0, -1), target=(0, 0), focal_length=1.0, size=(9, 9)),
+            lambda: PlaneView.from_camera((0, 0, -1), target=(0, 0), focal_length=1.0, size=(9, 9)),
             "position",
         ),
     ],

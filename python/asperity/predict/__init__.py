@@ -8,7 +8,7 @@
 [('end point e1', 0.1652), ('end point e2', 0.1409)]
 """
 
-from asperity.predict.bands import Bands, Region, propagate
+from asperity.predict.bands import PredictionBands, Region, propagate
 from asperity.predict.examples import write_example
 from asperity.predict.law_sheet import LawSheet, describe_law
 from asperity.predict.scenario import Scenario
@@ -16,9 +16,9 @@ from asperity.predict.simulation import Simulation, simulate_scenario
 from asperity.predict.stability_sheet import Belt, StabilitySheet, describe_stability
 
 __all__ = [
-    "Bands",
     "Belt",
     "LawSheet",
+    "PredictionBands",
     "Region",
     "Scenario",
     "Simulation",

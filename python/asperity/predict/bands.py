@@ -64,7 +64,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Bands:
+class PredictionBands:
     """Intervals and end points over laws that were drawn.
 
     Attributes:
@@ -93,7 +93,7 @@ def propagate(
     *,
     nominal: Sequence[Quantity],
     progress: Progress = None,
-) -> Bands:
+) -> PredictionBands:
     """Draw the laws of a scenario from their uncertainty, compute every motion, and make bands.
 
     Intervals are between quantiles of the draws, those of angles between quantiles of what they
@@ -150,7 +150,9 @@ def propagate(
     low, high = _intervals(draws, nominal, options.confidence)
     ends = draws[:, :2].copy() if scenario.kind.has_end else None
     region = None if ends is None else _region(ends, options.confidence)
-    return Bands(options.confidence, draws, low, high, ends, region, tuple(failed), tuple(doubts))
+    return PredictionBands(
+        options.confidence, draws, low, high, ends, region, tuple(failed), tuple(doubts)
+    )
 
 
 def _courses(

@@ -51,7 +51,7 @@ class Course(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Kind:
+class ScenarioKind:
     """A kind of scenario.
 
     Attributes:
@@ -155,7 +155,7 @@ seed = 1
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind(
+        ScenarioKind(
             "sliding point",
             SlidingPoint,
             "a point mass that slides on a horizontal plane until it rests",
@@ -177,7 +177,7 @@ speed = 1.52                # m/s
 direction_deg = 32.0        # or, instead of both, velocity = [1.29, 0.81]
 {_tail("1.0", "1e-4", True, 400)}""",
         ),
-        Kind(
+        ScenarioKind(
             "sliding disk",
             SlidingDisk,
             "a disk on three pads that slides on a horizontal plane and may spin",
@@ -204,7 +204,7 @@ speed = 1.52                # m/s
 direction_deg = 32.0        # or, instead of both, velocity = [1.29, 0.81]
 {_tail("1.0", "1e-4", True, 200)}""",
         ),
-        Kind(
+        ScenarioKind(
             "mass on belt",
             MassOnBelt,
             "a mass that springs hold on a moving belt: does it slide steadily, or stick and slip?",
@@ -227,7 +227,7 @@ position = [0.0, 0.0]       # m, 0 where the springs are relaxed
 velocity = [0.0, 0.0]       # m/s
 {_tail("20.0", "1e-3", False, 100)}""",
         ),
-        Kind(
+        ScenarioKind(
             "rigid bodies",
             RigidBodies,
             "boxes, balls and cylinders that slide, roll, tip and hop on planes",

@@ -31,7 +31,7 @@ from asperity._base.storage.toml import (
 from asperity._base.value import keep_views
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
-from asperity.predict.kinds import KINDS, Course, Kind, Quantity
+from asperity.predict.kinds import KINDS, Course, Quantity, ScenarioKind
 from asperity.runs import integrate, simulate
 from asperity.runs.run import Run
 from asperity.status import Outcome
@@ -126,7 +126,7 @@ class Scenario:
     """
 
     file: TomlFile
-    kind: Kind
+    kind: ScenarioKind
     laws: Mapping[str, LawFile]
     law_paths: Mapping[str, Path]
     options: RunOptions
@@ -301,7 +301,7 @@ class Scenario:
         return found
 
 
-def _kind(file: TomlFile) -> Kind:
+def _kind(file: TomlFile) -> ScenarioKind:
     """Return the kind of a scenario."""
     if "system" not in file.values:
         raise file.error("system", f"is missing; its type is one of {', '.join(_SYSTEMS)}")

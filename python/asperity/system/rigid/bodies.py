@@ -23,7 +23,7 @@ _SYMMETRY = 1e-12
 _MOMENTS = 1e-9
 
 
-class State(TypedDict, total=False):
+class BodyState(TypedDict, total=False):
     """Initial state and loads of a `Body`."""
 
     position: ArrayLike
@@ -116,7 +116,7 @@ class Body(Value):
         self._keep(orientation=rotation.quaternion(self.orientation, "orientation"))
 
     @classmethod
-    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
+    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[BodyState]) -> Self:
         """Return a homogeneous box.
 
         Args:
@@ -130,7 +130,7 @@ class Body(Value):
         )
 
     @classmethod
-    def ball(cls, mass: float, *, radius: float, **state: Unpack[State]) -> Self:
+    def ball(cls, mass: float, *, radius: float, **state: Unpack[BodyState]) -> Self:
         """Return a homogeneous ball, J = ⅖ m R².
 
         Args:
@@ -142,7 +142,9 @@ class Body(Value):
         return cls(mass, inertia=np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
 
     @classmethod
-    def cylinder(cls, mass: float, *, radius: float, height: float, **state: Unpack[State]) -> Self:
+    def cylinder(
+        cls, mass: float, *, radius: float, height: float, **state: Unpack[BodyState]
+    ) -> Self:
         """Return a homogeneous cylinder about the body's third axis.
 
         Args:
