@@ -42,7 +42,7 @@ def classes(*rooms: ModuleType) -> dict[str, type]:
     return {
         name: one
         for room in rooms
-        for name, one in vars(room).items()
+        for name, one in sorted(vars(room).items())
         if isinstance(one, type) and issubclass(one, Value) and not name.startswith("_")
         if (one.__module__.startswith(room.__name__) or name in room.__all__)
         and one.__init__ is not object.__init__
