@@ -92,7 +92,7 @@ def margin(scaled: Scaled) -> float:
     return -done.fun if done.status == 0 else np.nan
 
 
-def linearised(scaled: Scaled, solution: asp.ContactSolution) -> str:
+def linearised(scaled: Scaled, solution: asp.contact.ContactSolution) -> str:
     """Return states, redundancy and the derivative of the map of shifts at a solution."""
     mu = scaled.mu
     p = solution.percussion.reshape(-1, 3) / scaled.unit

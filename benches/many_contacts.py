@@ -20,8 +20,9 @@ from collections.abc import Callable
 from functools import partial
 
 import asperity as asp
+import asperity._core as _core
 import numpy as np
-from asperity import _core, problems
+from asperity import problems
 
 SIZES = [10, 100, 1_000, 10_000, 100_000]
 UNIT = 1 if sys.platform == "darwin" else 1024

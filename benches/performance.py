@@ -22,9 +22,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import asperity as asp
+import asperity._core as _core
 import numpy as np
 import scipy
-from asperity import _core
 from asperity._base.pool import available_cores
 from asperity._base.storage.files import atomic
 

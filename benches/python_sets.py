@@ -9,8 +9,8 @@ import sys
 import time
 
 import asperity as asp
+import asperity._core as _core
 import numpy as np
-from asperity import _core
 from report import ratio
 
 POINTS = 100_000

@@ -138,7 +138,7 @@ def selection() -> None:
     asp.plot.save_figure(figure, IMAGES / "selection.png", dpi=130)
 
 
-def draw_solution(ax: Axes, number: int, solution: asp.LocalSolution) -> None:
+def draw_solution(ax: Axes, number: int, solution: asp.contact.LocalSolution) -> None:
     """Draw −P and the slip γ, an arrow from −P to the load, since G = I."""
     force, slips = -solution.percussion, solution.phase == asp.Phase.SLIP
     if slips:

@@ -80,6 +80,11 @@ class Package:
                 value = getattr(module, name)
                 if not isinstance(value, ModuleType) and not isinstance(value, int):
                     found.append(Name(f"{prefix}.{name}", room, value))
+            # What nobody constructs is in its room only.
+            for name, value in vars(module).items():
+                own = inspect.isclass(value) and value.__module__.startswith(module.__name__)
+                if own and name not in module.__all__ and not name.startswith("_"):
+                    found.append(Name(f"asperity.{room}.{name}", room, value))
         return found
 
     @cached_property

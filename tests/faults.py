@@ -95,14 +95,14 @@ def figure_data():
 
 
 def _film(speed):
-    from asperity.track import Mark, Scene, track_mark
+    from asperity.track import Mark, PlaneView, track_mark
 
     row, column = np.mgrid[:60, :160]
     frames = np.full((40, 60, 160, 3), 120, np.uint8)
     for k, frame in enumerate(frames):
         frame[np.hypot(column - 20.0 - speed * min(k, 30), row - 30.0) < 9.0] = 220, 30, 30
     return frames, lambda: track_mark(
-        frames, fps=100.0, scene=Scene.from_scale(1e-3), mark=Mark("red")
+        frames, fps=100.0, scene=PlaneView.from_scale(1e-3), mark=Mark("red")
     )
 
 

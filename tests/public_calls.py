@@ -15,6 +15,7 @@ from asperity import identify, mechanisms, plot, predict, problems, track
 from asperity.contact import files, grading
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
+from samples import public_of
 from test_values import CYCLE, VALUES
 
 MODULES = (
@@ -29,7 +30,11 @@ MODULES = (
     grading,
     files,
 )
-_NUMBERS = re.compile(r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\bTimeFunction\b")
+_NUMBERS = re.compile(
+    r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\bTimeFunction\b|\bVector[23]?\b"
+    r"|\bChanging[123]\b|\bAnyArray(OrNone)?\b|\bPositive\b|\bNonNegative\b|\bNumber\b|\bFraction\b"
+    r"|\bIndex\b|\bCount\b|\b_Length\b"
+)
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))
 LINE_LAW = asp.FrictionLaw.isotropic(0.3, dimension=1)
@@ -173,6 +178,16 @@ ARGUMENTS = {
     "support_point": {"y": [1.0, 0.1]},
     "axis_angle": {"axis": [0.0, 0.0, 1.0], "angle": 0.3},
     "LinearSystem.with_law": {"law": LAW, "contacts": 0},
+    "PointPlane.cylinder": {
+        "body": 0,
+        "radius": 0.1,
+        "height": 0.2,
+        "plane": asp.Plane(),
+        "law": LAW,
+        "points": 12,
+        "normal_restitution": 0.1,
+        "tangential_restitution": 0.1,
+    },
     "RigidBodies.with_law": {"law": LAW, "pairs": 0},
     "SlidingDisk.with_law": {"law": LAW, "pairs": None},
     "System.with_law": {"law": LINE_LAW, "contacts": 0},
@@ -320,18 +335,18 @@ ARGUMENTS = {
     "identify.Estimate.covers": {"truth": 1.0},
     "identify.VirtualTribometer.perfect": {"law": LAW, "normal_force": 10.0},
     # tracking
-    "track.Scene.from_camera": {
+    "track.PlaneView.from_camera": {
         "position": (0.0, -1.0, 1.0),
         "target": (0.0, 0.0),
         "focal_length": 800.0,
         "size": (640, 480),
     },
-    "track.Scene.from_points": {"pixels": 100.0 * UNIT[::6], "plane": UNIT[::6]},
-    "track.Scene.from_scale": {"metres_per_pixel": 1e-3},
-    "track.Scene.mismatch": {"pixels": 100.0 * UNIT, "plane": UNIT},
-    "track.Scene.pixel_size": {"pixel": [1.0, 2.0]},
-    "track.Scene.to_pixels": {"points": UNIT},
-    "track.Scene.to_plane": {"pixels": UNIT},
+    "track.PlaneView.from_points": {"pixels": 100.0 * UNIT[::6], "plane": UNIT[::6]},
+    "track.PlaneView.from_scale": {"metres_per_pixel": 1e-3},
+    "track.PlaneView.mismatch": {"pixels": 100.0 * UNIT, "plane": UNIT},
+    "track.PlaneView.pixel_size": {"pixel": [1.0, 2.0]},
+    "track.PlaneView.to_pixels": {"points": UNIT},
+    "track.PlaneView.to_plane": {"pixels": UNIT},
     "track.Track.path": {},
     "track.VirtualCamera.config": {},
     "track.VirtualCamera.write": {"folder": FOLDER.name},
@@ -426,6 +441,7 @@ RESULTS = {
     "SweepStatus",
     "Associativity",
     "Bands",
+    "PredictionBands",
     "Candidate",
     "Comparison",
     "ConvexDirection",
@@ -469,8 +485,7 @@ def public():
     seen = set()
     for module in MODULES:
         prefix = module.__name__.removeprefix("asperity").lstrip(".")
-        for name in getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")]):
-            kind = getattr(module, name)
+        for name, kind in public_of(module).items():
             if not inspect.isclass(kind) and not inspect.isfunction(kind):
                 continue
             if not kind.__module__.startswith("asperity"):

@@ -62,7 +62,7 @@ def convex_plane(rng, deep=True):
         return simple[rng.integers(len(simple))]()
     first, second = convex_plane(rng), convex_plane(rng, deep=False)
     matrix = np.eye(2) + 0.3 * rng.normal(size=(2, 2))
-    return [first & second, first + second, asp.Mapped(first, matrix)][rng.integers(3)]
+    return [first & second, first + second, asp.sets.Mapped(first, matrix)][rng.integers(3)]
 
 
 def star_plane(rng):
@@ -100,7 +100,7 @@ def space(rng):
             [size(rng), size(rng), size(rng)], exponent=rng.uniform(1.0, 6.0)
         ),
         lambda: asp.CoulombContensou(size(rng), pressure=str(rng.choice(["hertz", "uniform"]))),
-        lambda: asp.Mapped(asp.Ball(1.0), np.eye(3) + 0.2 * rng.normal(size=(3, 3))),
+        lambda: asp.sets.Mapped(asp.Ball(1.0), np.eye(3) + 0.2 * rng.normal(size=(3, 3))),
     ]
     return simple[rng.integers(len(simple))]()
 
@@ -125,7 +125,7 @@ def report(rng):
         return asp.FrictionLaw.like("exudyn", dryFriction=mu, dryFrictionAngle=angle).report
     order = None if rng.random() < 0.5 else int(rng.integers(1, 9))
     numbers = rng.random(5)
-    return asp.FlowReport(
+    return asp.law.FlowReport(
         *numbers[:4], misfit=numbers[4], samples=int(rng.integers(1, 99)), order=order
     )
 

@@ -1,5 +1,7 @@
 """Sets, laws and contact problems that several test files share."""
 
+import inspect
+
 import asperity as asp
 import numpy as np
 
@@ -49,8 +51,8 @@ CONVEX_PLANE = [
     CORNERED,
     DOTTED,
     UNEVEN,
-    asp.Mapped(asp.Superellipse(1.0, 0.5, 3.0), [[1.0, 0.4], [-0.2, 0.8]]),
-    asp.Mapped(EGG, [[1.0, 0.2], [0.3, 0.5]]),
+    asp.sets.Mapped(asp.Superellipse(1.0, 0.5, 3.0), [[1.0, 0.4], [-0.2, 0.8]]),
+    asp.sets.Mapped(EGG, [[1.0, 0.2], [0.3, 0.5]]),
     asp.Ball(1.5, dimension=2),
     asp.Disk(1.0) & asp.Rectangle(0.8, 2.0),
     asp.Ellipse(3.0, 1.0) & asp.Ellipse(1.0, 3.0, angle=0.3) & PENTAGON.scaled(1.2),
@@ -64,7 +66,7 @@ STAR_PLANE = [
     asp.WedgeAsperity(0.9, beta=0.7, angle=-1.0),
     STAR_POLYGON,
     BEAN,
-    asp.Mapped(BEAN, [[2.0, 0.0], [1.0, 1.0]]),
+    asp.sets.Mapped(BEAN, [[2.0, 0.0], [1.0, 1.0]]),
     asp.Ellipse(3.0, 1.0) | asp.Ellipse(1.0, 3.0),
     STAR_POLYGON | asp.Disk(0.7),
     STAR_POLYGON & asp.Disk(0.9),
@@ -84,7 +86,7 @@ SPACE = [
     asp.Ellipsoid([0.5, 0.3, 0.8], axes=SLANTED),
     asp.Superellipsoid([1.0, 0.6, 0.4], exponent=3.0),
     asp.Box(lower=[-0.8, -1.2, -0.6], upper=[1.0, 1.6, 0.5]),
-    asp.Mapped(asp.Ball(1.0), np.diag([3.0, 1.0, 2.0])),
+    asp.sets.Mapped(asp.Ball(1.0), np.diag([3.0, 1.0, 2.0])),
     asp.CoulombContensou(0.3),
     asp.CoulombContensou(1.5, pressure="uniform"),
     asp.Box([1.0, 2.0, 0.5]) & asp.Ball(1.2),
@@ -186,3 +188,19 @@ def random_problem(rng, laws, contacts, unilateral):
         laws=chosen,
         normal_force=[None if one else rng.uniform(0.2, 2.0) for one in unilateral],
     )
+
+
+def public_of(module):
+    """Return what is public of a module by name; of the package also what stands in rooms only."""
+    listed = getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")])
+    found = {name: getattr(module, name) for name in listed}
+    if module is asp:
+        rooms = {
+            one.__module__.split(".")[1] for one in found.values() if hasattr(one, "__module__")
+        }
+        for room in sorted(rooms & vars(asp).keys()):
+            for name, one in vars(getattr(asp, room)).items():
+                own = inspect.isclass(one) and one.__module__.startswith(f"asperity.{room}")
+                if own and not name.startswith("_"):
+                    found.setdefault(name, one)
+    return found

@@ -47,7 +47,7 @@ def smooth_set(rng: np.random.Generator) -> asp.StarSet:
         case 3:
             return asp.Superellipse(a, b, rng.uniform(1.3, 4.0), angle=angle)
         case 4:
-            return asp.Mapped(asp.Disk(a), np.eye(2) + 0.3 * rng.uniform(-1, 1, (2, 2)))
+            return asp.sets.Mapped(asp.Disk(a), np.eye(2) + 0.3 * rng.uniform(-1, 1, (2, 2)))
         case _:
             return asp.Ellipse(a, b, angle=angle) + asp.Disk(0.2)
 

@@ -12,7 +12,9 @@ from samples import BEAN, CORNERED, EGG, PENTAGON, SLANTED
 
 FOLDER = Path(__file__).parents[1] / "crates" / "asperity" / "tests" / "laws"
 
-WAVES = asp.Superellipse(0.54, 0.46, 2.9, angle=0.1) | asp.Mapped(BEAN, [[2.0, 0.1], [0.3, 1.0]])
+WAVES = asp.Superellipse(0.54, 0.46, 2.9, angle=0.1) | asp.sets.Mapped(
+    BEAN, [[2.0, 0.1], [0.3, 1.0]]
+)
 EVERYTHING = (
     WAVES
     | asp.Polygon([[0.7, -0.3], [0.5, 0.4], [-0.2, 0.6], [-0.5, -0.4]])
@@ -27,7 +29,7 @@ LAWS = {
         rate=asp.Stribeck(0.1, ratio=0.6, shape="hyperbolic", exponent=1.5, viscous=0.01),
     ),
     "reported": asp.FrictionLaw(
-        BEAN, EGG, report=asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36)
+        BEAN, EGG, report=asp.law.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36)
     ),
     "engine": asp.FrictionLaw.like("exudyn", dryFriction=(0.5, 0.4), dryFrictionAngle=0.3),
     "line": asp.FrictionLaw.associated(asp.Interval(-0.2, 0.3)),

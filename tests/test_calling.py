@@ -8,6 +8,7 @@ import pytest
 from asperity import identify, mechanisms, plot, problems, track
 from asperity.contact import files, grading
 from asperity.sets import StarSet
+from samples import public_of
 
 MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
 
@@ -33,8 +34,8 @@ PAIRS = {
     "identify.TurnAverage": "turns over directions: two columns of one table",
     "track.MeasuredPath": "positions and their errors over time: columns of one table",
     "track.Circle": "the size of a figure, as of a set",
-    "track.Scene.from_points": "points and where they are: two columns of one table",
-    "track.Scene.mismatch": "points and where they are: two columns of one table",
+    "track.PlaneView.from_points": "points and where they are: two columns of one table",
+    "track.PlaneView.mismatch": "points and where they are: two columns of one table",
     "identify.load": "what is read, by what configuration",
     "identify.fit_patch": "wrenches over twists: two columns of one table",
     "identify.compare_patches": "wrenches over twists: two columns of one table",
@@ -89,8 +90,7 @@ def public_callables():
     seen = set()
     for module in MODULES:
         prefix = module.__name__.removeprefix("asperity").lstrip(".")
-        for name in getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")]):
-            kind = getattr(module, name)
+        for name, kind in public_of(module).items():
             if not (inspect.isclass(kind) or inspect.isfunction(kind)) or kind in seen:
                 continue
             if not kind.__module__.startswith("asperity"):

@@ -3,7 +3,8 @@
 import asperity as asp
 import numpy as np
 import pytest
-from asperity import Certificate, Status, problems
+from asperity import Status, problems
+from asperity.contact import Certificate
 from asperity.contact.grading import natural_map, proves_no_solution
 from profiles import every
 from samples import LAWS, random_problem
@@ -89,7 +90,7 @@ def test_the_table_names_every_defect_with_its_unit():
 def test_stages_tell_what_was_done():
     solution = contact().solve()
     assert sum(stage.iterations for stage in solution.stages) == solution.iterations
-    assert all(isinstance(stage, asp.Stage) for stage in solution.stages)
+    assert all(isinstance(stage, asp.contact.Stage) for stage in solution.stages)
     assert solution.stages is solution.stages
 
 
@@ -280,7 +281,7 @@ def test_solutions_check_what_they_hold(wrong):
 def test_proofs_hold_what_they_can_hold(argument, value):
     given = {"kind": "closing", "contact": 0, "direction": [1.0], "residual": 0.0}
     with pytest.raises(asp.ParameterError) as caught:
-        asp.Infeasibility(**{"closing_velocity": 0.1, **given, argument: value})
+        asp.contact.Infeasibility(**{"closing_velocity": 0.1, **given, argument: value})
     assert caught.value.argument == argument
 
 
@@ -316,7 +317,7 @@ def normals(entries, loads):
 def test_nearly_singular_problems_that_have_a_solution_are_not_refuted(gap, closing):
     """Both percussions are positive in rational arithmetic: they are about closing/gap."""
     problem = normals([[1.0, -1.0 + gap], [-1.0 + gap, 1.0]], [-1.0, 1.0 - closing])
-    claim = asp.Infeasibility(
+    claim = asp.contact.Infeasibility(
         kind="closing",
         contact=0,
         direction=[0.5, 0.0, 0.5, 0.0],

@@ -5,9 +5,9 @@ gaps of bodies that spin in flight.
 """
 
 import asperity as asp
+import asperity._core as _core
 import numpy as np
 import pytest
-from asperity import _core
 from profiles import counts
 from scipy.optimize import brentq, minimize_scalar
 

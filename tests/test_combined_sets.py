@@ -55,7 +55,16 @@ def test_projection_onto_an_intersection_is_that_of_alternating_projections(rng)
         np.testing.assert_allclose(both.project(z), x, atol=1e-5)
 
 
-@pytest.mark.parametrize("combine", [asp.Intersection, asp.Union, asp.MinkowskiSum])
+def test_nested_combinations_are_flattened():
+    c = asp.Disk(1.0)
+    assert (A & B) & c == A & (B & c) == asp.sets.Intersection([A, B, c])
+    assert (A | B) | c == asp.sets.Union((A, B, c))
+    assert (A + B) + c == asp.sets.MinkowskiSum([A, B, c])
+    assert ((A & B) | c).sets == (asp.sets.Intersection([A, B]), c)
+    assert repr(c & A) == "Intersection((Disk(1.0), Ellipse(3.0, 1.0)))"
+
+
+@pytest.mark.parametrize("combine", [asp.sets.Intersection, asp.sets.Union, asp.sets.MinkowskiSum])
 def test_bad_parts_are_refused(combine):
     with pytest.raises(asp.DimensionError, match="sets"):
         combine([asp.Disk(1.0), asp.Ball(1.0)])

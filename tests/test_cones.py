@@ -25,7 +25,7 @@ def rng():
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 5])
 def test_projection_onto_a_cone_is_that_of_nonnegative_least_squares(dimension, count, rng):
     generators = rng.normal(size=(count, dimension))
-    cone = asp.Cone([generators], dimension=dimension)
+    cone = asp.sets.Cone([generators], dimension=dimension)
     y = rng.normal(size=(50, dimension))
     expected = np.zeros_like(y)
     if count:
@@ -41,7 +41,7 @@ def test_projection_onto_a_cone_is_that_of_nonnegative_least_squares(dimension, 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 5])
 def test_moreau_decomposition_into_a_cone_and_its_polar(dimension, count, rng):
-    cone = asp.Cone([rng.normal(size=(count, dimension))], dimension=dimension)
+    cone = asp.sets.Cone([rng.normal(size=(count, dimension))], dimension=dimension)
     polar = cone.polar()
     y = rng.normal(size=(200, dimension))
     part, rest = cone.project(y), polar.project(y)
@@ -52,16 +52,16 @@ def test_moreau_decomposition_into_a_cone_and_its_polar(dimension, count, rng):
 
 
 def test_empty_and_trivial_cones():
-    empty = asp.Cone([], dimension=2)
+    empty = asp.sets.Cone([], dimension=2)
     assert empty.is_empty
     assert not empty.contains([0.0, 0.0])
     assert empty.distance([1.0, 0.0]) == np.inf
     assert empty.generators.shape == (0, 2)
-    origin = asp.Cone([[]], dimension=2)
+    origin = asp.sets.Cone([[]], dimension=2)
     assert not origin.is_empty
     assert origin.contains([[0.0, 0.0], [1e-3, 0.0]]).tolist() == [True, False]
     assert origin.polar().contains(np.random.default_rng(1).normal(size=(20, 2))).all()
-    assert asp.Cone([np.eye(2)]) != asp.Cone([np.eye(2)[::-1]])
+    assert asp.sets.Cone([np.eye(2)]) != asp.sets.Cone([np.eye(2)[::-1]])
 
 
 def points_of(convex, rng):

@@ -11,7 +11,7 @@ CASES = 1000
 
 def is_iterative(convex):
     """Whether each projection takes a search in space."""
-    return convex.dimension == 3 and isinstance(convex, asp.Intersection)
+    return convex.dimension == 3 and isinstance(convex, asp.sets.Intersection)
 
 
 convex_sets = pytest.mark.parametrize("convex", CONVEX, ids=identify)

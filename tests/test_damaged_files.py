@@ -119,7 +119,7 @@ def track_toml(folder):
 
 
 def law_toml(folder):
-    reservoir = asp.Ellipse(0.6, 0.2) & asp.Mapped(asp.Disk(0.5), [[1.0, 0.1], [0.0, 1.0]])
+    reservoir = asp.Ellipse(0.6, 0.2) & asp.sets.Mapped(asp.Disk(0.5), [[1.0, 0.1], [0.0, 1.0]])
     law = asp.FrictionLaw(reservoir, asp.Disk(1.0), rate=asp.Stribeck(0.1, ratio=0.5))
     origin = asp.Provenance(note="dry", files=[("run.csv", "0f")])
     asp.LawFile(law, provenance=origin).save(folder / "law.toml")
@@ -142,7 +142,7 @@ def identified_toml(folder):
 
 
 def set_toml(folder):
-    asp.Union([asp.Ellipse(0.6, 0.2), asp.Polygon([[1, 0], [0, 1], [-1, -1]])]).save(
+    asp.sets.Union([asp.Ellipse(0.6, 0.2), asp.Polygon([[1, 0], [0, 1], [-1, -1]])]).save(
         folder / "set.toml"
     )
     return folder / "set.toml"
@@ -189,8 +189,8 @@ READERS = {
     "fit": (fit_file, identify.Fit.load, True),
     "path fit": (path_fit_file, identify.PathFit.load, True),
     "patch fit": (patch_fit_file, identify.PatchFit.load, True),
-    "stability": (stability_file, asp.Stability.load, True),
-    "chart": (chart_file, asp.GrowthChart.load, True),
+    "stability": (stability_file, asp.steady_sliding.Stability.load, True),
+    "chart": (chart_file, asp.steady_sliding.GrowthChart.load, True),
     "table": (table_of_run, identify.read_csv, False),
     "records": (table_of_run, read_campaign, False),
     "tribometer.toml": (tribometer_toml, read_campaign, False),
@@ -339,9 +339,7 @@ def with_other_keys(fields, edits):
 
 
 @every_amount
-@pytest.mark.parametrize(
-    "name", ["problem npz", "bodies npz", "trajectory", "fit", "stability", "chart"]
-)
+@pytest.mark.parametrize("name", ["problem npz", "bodies npz"])
 @pytest.mark.filterwarnings("ignore::numpy.exceptions.ComplexWarning")
 def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
     write, read, _ = READERS[name]
@@ -355,10 +353,8 @@ def test_archives_with_other_keys_are_refused_or_valid(name, amount, folders):
         np.savez(path, **with_other_keys(fields, edits))
         found = outcome(read, path)
         # What is read can be used.
-        if isinstance(found, asp.ContactProblem):
+        if found is not None:
             assert found.residual(np.zeros(found.free_velocity.size)) >= 0.0
-        elif found is not None:
-            assert found.summary()
 
     attempt()
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.law.engines import ELSEWHERE, ENGINES
+from asperity.law.engines import ENGINES, known_of
 
 M1, M2 = 5.00 / 9.3, 4.49 / 9.3
 SCALE = {"mu": 0.5, "anisotropy": (M1 / 0.5, M2 / 0.5)}
@@ -522,11 +522,11 @@ def test_what_is_no_number_is_refused_by_name(engine, parameters, name, bad):
     assert refused.value.argument == name
 
 
-@pytest.mark.parametrize("engine", ELSEWHERE)
+@pytest.mark.parametrize("engine", ENGINES)
 def test_what_belongs_elsewhere_is_refused_with_the_place(engine):
     known = set(inspect.signature(ENGINES[engine]).parameters)
-    assert known.isdisjoint(ELSEWHERE[engine])
-    for name, place in ELSEWHERE[engine].items():
+    assert known.isdisjoint(known_of(engine)["elsewhere"])
+    for name, place in known_of(engine)["elsewhere"].items():
         with pytest.raises(asp.ParameterError) as refused:
             like(engine, {name: 0.1})
         assert refused.value.argument == name

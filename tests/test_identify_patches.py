@@ -38,7 +38,7 @@ def support(place, load, stretch=None, spot=0.01):
 
 def supports(stretch=None):
     sets = [support(place, load, stretch) for place, load in zip(PLACES, LOADS, strict=True)]
-    return asp.MinkowskiSum(sets)
+    return asp.sets.MinkowskiSum(sets)
 
 
 TRUTHS = {
@@ -401,7 +401,7 @@ def test_points_that_are_no_places_are_named():
     random = np.random.default_rng(11)
     twist = twists(random, 400)
     sets = [support(place, load) for place, load in zip(PLACES, LOADS, strict=True)]
-    far = asp.MinkowskiSum([*sets[:4], support([20.0, 5.0], 0.003)])
+    far = asp.sets.MinkowskiSum([*sets[:4], support([20.0, 5.0], 0.003)])
     wrench = -asp.FrictionLaw.associated(far).force(twist)
     fit = fit_patch(wrench, twist, reservoir="supports")
     (warning,) = fit.warnings

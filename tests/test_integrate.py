@@ -124,7 +124,7 @@ def test_a_section_ends_the_motion():
     assert motion.at_section
     assert motion.status is asp.Outcome.SECTION
     assert motion.t[-1] == pytest.approx(1.5 * np.pi, abs=1e-11)
-    assert motion.events[-1] == asp.Event(motion.t[-1], "section")
+    assert motion.events[-1] == asp.runs.Event(motion.t[-1], "section")
     later = asp.integrate(system, t_end=20.0, section=section.replace(after=6.0), **start)
     assert later.t[-1] == pytest.approx(3.5 * np.pi, abs=1e-11)
     # A motion that starts on the section crosses it when it comes back.

@@ -108,9 +108,9 @@ LONG_CALLS = {
     "gauge": "(asp.Superellipse(0.3, 0.2, 3.0) + asp.Ellipse(0.2, 0.1)).gauge",
     "gauge_gradient": "(asp.Superellipse(0.3, 0.2, 3.0) + asp.Ellipse(0.2, 0.1)).gauge_gradient",
     "project": "(asp.Superellipse(0.3, 0.2, 3.0) + asp.Ellipse(0.2, 0.1)).project",
-    "support_point": "asp.Mapped(wedge, [[1, 0.4], [0, 1]]).support_point",
+    "support_point": "asp.sets.Mapped(wedge, [[1, 0.4], [0, 1]]).support_point",
     "force": "asp.FrictionLaw(asp.Disk(0.3) + asp.Disk(0.1), wedge).force",
-    "cone": "asp.Cone([np.ones((60, 2)) * np.cos(np.arange(60))[:, None]]).project",
+    "cone": "asp.sets.Cone([np.ones((60, 2)) * np.cos(np.arange(60))[:, None]]).project",
 }
 
 

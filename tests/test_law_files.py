@@ -12,7 +12,7 @@ import stored_laws
 from asperity.sets.file import KINDS
 from mutations import MUTATIONS, mutated
 from random_laws import random_law
-from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
+from samples import ALL_SETS, LAWS, PLANE_LAWS, identify, public_of
 from test_values import VALUES
 
 RATED = PLANE_LAWS[3].replace(rate=asp.Stribeck(0.1, ratio=0.5, shape="hyperbolic", viscous=-0.0))
@@ -53,7 +53,7 @@ def test_random_laws_come_back_to_the_bit(count, tmp_path):
 def test_every_public_set_has_its_word_in_files():
     public = {
         name
-        for name, kind in vars(asp).items()
+        for name, kind in public_of(asp).items()
         if isinstance(kind, type) and issubclass(kind, asp.StarSet) and kind is not asp.StarSet
     }
     assert set(KINDS) == public
@@ -194,7 +194,7 @@ def loaded(text, folder):
 
 def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
     law = loaded(TEXT, tmp_path)
-    mapped = asp.Mapped(asp.Disk(0.5), np.eye(2))
+    mapped = asp.sets.Mapped(asp.Disk(0.5), np.eye(2))
     assert law.reservoir == asp.Ellipse(0.6, 0.2) & mapped
     assert law.rate == asp.Stribeck(0.1)
 

@@ -213,7 +213,7 @@ def other_constructor(rng):
         asp.FrictionLaw(asp.Ellipse(a, b, angle=angle), asp.Ellipse(c, d)),
         asp.FrictionLaw(asp.Superellipse(a, b, 2.0, angle=angle), asp.Superellipse(c, d, 2.0)),
         asp.FrictionLaw(
-            asp.Mapped(asp.Disk(1.0), matrix @ np.diag([a, b])), asp.Ellipsoid([2 * c, 2 * d])
+            asp.sets.Mapped(asp.Disk(1.0), matrix @ np.diag([a, b])), asp.Ellipsoid([2 * c, 2 * d])
         ),
         asp.FrictionLaw(asp.Ellipse(b, a, angle=angle + np.pi / 2), asp.Ellipse(c, d)),
         asp.FrictionLaw(asp.Ellipse(a, b), asp.Ellipse(c, d, angle=-angle)).rotated(angle),

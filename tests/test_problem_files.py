@@ -103,47 +103,6 @@ def test_every_problem_comes_back_equal(tmp_path, suffix, cases):
         assert read.residual(percussion) == problem.residual(percussion)
 
 
-OLD_LAWS = (
-    '[{"type": "FrictionLaw", "parameters": {"reservoir": {"type": "Intersection", "parameters": '
-    '{"sets": [{"type": "Ellipse", "parameters": {"angle": 0.0, "a": 0.6, "b": 0.2}}, {"type": '
-    '"Disk", "parameters": {"radius": 0.5}}]}}, "direction": {"type": "Mapped", "parameters": '
-    '{"set": {"type": "Disk", "parameters": {"radius": 0.19}}, "matrix": [[1.0, 0.5], [0.0, 1.0]]'
-    '}}, "rate": null, "report": {"type": "FlowReport", "parameters": {"closure": 1.0, '
-    '"convexity_defect": 0.0, "smallest_resistance": 0.1, "repair": 0.0, "misfit": 0.0, '
-    '"samples": 9, "order": null, "noise": 0.0}}}}]'
-)
-"""As version 0.1 has written them."""
-
-
-@every_format
-def test_laws_of_version_0_1_are_read(tmp_path, suffix):
-    law = asp.FrictionLaw(
-        asp.Ellipse(0.6, 0.2) & asp.Disk(0.5),
-        asp.Mapped(asp.Disk(0.19), [[1.0, 0.5], [0.0, 1.0]]),
-        report=asp.FlowReport(1.0, 0.0, 0.1, 0.0, misfit=0.0, samples=9),
-    )
-    path, problem = tmp_path / f"problem{suffix}", plain(law)
-    problem.save(path)
-    if suffix == ".npz":
-        with np.load(path) as file:
-            fields = dict(file)
-        np.savez(path, **{**fields, "laws": np.array(OLD_LAWS)})
-    else:
-        with h5py.File(path, "r+") as file:
-            (place,) = (key for key in _keys(file) if key.endswith("laws"))
-            kept = file[place]
-            old = np.frombuffer(OLD_LAWS.encode(), np.uint8) if kept.dtype == np.uint8 else OLD_LAWS
-            del file[place]
-            file[place] = old
-    assert asp.ContactProblem.load(path) == problem
-
-
-def _keys(file):
-    found = []
-    file.visit(found.append)
-    return found
-
-
 @every_format
 @pytest.mark.parametrize("law", [DISK, TILTED_ELLIPSES])
 @pytest.mark.parametrize("known", [True, False], ids=["known", "assembled"])
@@ -191,7 +150,6 @@ def test_plain_npz_has_the_keys_of_other_engines(tmp_path):
 
 
 def test_fclib_layout(tmp_path):
-    import h5py
 
     path = tmp_path / "problem.hdf5"
     of_bodies().save(path)
@@ -223,7 +181,6 @@ def parts(matrix, form, spare=0):
 
 
 def rewrite(path, name, *written):
-    import h5py
 
     with h5py.File(path, "a") as file:
         for key, value in zip(("nz", "p", "i", "x"), written, strict=True):
@@ -246,7 +203,6 @@ def test_all_storage_forms_of_a_matrix_are_read(tmp_path, form):
 @pytest.mark.parametrize("form", ["rows", "columns", "triplets"])
 @pytest.mark.parametrize("triangle", [lambda m: m, tril, triu], ids=["both", "lower", "upper"])
 def test_all_storage_forms_of_bodies_are_read(tmp_path, form, triangle):
-    import h5py
 
     problem, path = of_bodies(), tmp_path / "global.h5"
     problem.save(path)
@@ -258,7 +214,6 @@ def test_all_storage_forms_of_bodies_are_read(tmp_path, form, triangle):
 
 
 def test_a_global_problem_alone_is_assembled(tmp_path):
-    import h5py
 
     problem, path = of_bodies(), tmp_path / "global.h5"
     problem.save(path)
@@ -274,7 +229,6 @@ def test_a_global_problem_alone_is_assembled(tmp_path):
 
 
 def test_solution_and_guesses_of_a_file_check_and_start_a_solve(tmp_path):
-    import h5py
 
     problem, path = of_bodies(), tmp_path / "problem.h5"
     problem.save(path)

@@ -72,7 +72,7 @@ LONG = {
     ),
     "fit_law": lambda **o: identify.fit_law(FORCES, reservoir="best", direction="circle", **o),
     "track_mark": lambda **o: track.track_mark(
-        [FRAME] * 3, fps=500.0, scene=track.Scene.from_scale(1e-3), **o
+        [FRAME] * 3, fps=500.0, scene=track.PlaneView.from_scale(1e-3), **o
     ),
 }
 for bands in (False, True):

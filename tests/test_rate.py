@@ -9,6 +9,7 @@ from samples import (
     TILTED_ELLIPSES,
     assert_breaks_monotonicity,
     identify,
+    public_of,
     random_directions,
 )
 
@@ -54,7 +55,7 @@ def test_rate_belongs_to_the_law_but_not_to_its_shape():
     phi = np.linspace(0.0, 6.0, 20)
     np.testing.assert_array_equal(law.resistance(phi), TILTED_ELLIPSES.resistance(phi))
     np.testing.assert_array_equal(law.trace_criterion(phi), TILTED_ELLIPSES.trace_criterion(phi))
-    assert eval(repr(law), {name: getattr(asp, name) for name in asp.__all__}) == law
+    assert eval(repr(law), public_of(asp)) == law
 
 
 def test_falling_force_breaks_monotonicity():

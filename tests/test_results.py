@@ -26,7 +26,7 @@ from public_calls import (
     STABILITY_SHEET,
     TRIANGLE,
 )
-from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
+from samples import ALL_SETS, LAWS, PLANE_LAWS, identify, public_of
 
 pandas = pytest.importorskip("pandas")
 xarray = pytest.importorskip("xarray")
@@ -84,8 +84,8 @@ RESULTS = [
     PREDICTION,
     LAW_SHEET,
     STABILITY_SHEET,
-    asp.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
-    asp.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
+    asp.sweeps.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
+    asp.sweeps.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
 ]
 TABLES = [result for result in RESULTS if isinstance(result, TableResult)]
 SAVED = [result for result in RESULTS if hasattr(result, "save")]
@@ -97,7 +97,7 @@ def named(result):
 
 def public_results():
     rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.predict, asp.problems)
-    names = (getattr(room, name) for room in rooms for name in room.__all__)
+    names = (one for room in rooms for one in public_of(room).values())
     return {one for one in names if isinstance(one, type) and issubclass(one, Result)}
 
 
@@ -294,19 +294,6 @@ def test_a_system_that_is_no_data_is_left_out_and_the_file_says_why(tmp_path):
         assert words in asp.Trajectory.load(tmp_path / "again.npz").origin.note
 
 
-def test_files_of_the_first_layout_are_read(tmp_path):
-    """Version 0.1 wrote neither kind nor names nor origin."""
-    fields = {**RUN._contents(), "format": 1, "version": "0.1.0"}
-    np.savez_compressed(tmp_path / "old.npz", **fields)
-    read = asp.Trajectory.load(tmp_path / "old.npz")
-    assert read == RUN
-    assert read.contact_names[3] == "contact 3"
-    with pytest.raises(asp.ParameterError, match="does not know what made it"):
-        read.repeat()
-    with pytest.raises(asp.ParameterError, match="must be 'motion'"):
-        asp.Motion.load(tmp_path / "old.npz")
-
-
 @pytest.mark.parametrize("name", ["", " ", "a\nb", "tab\t", "blank ", "\x00", 3, b"bytes"])
 def test_names_stand_on_one_line(name):
     makers = (
@@ -482,34 +469,27 @@ def test_runs_without_samples_have_all_of_it(tmp_path):
     assert empty.to_xarray().sizes["t"] == 0
 
 
-def test_damaged_descriptions_are_refused_by_their_place(tmp_path):
+def test_descriptions_that_are_wrong_are_refused_by_their_place(tmp_path):
     path = tmp_path / "run.npz"
     RUN.save(path)
     with np.load(path) as file:
         fields = dict(file)
-    origin, labels = str(fields["origin"]), str(fields["labels"])
-    for key, text, argument in (
-        ("origin", origin.replace('"mass"', '"mas"', 1), "origin.system.bodies[0].mas"),
-        ("origin", origin.replace('"Body"', '"Bodi"', 1), "origin.system.bodies[0].type"),
-        ("origin", origin.replace('"dt": 0.001', '"dt": -1', 1), "origin.options.dt"),
-        ("origin", origin[:-1], "origin"),
-        ("origin", "[" * 100_000, "origin"),
-        ("origin", "3", "origin"),
-        ("labels", labels.replace("left x", "left y", 1), "labels.coordinates"),
-        ("labels", '{"type": "State", "q": [0.0], "u": [0.0]}', "labels"),
-        ("labels", 3, "labels"),
+    content = str(fields["content"])
+    for text, argument in (
+        (content.replace('"mass"', '"mas"', 1), "origin.system.bodies[0].mas"),
+        (content.replace('"Body"', '"Bodi"', 1), "origin.system.bodies[0].type"),
+        (content.replace('"dt": 0.001', '"dt": -1', 1), "dt"),
+        (content.replace("left x", "left y", 1), "labels.coordinates"),
+        (content[:-1], "content"),
+        ("[" * 100_000, "content"),
+        ("3", "content"),
+        (3, "content"),
     ):
-        np.savez(path, **{**fields, key: text})
+        np.savez(path, **{**fields, "content": text})
         with pytest.raises(asp.ParameterError) as caught:
             asp.Trajectory.load(path)
         assert caught.value.argument == argument
         assert str(path) in str(caught.value)
-
-
-def with_another_bit(array):
-    content = bytearray(array.tobytes())
-    content[0] ^= 1
-    return np.frombuffer(content, array.dtype).reshape(array.shape)
 
 
 ARCHIVED = [one for one in SAVED if isinstance(one, SavedResult)]
@@ -521,20 +501,16 @@ def test_damaged_results_are_refused(result, tmp_path):
     result.save(path)
     with np.load(path) as file:
         fields = dict(file)
-    arrays = fields.keys() - {"format", "version", "digests", "content"}
+    arrays = fields.keys() - {"format", "version", "content"}
     content = str(fields["content"])
     for change in (
         {"content": None},
         {"format": 99},
         {"format": "one"},
         {"content": "{}"},
-        {"content": content.replace(named(result), "Motion", 1)},
-        {"digests": None},
-        {"digests": "[]"},
+        {"content": content.replace(named(result), "Body", 1)},
         {"more": np.zeros(3)},
         *({array: None} for array in arrays),
-        *({array: np.zeros((2, 2, 2))} for array in arrays),
-        *({array: with_another_bit(fields[array])} for array in arrays),
     ):
         kept = {key: value for key, value in {**fields, **change}.items() if value is not None}
         np.savez(path, **kept)
@@ -589,11 +565,8 @@ def test_files_of_other_results_are_called_so(tmp_path):
     for made in (RUN, MOTION, *ARCHIVED):
         made.save(tmp_path / "result.npz")
         for wanted in {type(one) for one in (RUN, MOTION, *ARCHIVED)} - {type(made)}:
-            kind = wanted.__name__ if issubclass(wanted, SavedResult) else wanted._kind
-            with pytest.raises(asp.ParameterError, match=rf"must be .*{kind}") as caught:
+            with pytest.raises(asp.ParameterError, match=rf"must be .*{wanted.__name__}"):
                 wanted.load(tmp_path / "result.npz")
-            assert "'Disk'" not in str(caught.value)
-            assert "of the kind 'trajectory'" not in str(caught.value) or made is RUN
 
 
 def test_a_run_whose_system_is_nested_too_deeply_is_saved_without_it(tmp_path):

@@ -15,6 +15,7 @@ from pathlib import Path
 import asperity as asp
 import numpy as np
 import pytest
+from asperity.sweeps import labelled_sweep
 from asperity.sweeps.grid import Chunks, chunk_shape
 from sweep_functions import GRID, SEED, reference, several
 
@@ -548,9 +549,9 @@ def test_another_version_source_or_seed_is_refused(tmp_path, monkeypatch):
     with pytest.raises(asp.ParameterError, match="seed: 1 there, 2 here"):
         swept(noisy, GRID, seed=2, store=store)
     series = asp.__version__.rsplit(".", 1)[0]
-    monkeypatch.setattr(asp, "__version__", f"{series}.99")
+    monkeypatch.setattr(labelled_sweep, "__version__", f"{series}.99")
     swept(noisy, GRID, seed=1, store=store)
-    monkeypatch.setattr(asp, "__version__", "9.9")
+    monkeypatch.setattr(labelled_sweep, "__version__", "9.9")
     with pytest.raises(asp.ParameterError, match=r"asperity: .* there, 9.9 here"):
         swept(noisy, GRID, seed=1, store=store)
 

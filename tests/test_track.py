@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
-from asperity.track import Mark, Scene, Sight, fit_circle, track_mark
+from asperity.track import Mark, PlaneView, Sight, fit_circle, track_mark
 from asperity.track.image.segmentation import outline
 from scipy.ndimage import gaussian_filter
 
-PIXELS = Scene.from_scale(1.0)
+PIXELS = PlaneView.from_scale(1.0)
 PAINT = {
     "red": (200, 30, 40),
     "green": (40, 180, 60),
@@ -171,7 +171,7 @@ def test_equal_marks_that_cross_are_not_mistaken_silently(aside, speeds, scale):
         for both in zip(mine, other, strict=True)
     ]
     frames[0] = painted((100, 300), (mine[0], 9.0, PAINT["red"]))
-    track = track_mark(frames, fps=500.0, scene=Scene.from_scale(scale), mark=Mark())
+    track = track_mark(frames, fps=500.0, scene=PlaneView.from_scale(scale), mark=Mark())
     off = np.hypot(*(track.pixel - mine).T)
     assert (track.status[off > 3.0] != 0).all()
     # Until they meet there is no doubt.
@@ -249,7 +249,7 @@ def test_no_mark_at_all_is_an_error():
     [
         ({"fps": 0.0}, "fps: must be positive"),
         ({"fps": float("nan")}, "fps"),
-        ({"scene": None}, "scene: must be a Scene"),
+        ({"scene": None}, "scene: must be a PlaneView"),
         ({"mark": "red"}, "mark: must be a Mark"),
         ({"frames": 3}, "frames: must be"),
         ({"frames": [np.zeros((4, 4))]}, "frames: must be .*frame 0"),

@@ -6,7 +6,7 @@ import pytest
 from asperity import ParameterError
 from asperity.track import (
     Mark,
-    Scene,
+    PlaneView,
     Sight,
     VirtualCamera,
     track_mark,
@@ -56,7 +56,7 @@ def test_stated_errors_of_centres_are_of_the_right_size():
 
 def test_the_camera_shows_what_its_scene_says():
     run = asp.simulate(asp.SlidingPoint(1.0, law=TABLE_1), dt=1e-3, t_end=0.01, q0=[0.02, 0.01])
-    scene = Scene.from_scale(5e-4, origin=(30.0, 80.0))
+    scene = PlaneView.from_scale(5e-4, origin=(30.0, 80.0))
     camera = VirtualCamera(
         run, fps=100.0, size=(120, 100), scene=scene, noise=0.0, mark=Mark(diameter=0.012)
     )

@@ -6,10 +6,10 @@ import av
 import numpy as np
 import pytest
 from asperity import ParameterError
-from asperity.track import ImageFolder, Mark, Scene, Sight, track_mark, write_video
+from asperity.track import ImageFolder, Mark, PlaneView, Sight, track_mark, write_video
 from PIL import Image
 
-SCENE = Scene.from_scale(1e-3)
+SCENE = PlaneView.from_scale(1e-3)
 ROWS, COLUMNS = np.mgrid[:120, :160]
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from asperity import DimensionError, ParameterError
-from asperity.track import Mark, Scene, track_mark
+from asperity.track import Mark, PlaneView, track_mark
 
 SIZE = (640, 480)
-CAMERA = Scene.from_camera((0.1, -0.5, 0.8), target=(0.1, 0.05), focal_length=900.0, size=SIZE)
+CAMERA = PlaneView.from_camera((0.1, -0.5, 0.8), target=(0.1, 0.05), focal_length=900.0, size=SIZE)
 PLANE = np.stack(np.meshgrid([0.0, 0.1, 0.2], [0.0, 0.06, 0.12]), axis=-1).reshape(-1, 2)
 
 
@@ -28,15 +28,15 @@ def test_a_camera_is_a_pinhole():
 
 
 def test_a_scale_counts_rows_downwards_and_may_turn():
-    scene = Scene.from_scale(1e-3, origin=(100.0, 200.0))
+    scene = PlaneView.from_scale(1e-3, origin=(100.0, 200.0))
     assert scene.to_plane([110.0, 180.0]) == pytest.approx([0.01, 0.02])
-    turned = Scene.from_scale(1e-3, origin=(100.0, 200.0), angle=np.pi / 2)
+    turned = PlaneView.from_scale(1e-3, origin=(100.0, 200.0), angle=np.pi / 2)
     assert turned.to_plane([100.0, 190.0]) == pytest.approx([0.01, 0.0])
     assert turned.to_plane([90.0, 200.0]) == pytest.approx([0.0, 0.01])
 
 
 def test_the_centre_of_the_mark_is_not_the_centre_of_its_image():
-    view = Scene.from_camera((0.0, -0.3, 0.2), target=(0.0, 0.0), focal_length=700.0, size=SIZE)
+    view = PlaneView.from_camera((0.0, -0.3, 0.2), target=(0.0, 0.0), focal_length=700.0, size=SIZE)
     centre, radius = np.array([0.01, 0.02]), 0.03
     row, column = np.mgrid[: SIZE[1], : SIZE[0]]
     fine = np.array([-0.375, -0.125, 0.125, 0.375])
@@ -70,18 +70,18 @@ def test_the_centre_of_the_mark_is_not_the_centre_of_its_image():
 )
 def test_points_that_do_not_determine_a_scene_are_refused(pixels, plane, error, message):
     with pytest.raises(error, match=message):
-        Scene.from_points(pixels, plane)
+        PlaneView.from_points(pixels, plane)
 
 
 @pytest.mark.parametrize(
     ("make", "name"),
     [
-        (lambda: Scene(np.zeros((3, 3))), "homography"),
-        (lambda: Scene(np.eye(2)), "homography"),
-        (lambda: Scene.from_scale(-1.0), "metres_per_pixel"),
-        (lambda: Scene.from_scale(1.0, origin=(1.0,)), "origin"),
+        (lambda: PlaneView(np.zeros((3, 3))), "homography"),
+        (lambda: PlaneView(np.eye(2)), "homography"),
+        (lambda: PlaneView.from_scale(-1.0), "metres_per_pixel"),
+        (lambda: PlaneView.from_scale(1.0, origin=(1.0,)), "origin"),
         (
-            lambda: Scene.from_camera((0, 0, -1), target=(0, 0), focal_length=1.0, size=(9, 9)),
+            lambda: PlaneView.from_camera((0, 0, -1), target=(0, 0), focal_length=1.0, size=(9, 9)),
             "position",
         ),
     ],

@@ -15,7 +15,7 @@ import pytest
 from asperity._base.value import Value, _check_of
 from asperity.identify import Configuration, fit_law
 from numpy.typing import NDArray
-from samples import ALL_SETS, LAWS, PLANE_LAWS, identify
+from samples import ALL_SETS, LAWS, PLANE_LAWS, identify, public_of
 from scipy.sparse import coo_array, csc_array, csr_array, csr_matrix
 
 LAW = PLANE_LAWS[3]
@@ -37,24 +37,24 @@ CYCLES = asp.limit_cycle_many([BELT])
 SIGNAL = asp.Signal([0.0, 1.0, 2.0], [0.5, 1.0, 0.5], interpolation="cubic", periodic=True)
 SHAKER = asp.Sine([0.0, 1e-3, 0.0], frequency=50.0, phase=[0.1, 0.0, 0.0], offset=0.1)
 SUMMARISED = (
-    asp.PathComparison,
+    asp.runs.PathComparison,
     asp.Trajectory,
     asp.Motion,
     asp.LimitCycle,
-    asp.Ensemble,
-    asp.CycleEnsemble,
+    asp.ensemble.Ensemble,
+    asp.ensemble.CycleEnsemble,
     asp.BifurcationDiagram,
-    asp.CriticalIntervals,
-    asp.GrowthChart,
-    asp.ContactSolution,
+    asp.steady_sliding.CriticalIntervals,
+    asp.steady_sliding.GrowthChart,
+    asp.contact.ContactSolution,
 )
 
 VALUES = [
     *ALL_SETS,
     *LAWS,
     LAW.replace(rate=asp.Stribeck(0.1)),
-    asp.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
-    asp.EngineReport(
+    asp.law.FlowReport(1.001, 0.0, 0.1, 1e-3, misfit=0.02, samples=36, order=7, noise=0.01),
+    asp.law.EngineReport(
         "bullet",
         "3.25",
         axes="x",
@@ -74,11 +74,11 @@ VALUES = [
         files=[("run.csv", "0f")],
         configuration={"file": {"header": 2}},
     ),
-    asp.Cone([[[1.0, 0.0], [0.0, 1.0]]]),
-    asp.Cone([[]], dimension=2),
-    asp.Cone([], dimension=2),
-    asp.Verdict(True, exact=True, tolerance=0.0, defect=0.0, witness=None),
-    asp.Verdict(False, exact=False, tolerance=1e-9, defect=0.1, witness=[[1.0, 0.0]]),
+    asp.sets.Cone([[[1.0, 0.0], [0.0, 1.0]]]),
+    asp.sets.Cone([[]], dimension=2),
+    asp.sets.Cone([], dimension=2),
+    asp.sets.Verdict(True, exact=True, tolerance=0.0, defect=0.0, witness=None),
+    asp.sets.Verdict(False, exact=False, tolerance=1e-9, defect=0.1, witness=[[1.0, 0.0]]),
     PROBLEM,
     asp.ContactProblem(np.eye(4), free_velocity=np.ones(4), laws=LAW, normal_force=[1.0, 2.0]),
     PROBLEM.replace(delassus=csc_array(np.eye(3))),
@@ -87,9 +87,9 @@ VALUES = [
     ),
     PROBLEM.solve(),
     PROBLEM.solve().certificate,
-    asp.Stage("newton", 7, 6, 1e-9),
-    asp.Island((0, 2), asp.Status.CONVERGED, 1e-12, 3),
-    asp.Infeasibility(
+    asp.contact.Stage("newton", 7, 6, 1e-9),
+    asp.contact.Island((0, 2), asp.Status.CONVERGED, 1e-12, 3),
+    asp.contact.Infeasibility(
         kind="closing",
         contact=1,
         direction=[0.4, 0.0, 0.6, 0.0],
@@ -117,7 +117,7 @@ VALUES = [
     MOTION,
     asp.State([0.1], [0.2], t0=1.0, steps=3, dt=0.1, contacts=np.ones((1, 16))),
     asp.Section([1.0, 0.0], 0.5, after=1.0),
-    asp.Event(0.5, "stick", 0, asp.Phase.STICK, ambiguous=True),
+    asp.runs.Event(0.5, "stick", 0, asp.Phase.STICK, ambiguous=True),
     CYCLE.motion,
     MOTION.labels,
     MOTION.origin,
@@ -126,7 +126,7 @@ VALUES = [
     CYCLE,
     ENSEMBLE,
     CYCLES,
-    asp.MemberFailure((1, 2), 0.5, ValueError("no")),
+    asp.ensemble.MemberFailure((1, 2), 0.5, ValueError("no")),
     asp.equilibrium(BELT),
     asp.BifurcationDiagram(
         "speed", [0.1, 0.2], [asp.stability(BELT), None], [CYCLE, None], ["", "stuck"]
@@ -176,7 +176,7 @@ VALUES = [
         springs=[asp.Spring(0, point=(0.1, 0.0, 0.0), other=1, stiffness=2.0)],
     ),
 ]
-NAMES = {name: getattr(asp, name) for name in asp.__all__}
+NAMES = public_of(asp)
 
 every_value = pytest.mark.parametrize("value", VALUES, ids=identify)
 
@@ -187,7 +187,7 @@ def test_every_public_class_is_among_the_values():
         for kind in NAMES.values()
         if inspect.isclass(kind)
         and issubclass(kind, Value)
-        and kind not in (asp.StarSet, asp.Solver)
+        and kind not in (asp.StarSet, asp.solvers.Solver)
     }
     assert classes == {type(value) for value in VALUES}
 
@@ -367,17 +367,17 @@ def test_replace_makes_a_variant():
 
 
 def test_copies_of_what_is_not_known_are_equal():
-    unknown = asp.Stage("newton", 7, 6, float("nan"))
+    unknown = asp.contact.Stage("newton", 7, 6, float("nan"))
     again = pickle.loads(pickle.dumps(unknown))
     assert again == unknown
     assert hash(again) == hash(unknown)
-    assert unknown != asp.Stage("newton", 7, 6, 1.0)
+    assert unknown != asp.contact.Stage("newton", 7, 6, 1.0)
 
 
 def test_negative_zero_does_not_split_equal_objects():
     assert asp.Ellipse(1.0, 2.0, angle=-0.0) == asp.Ellipse(1.0, 2.0)
-    assert hash(asp.Mapped(asp.Disk(1.0), [[1.0, -0.0], [0.0, 1.0]])) == hash(
-        asp.Mapped(asp.Disk(1.0), np.eye(2))
+    assert hash(asp.sets.Mapped(asp.Disk(1.0), [[1.0, -0.0], [0.0, 1.0]])) == hash(
+        asp.sets.Mapped(asp.Disk(1.0), np.eye(2))
     )
 
 

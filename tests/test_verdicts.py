@@ -56,13 +56,13 @@ def test_strict_convexity(star):
 def has_straight_parts(star):
     """Of the samples, by construction."""
     match star:
-        case asp.Mapped():
+        case asp.sets.Mapped():
             return has_straight_parts(star.set)
         case asp.Superellipse():
             return star.exponent == 1.0
         case asp.SupportCurve():
             return star == CORNERED
-        case asp.Intersection() | asp.MinkowskiSum():
+        case asp.sets.Intersection() | asp.sets.MinkowskiSum():
             return any(has_straight_parts(part) for part in star.sets)
         case _:
             return star.dimension > 1 and isinstance(star, STRAIGHT)

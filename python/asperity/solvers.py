@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.value import Count, Record
 from asperity.errors import ParameterError
@@ -21,7 +21,6 @@ __all__ = [
     "ProxJacobi",
     "ProximalPoint",
     "SemismoothNewton",
-    "Solver",
 ]
 
 

@@ -64,7 +64,7 @@ def _draw_paths(film: Film, runs: Mapping[str, asp.Trajectory], ax: Axes) -> Non
 _COLORS = (BLUE, GREEN, PURPLE, ORANGE)
 
 
-def _draw_distances(compared: Mapping[str, asp.PathComparison], ax: Axes) -> None:
+def _draw_distances(compared: Mapping[str, asp.runs.PathComparison], ax: Axes) -> None:
     for (name, comparison), color in zip(compared.items(), _COLORS, strict=True):
         ax.plot(1e3 * comparison.time, 1e3 * comparison.distance, color=color, gid=name)
     ax.set_yscale("log")
@@ -90,7 +90,7 @@ def _spinning() -> asp.Trajectory:
     return until_rest(filmed().disk.replace(spin=_SPIN))
 
 
-def _path_checks(film: Film, compared: Mapping[str, asp.PathComparison]) -> list[Check]:
+def _path_checks(film: Film, compared: Mapping[str, asp.runs.PathComparison]) -> list[Check]:
     ends = {name: 1e3 * one.end_distance for name, one in compared.items()}
     others = [value for name, value in ends.items() if name != _EXTENDED]
     speed = float(np.linalg.norm(film.path.start[1]))

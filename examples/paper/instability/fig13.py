@@ -110,13 +110,13 @@ def _stribeck_checks(cycle: asp.Trajectory) -> list[Check]:
 
 
 def _limits() -> list[Check]:
-    def coupled(mu: float) -> asp.Stability:
+    def coupled(mu: float) -> asp.steady_sliding.Stability:
         return asp.stability(mechanisms.mode_coupling(mu, belt_mass=1e-7))
 
-    def leaning(mu: float) -> asp.Stability:
+    def leaning(mu: float) -> asp.steady_sliding.Stability:
         return asp.stability(_ROD.replace(mu=mu))
 
-    def followed(p: float) -> asp.Stability:
+    def followed(p: float) -> asp.steady_sliding.Stability:
         return asp.stability(mechanisms.FollowerPendulum(p, normal_force=1.0))
 
     s, (dy, dphi) = np.sin(_ROD.angle), _ROD.damping
@@ -144,7 +144,11 @@ def _limits() -> list[Check]:
 
 
 def _onset(
-    found: Callable[[float], asp.Stability], low: float, high: float, *, real: bool = False
+    found: Callable[[float], asp.steady_sliding.Stability],
+    low: float,
+    high: float,
+    *,
+    real: bool = False,
 ) -> float:
     """Return where a system becomes unstable, or the eigenvalues that grow become real."""
     while high - low > 1e-8:
@@ -157,7 +161,7 @@ def _onset(
     return 0.5 * (low + high)
 
 
-def _without(found: asp.Stability, mechanism: str) -> float:
+def _without(found: asp.steady_sliding.Stability, mechanism: str) -> float:
     """Return the growth rate that is left without a mechanism, NaN if it does not act."""
     return found.mechanisms.get(mechanism, float("nan"))
 

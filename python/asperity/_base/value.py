@@ -14,6 +14,7 @@ from typing import (
     Annotated,
     Any,
     ClassVar,
+    Generic,
     Literal,
     NoReturn,
     Self,
@@ -24,9 +25,11 @@ from typing import (
     get_args,
     get_origin,
     get_type_hints,
+    overload,
 )
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 
@@ -190,15 +193,70 @@ class Value:
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
+Check: TypeAlias = Callable[[Any, str], Any]
+Taken = TypeVar("Taken", contravariant=True)
+Held = TypeVar("Held", covariant=True)
+
+
+class Given(Generic[Taken, Held]):
+    """For checkers of types: a field that takes one type and holds another, as a descriptor."""
+
+    if TYPE_CHECKING:
+
+        @overload
+        def __get__(self, record: None, kind: Any) -> Self: ...
+        @overload
+        def __get__(self, record: object, kind: Any) -> Held: ...
+        def __get__(self, record: object, kind: Any) -> Any: ...
+        def __set__(self, record: Any, value: Taken) -> None: ...
+
+
+_FOLLOWS = object()
+
+
+def field(*, default: Any = Parameter.empty, init: bool = True) -> Any:
+    """Return the default of a field that takes another type than it holds.
+
+    With ``init=False`` it is no field, but an attribute that `_derive` keeps.
+    """
+    return default if init else _FOLLOWS
+
+
+def shaped(*shape: int | None) -> Check:
+    """Return the check that makes arrays of a shape, in which None stands for any length."""
+    return lambda value, name: arrays.array(value, name, shape)
+
+
+def optional(check: Check) -> Check:
+    """Return a check that lets None pass."""
+    return lambda value, name: None if value is None else check(value, name)
+
+
 # Numbers that a field of a `Record` may hold; the check says what else it refuses.
 Number: TypeAlias = Annotated[float, arrays.number]
 Positive: TypeAlias = Annotated[float, arrays.positive]
 NonNegative: TypeAlias = Annotated[float, arrays.non_negative]
 Fraction: TypeAlias = Annotated[float, arrays.fraction]
 Count: TypeAlias = Annotated[int, arrays.count]
+Index: TypeAlias = Annotated[int, lambda value, name: arrays.count(value, name, least=0)]
+Truth: TypeAlias = Annotated[bool, lambda value, _: bool(value)]
 
 
-@dataclass_transform(frozen_default=True)
+def unchecked(value: Any, _: str) -> Any:
+    """Return a value as it is."""
+    return value
+
+
+AnyArray: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], unchecked]
+"""An array that `_complete` checks."""
+AnyArrayOrNone: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array], unchecked]
+"""An array that `_complete` checks, or fills in."""
+Vector: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(None)]
+Vector2: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(2)]
+Vector3: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(3)]
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
 class Record(Value):
     """Base of values that hold what they are given: annotations are the only list of parameters.
 
@@ -206,10 +264,11 @@ class Record(Value):
     one that is a ``Literal`` takes these words alone, one that is a class of values its objects.
     Others become Python's numbers, arrays and enumerators where the annotation says so. Fields
     behind ``_: KW_ONLY`` are given by name; names that begin with a bar, and every `ClassVar`, are
-    no fields.
+    no fields. `_complete` may check and complete all of them together, `_derive` keep what follows.
     """
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         parameters = list(getattr(cls, "__signature__", inspect.Signature()).parameters.values())
         place: Any = Parameter.POSITIONAL_OR_KEYWORD
         for name, kind in inspect.get_annotations(cls).items():
@@ -219,20 +278,27 @@ class Record(Value):
                 default = cls.__dict__.get(name, Parameter.empty)
                 if name in cls.__dict__:
                     delattr(cls, name)
-                parameters.append(Parameter(name, place, default=default, annotation=kind))
+                if default is not _FOLLOWS:
+                    parameters.append(Parameter(name, place, default=default, annotation=kind))
         cls.__signature__ = inspect.Signature(parameters)
 
     __signature__: ClassVar[inspect.Signature]
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         kind: Any = type(self)
-        given = kind.__signature__.bind(*args, **kwargs)
-        given.apply_defaults()
+        bound = kind.__signature__.bind(*args, **kwargs)
+        bound.apply_defaults()
         checks = _checks_of(kind)
-        self._set(**{name: checks[name](value, name) for name, value in given.arguments.items()})
+        given = {name: checks[name](value, name) for name, value in bound.arguments.items()}
+        self._complete(given)
+        self._set(**given)
+        self._derive()
 
+    def _complete(self, given: dict[str, Any]) -> None:
+        """Check the fields against each other, or fill in those that follow from others."""
 
-Check: TypeAlias = Callable[[Any, str], Any]
+    def _derive(self) -> None:
+        """Keep what follows from the fields."""
 
 
 @cache

@@ -6,7 +6,7 @@ import argparse
 import platform
 from importlib import metadata
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base.tables import aligned
 from asperity.commands.options import SUCCESS, Commands
 

@@ -10,7 +10,7 @@ import re
 import sys
 from collections.abc import Sequence
 
-from asperity import __version__
+from asperity._core import __version__
 from asperity.commands import (
     demo,
     identify,

@@ -1,15 +1,13 @@
 """Contact problems as data: problem, solution, certificate, files."""
 
-from asperity.contact.certificate import Certificate, Infeasibility
+from asperity.contact.certificate import Certificate as Certificate
+from asperity.contact.certificate import Infeasibility as Infeasibility
 from asperity.contact.problem import ContactProblem
-from asperity.contact.solution import ContactSolution, Island, LocalSolution, Stage
+from asperity.contact.solution import ContactSolution as ContactSolution
+from asperity.contact.solution import Island as Island
+from asperity.contact.solution import LocalSolution as LocalSolution
+from asperity.contact.solution import Stage as Stage
 
 __all__ = [
-    "Certificate",
     "ContactProblem",
-    "ContactSolution",
-    "Infeasibility",
-    "Island",
-    "LocalSolution",
-    "Stage",
 ]

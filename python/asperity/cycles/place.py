@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base.arrays import Array
 from asperity.runs.model import Model
 from asperity.runs.motion import Motion

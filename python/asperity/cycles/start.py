@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.runs.model import Model

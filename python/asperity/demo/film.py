@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import asperity as asp
-from asperity.track import MeasuredPath, Scene, Track, VirtualCamera, track_mark
+from asperity.track import MeasuredPath, PlaneView, Track, VirtualCamera, track_mark
 
 STEP = 1e-4
 """Time step in s."""
@@ -56,7 +56,7 @@ def film(
         seed: of the noise.
     """
     camera = VirtualCamera(run, fps=fps, size=size, seed=seed)
-    scene = Scene.from_points(*_reference_points(camera))
+    scene = PlaneView.from_points(*_reference_points(camera))
     track = track_mark(camera.frames(), fps=fps, scene=scene, mark=camera.mark)
     return Film(disk, run, camera, track, track.path())
 

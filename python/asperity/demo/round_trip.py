@@ -47,7 +47,7 @@ class RoundTrip:
     run: asp.Trajectory
 
     @property
-    def comparison(self) -> asp.PathComparison:
+    def comparison(self) -> asp.runs.PathComparison:
         """The path under the identified law beside the tracked one."""
         return asp.compare_path(self.run, self.film.path)
 

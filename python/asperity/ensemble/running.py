@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.log import log
 from asperity._base.pool import threads_to_use

@@ -1,14 +1,17 @@
 """Other engines: which pair (C, D) their friction parameters mean, and what they do otherwise.
 
-Every function is an engine and takes its parameters in the engine's own words. What is said here
-of an engine was found by running it; the numbers are those of docs/engines.md.
+Every function is an engine and takes its parameters in the engine's own words. What is said of an
+engine, in ``engines.toml``, was found by running it; the numbers are those of docs/engines.md.
 """
 
 from __future__ import annotations
 
+import functools
 import inspect
 import math
+import tomllib
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -58,6 +61,27 @@ class Translation(NamedTuple):
     rate: Stribeck | None = None
 
 
+@functools.cache
+def known_of(engine: str) -> dict[str, Any]:
+    """Return version, axes, sources and sentences of an engine."""
+    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    return {"elsewhere": {}, **tomllib.loads(text)[engine]}
+
+
+def _report(engine: str, *deviations: str, source: str = "", **numbers: Any) -> EngineReport:
+    """Return the report of an engine, which joins some of its sentences."""
+    known = known_of(engine)
+    whole = "".join(known["deviation"][one] for one in deviations)
+    return EngineReport(
+        engine,
+        known["version"],
+        axes=known["axes"],
+        deviation=whole.format(**numbers.pop("words", {})),
+        source=known["deviation"][source] if source else known["source"],
+        **numbers,
+    )
+
+
 def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
     """Return the sets of an engine's law and what is known of it.
 
@@ -74,8 +98,9 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
     function = ENGINES[kind]
     known = inspect.signature(function).parameters
     for name in parameters:
-        if name in ELSEWHERE.get(kind, {}):
-            raise ParameterError(name, f"is no part of a law: {ELSEWHERE[kind][name]}")
+        place = known_of(kind)["elsewhere"].get(name)
+        if place is not None:
+            raise ParameterError(name, f"is no part of a law: {place}")
         if name not in known:
             raise ParameterError(name, f"is no parameter of {kind} here{advice_on(name, known)}")
     for name, one in known.items():
@@ -106,39 +131,13 @@ def _bullet(
             "is not translated: a law has up to three directions, slip and drilling",
         )
     a, b = float(mu * scale[0]), float(mu * scale[1])
-    deviation = (
-        "This is the law of Bullet's multibodies, which pybullet uses for every body. Its rigid "
-        "bodies (btRigidBody) have by default one friction direction, along the slip, and so no "
-        "box; they were not run. "
+    ellipse = "" if a == b else known_of("bullet")["deviation"]["ellipse"]
+    cone = _flag(enableConeFriction, "enableConeFriction")
+    reservoir = _ellipse(a, b) if cone else Rectangle(a, b)
+    report = _report(
+        "bullet", "cone" if cone else "box", words={"ellipse": ellipse}, end_error=_euler(_STEP)
     )
-    if _flag(enableConeFriction, "enableConeFriction"):
-        reservoir: StarSet = _ellipse(a, b)
-        direction: StarSet = Disk(1.0)
-        ellipse = "" if a == b else ", although the coefficients form an ellipse,"
-        deviation += (
-            f"The friction force is opposite to the slip{ellipse} because the engine scales the "
-            "two friction directions and divides by the effective mass along each. Where the "
-            "tangential block of the Delassus operator is no multiple of the identity, as for "
-            "bodies that turn, the direction of the force depends on it."
-        )
-    else:
-        reservoir = direction = Rectangle(a, b)
-        deviation += (
-            "Without enableConeFriction each friction direction has a limit of its own, whatever "
-            "the other one bears: even equal coefficients give a square, with √2 times the friction"
-            " along its diagonals. The directions are axes of the world, made of the contact "
-            "normal; anisotropicFriction scales in axes of the body. The law holds where both are "
-            "parallel."
-        )
-    report = EngineReport(
-        "bullet",
-        "pybullet 3.2.7",
-        axes="the first axis of the body, parallel to the world's x on a horizontal plane",
-        deviation=deviation,
-        source="sliding experiment; mass on a belt; applyAnisotropicFriction in its source",
-        end_error=_euler(_STEP),
-    )
-    return Translation(reservoir, direction, report)
+    return Translation(reservoir, Disk(1.0) if cone else reservoir, report)
 
 
 def _cardillo(
@@ -150,50 +149,27 @@ def _cardillo(
     a, b = arrays.positive(mu, "mu") * _two(anisotropy, "anisotropy")
     name = _word(solver, "solver", tuple(_CARDILLO))
     reservoir = direction = _ellipse(a, b)
-    error, deviation = _CARDILLO[name]
+    sentences = [name]
     if name != "Moreau":
         direction = Disk(1.0)
-        deviation = (
-            "This solver multiplies each component of the slip by a parameter r of its own, which "
-            "for coefficients that differ turns the ellipse's normality into a force opposite to "
-            "the slip. Where the tangential block of the Delassus operator is no multiple of the "
-            f"square of anisotropy, the direction of the force depends on it. {deviation}"
-        )
-    report = EngineReport(
-        "cardillo",
-        "1.0.0 (451d581)",
-        axes="the first tangent of the frame that the contact is made with",
-        deviation=deviation,
-        source="sliding experiment; r_F in cardillo/solver",
-        creep=0.0,
-        end_error=error,
-    )
+        sentences = ["other", name]
+    report = _report("cardillo", *sentences, creep=0.0, end_error=_CARDILLO[name])
     return Translation(reservoir, direction, report)
 
 
-# Distance of the end points, and what else is to be said.
-_CARDILLO: dict[CardilloSolver, tuple[float | None, str]] = {
-    "Moreau": (1e-7, "None was found: the law is set-valued and associated, sticking is exact."),
-    "BackwardEuler": (3.8e-3, "Of the distance, 3.7 mm are its error of first order in time."),
-    "DualStormerVerlet": (1e-7, "Sticking is exact."),
-    "Rattle": (None, "Rattle was not run; it has the same product in its source."),
+# Distance of the end points.
+_CARDILLO: dict[CardilloSolver, float | None] = {
+    "Moreau": 1e-7,
+    "BackwardEuler": 3.8e-3,
+    "DualStormerVerlet": 1e-7,
+    "Rattle": None,
 }
 
 
 def _dart(*, mu: float = 1.0, mu2: float | None = None) -> Translation:
     a = arrays.positive(mu, "mu")
     b = a if mu2 is None else arrays.positive(mu2, "mu2")
-    report = EngineReport(
-        "dart",
-        "6.20.0",
-        axes="the first friction direction, fdir1; without one, the world's x on a horizontal "
-        "plane",
-        deviation="Each friction direction has a limit of its own, whatever the other one bears: "
-        "even equal coefficients give a square, with √2 times the friction along its diagonals. "
-        "Only equal coefficients were run.",
-        source="sliding experiment",
-        end_error=_euler(_STEP) if a == b else None,
-    )
+    report = _report("dart", "all", end_error=_euler(_STEP) if a == b else None)
     box = Rectangle(a, b)
     return Translation(box, box, report)
 
@@ -224,14 +200,10 @@ def _drake(
     factor, extra = _DRAKE[kind]
     scale = 1e-3 * dynamic * _GRAVITY * step if kind == "sap" else tolerance
     creep = factor * scale
-    ignored = " With a time step, Drake does not use static_friction." if static > dynamic else ""
-    report = EngineReport(
+    report = _report(
         "drake",
-        "1.51.1",
-        axes="any: the law is isotropic",
-        deviation=f"A contact that sticks here creeps at {creep:.2g} m/s under half of the load "
-        f"that it can hold: the engine's friction is regularised.{ignored}",
-        source="sliding experiment with steps of 0.1 and 1 ms; creep under constant loads",
+        *(("steps", "ignored") if static > dynamic else ("steps",)),
+        words={"creep": creep},
         creep=creep,
         end_error=1.2e-6 if extra is None else _euler(step) + extra,
     )
@@ -255,24 +227,20 @@ _DROP_SPEED, _DROP_EXPONENT, _DROP_ERROR = 2.14437, 5.97928, 0.023
 
 def _continuous_drake(static: float, dynamic: float, tolerance: float) -> Translation:
     rate = None
-    drop = ""
+    words = {
+        "creep": _HALF * tolerance,
+        "low": tolerance,
+        "high": 3.0 * tolerance,
+        "off": _DROP_ERROR * (static - dynamic),
+    }
     if static > dynamic:
         rate = Stribeck(_DROP_SPEED * tolerance, ratio=dynamic / static, exponent=_DROP_EXPONENT)
-        drop = (
-            f" Between {tolerance:.2g} and {3.0 * tolerance:.2g} m/s, where its coefficient falls "
-            f"from static_friction to dynamic_friction, the two differ by up to "
-            f"{_DROP_ERROR * (static - dynamic):.2g}."
-        )
-    creep = _HALF * tolerance
-    report = EngineReport(
+    report = _report(
         "drake",
-        "1.51.1",
-        axes="any: the law is isotropic",
-        deviation=f"A contact that sticks here creeps at {creep:.2g} m/s under half of the load "
-        f"that it can hold: below the stiction tolerance, the engine's friction grows with the "
-        f"speed.{drop}",
-        source="sliding experiment; forces of the engine over the speed",
-        creep=creep,
+        *(("continuous",) if rate is None else ("continuous", "drop")),
+        source="continuous_source",
+        words=words,
+        creep=words["creep"],
         end_error=1e-6,
     )
     disk = Disk(static)
@@ -289,26 +257,11 @@ def _exudyn(
     angle = arrays.number(dryFrictionAngle, "dryFrictionAngle")
     zone = arrays.non_negative(dryFrictionProportionalZone, "dryFrictionProportionalZone")
     reservoir, direction = flow.ellipses(np.diag(mu))
-    sets = (
-        "with equal coefficients the law is isotropic."
-        if mu[0] == mu[1]
-        else "the coefficients are the semi-axes of the reservoir, but the law is not associated."
-    )
-    at_rest = (
-        f"Below the proportional zone of {zone:.2g} m/s the force grows with the speed, so that a "
-        f"contact that sticks here creeps at {_HALF * zone:.2g} m/s under half of the load that it "
-        "can hold."
-        if zone > 0.0
-        else "Without a proportional zone the force changes its sign from step to step where a "
-        "contact sticks here: it moved at 0.2 mm/s with steps of 0.1 ms."
-    )
-    report = EngineReport(
+    report = _report(
         "exudyn",
-        "1.13.6",
-        axes="the axis of the rolling disc (ObjectConnectorRollingDiscPenalty), turned by "
-        "dryFrictionAngle about the plane's normal; the second one is forwards",
-        deviation=f"The force is the friction matrix times the direction of slip: {sets} {at_rest}",
-        source="sliding experiment; creep under a constant load",
+        "equal" if mu[0] == mu[1] else "different",
+        "zone" if zone > 0.0 else "without",
+        words={"zone": zone, "creep": _HALF * zone},
         angle=angle,
         creep=_HALF * zone if zone > 0.0 else None,
         end_error=1.1e-5,
@@ -348,20 +301,11 @@ def _mujoco(
         reservoir = Polygon(corners @ arrays.rotation(angle).T)
     creep = _MUJOCO_CREEP[shape] * _HALF * mu[0] * _GRAVITY / ratio
     error = (1.5e-3 if mu[0] == mu[1] else 2.9e-3) if shape == "elliptic" else 6.3e-3
-    at_rest = (
-        f"at {1e3 * creep:.2g} mm/s under half of the load that it can hold, with the default "
-        f"solref and solimp and impratio={ratio:g}, by which this speed is divided"
-        if dimensions == 3
-        else "under every load; with condim=4 the speed was not measured"
-    )
-    report = EngineReport(
+    at_rest = known_of("mujoco")["deviation"]["creep" if dimensions == 3 else "torsion"]
+    report = _report(
         "mujoco",
-        "4.0.0",
-        axes="the contact's first tangent, mjContact.frame[3:6]; of a sphere on a horizontal plane "
-        "it is the world's y",
-        deviation=_MUJOCO_DEVIATION[shape].format(at_rest=at_rest),
-        source="sliding experiment with the default solref, solimp and impratio, in steps of 0.1 "
-        "and of 2 ms; creep under a constant load; mj_contactForce",
+        shape,
+        words={"at_rest": at_rest.format(speed=1e3 * creep, ratio=ratio)},
         angle=angle,
         creep=creep if dimensions == 3 else None,
         end_error=error if dimensions == 3 and ratio == 1.0 else None,
@@ -372,16 +316,6 @@ def _mujoco(
 # Speed of creep over the tangential acceleration of the load, in s, with the default solref,
 # solimp and impratio, measured. Under the pyramid it falls with 1/impratio to 2 %.
 _MUJOCO_CREEP = {"elliptic": 9.0e-4, "pyramidal": 1.3127e-3}
-_MUJOCO_DEVIATION = {
-    "elliptic": "A contact that sticks here creeps {at_rest}. "
-    "Slip lifts the contact, which then hops: at 1.5 m/s it was closed in 7 to 42 % of "
-    "the steps, and on a belt, with coefficients as 3 to 1, the direction of the mean force was 8° "
-    "off the law's.",
-    "pyramidal": "The friction force lies in a diamond with its corners on the contact's axes, "
-    'which is the law of the default cone="pyramidal": even equal coefficients slide as a law '
-    "of anisotropic friction does. A contact that sticks here creeps {at_rest}. Slip lifts the "
-    "contact, which then hops.",
-}
 _CONDIM = {
     1: "1 means contact without friction, which is no law",
     6: "6 has rolling friction, in five directions; a law has one to three",
@@ -473,29 +407,14 @@ def _mujoco_with_torsion(
 
 
 def _pinocchio(*, mu: float, S: ArrayLike | None = None) -> Translation:
-    report = EngineReport(
-        "pinocchio",
-        "4.1.0",
-        axes="the first tangent of the contact",
-        deviation="None was found for one contact: PGS and ADMM solve the set-valued law.",
-        source="sliding experiment; PGSConstraintSolver and ADMMConstraintSolver",
-        creep=0.0,
-        end_error=1e-5,
-    )
+    report = _report("pinocchio", "all", creep=0.0, end_error=1e-5)
     reservoir = _scaled_disk(mu, S, "S")
     return Translation(reservoir, reservoir, report)
 
 
 def _rapier(*, friction: float = 0.5) -> Translation:
     disk = Disk(arrays.positive(friction, "friction"))
-    report = EngineReport(
-        "rapier",
-        "0.21.0",
-        axes="any: the law is isotropic",
-        deviation="It computes in single precision; nothing else was found for one contact.",
-        source="sliding experiment",
-        end_error=3e-6,
-    )
+    report = _report("rapier", "all", end_error=3e-6)
     return Translation(disk, disk, report)
 
 
@@ -512,15 +431,7 @@ def _siconos(
         )
     if rows not in (2, 3):
         raise ParameterError("size", f"must be 2 or 3, got {size}")
-    report = EngineReport(
-        "siconos",
-        "4.4.0",
-        axes="the first tangential row of the relation",
-        deviation="None was found: the law is set-valued and associated, sticking is exact.",
-        source="sliding experiment and mass on a belt; NewtonImpactFrictionNSL",
-        creep=0.0,
-        end_error=1e-7 if rows == 3 else None,
-    )
+    report = _report("siconos", "all", creep=0.0, end_error=1e-7 if rows == 3 else None)
     if rows == 2:
         if H is not None:
             raise ParameterError("H", "is for size=3; in a plane it scales mu")
@@ -542,15 +453,8 @@ def _solve_nivp(*, mu: float | None = None, projection: StarSet | None = None) -
         reservoir = checked_set(projection, "projection")
         if not reservoir.is_convex:
             raise ParameterError("projection", f"must be a convex set, got {reservoir!r}")
-    report = EngineReport(
-        "solve_nivp",
-        "0.1.2",
-        axes="the first component that is projected",
-        deviation="None was found: projections solve the set-valued, associated law.",
-        source="sliding experiment with a projection onto an ellipse",
-        creep=0.0,
-        end_error=1e-6 if reservoir.dimension == 2 else None,
-    )
+    error = 1e-6 if reservoir.dimension == 2 else None
+    report = _report("solve_nivp", "all", creep=0.0, end_error=error)
     return Translation(reservoir, reservoir, report)
 
 
@@ -569,57 +473,6 @@ ENGINES: dict[str, Callable[..., Translation]] = {
 
 
 _ALSO_CALLED = {"pybullet": "bullet"}
-
-_RIGID = "contacts are rigid here, and law.report.deviation says what that changes"
-_IMPACT = "it belongs to the contact, as normal_restitution of a pair or a Contact"
-_SIDEWAYS = "it belongs to the contact, as tangential_restitution of a pair or a Contact"
-_STEPS = "it is the dt of simulate"
-_ROLLING = "rolling friction is not translated; a law has slip and drilling only"
-ELSEWHERE: dict[str, dict[str, str]] = {
-    "bullet": {
-        "restitution": _IMPACT,
-        "contactStiffness": _RIGID,
-        "contactDamping": _RIGID,
-        "timeStep": _STEPS,
-    },
-    "cardillo": {"e_N": _IMPACT, "e_F": _SIDEWAYS, "dt": _STEPS},
-    "dart": {
-        "restitution": _IMPACT,
-        "fdir1": "it turns the law, as FrictionLaw.rotated does",
-        "slip1": "slip grows with the force there; what sticks here does not move",
-        "slip2": "slip grows with the force there; what sticks here does not move",
-    },
-    "drake": {
-        "point_stiffness": _RIGID,
-        "dissipation": _RIGID,
-        "hunt_crossley_dissipation": _RIGID,
-        "relaxation_time": _RIGID,
-        "hydroelastic_modulus": _RIGID,
-    },
-    "exudyn": {
-        "viscousFriction": "it grows with the speed and belongs to the system, as damping or as "
-        "forces",
-        "contactStiffness": _RIGID,
-        "contactDamping": _RIGID,
-        "rollingFrictionViscous": _ROLLING,
-    },
-    "mujoco": {
-        "solref": _RIGID,
-        "solimp": _RIGID,
-        "solreffriction": _RIGID,
-        "margin": _RIGID,
-        "gap": _RIGID,
-        "priority": "of two geoms, give the friction of the one with the higher priority",
-        "timestep": _STEPS,
-    },
-    "pinocchio": {"compliance": _RIGID},
-    "rapier": {
-        "restitution": _IMPACT,
-        "friction_combine_rule": "give the coefficient of the contact, combined before",
-    },
-    "siconos": {"e_n": _IMPACT, "e_t": _SIDEWAYS, "mu_r": _ROLLING},
-}
-"""Parameters that engines have and laws have not: where they belong."""
 
 
 def _word(value: Any, argument: str, allowed: tuple[str, ...], *, prefix: str = "") -> Any:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, Self
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.storage import data, provenance, toml
 from asperity._base.storage.data import HEAD_SCHEMA, FileFormat
@@ -108,9 +110,9 @@ def _report_kind(table: Any) -> type[FlowReport | EngineReport]:
 class LawFile(Value):
     """What a file of a law holds: the law and where it comes from.
 
-    `FrictionLaw.save` and `load` write and read such files; this class also tells the provenance.
-    A law that was fitted to measurements has its parameters and their covariance in the file too,
-    see `identify.IdentifiedLaw`.
+    `FrictionLaw.save` and `load` write and read such files; this class also has the provenance. Of
+    a law that was fitted to measurements the file has the parameters and their covariance, too:
+    then `load` returns an `identify.IdentifiedLaw`.
 
     Args:
         law: the law.
@@ -151,7 +153,9 @@ class LawFile(Value):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a file; nothing in it is executed.
+        """Read a file, as an `identify.IdentifiedLaw` if it has parameters.
+
+        Nothing in it is executed.
 
         Args:
             path: of the file.
@@ -159,13 +163,12 @@ class LawFile(Value):
         Raises:
             ConfigurationError: with file, line and key of what is wrong.
         """
-        file = TomlFile(path, SCHEMA, FORMAT.check)
-        with file.named():
-            if "law" not in file.values:
-                raise ParameterError("law", "is missing")
-            law = law_of(file.values["law"], "law")
-            origin = Provenance.of_table(file.values.get("provenance", {}), "provenance")
-            return cls._of_parts(law, origin, file.values.get("parameters"))
+        with read(path) as (law, origin, parameters):
+            kind = cls
+            if parameters is not None and cls is LawFile:
+                # What parameters mean is known to a room above, which takes SciPy with it.
+                kind = import_module("asperity.identify").IdentifiedLaw
+            return kind._of_parts(law, origin, parameters)
 
     def _parameters_table(self) -> tuple[dict[str, Any] | None, str]:
         """Return the section ``[parameters]`` and what is said above it."""
@@ -184,3 +187,21 @@ def checked(law: FrictionLaw, provenance: Provenance | None) -> dict[str, Any]:
     arrays.of_kind(law, "law", FrictionLaw, "a FrictionLaw")
     arrays.of_kind(provenance, "provenance", Provenance | None, "a Provenance or None")
     return {"law": law, "provenance": Provenance() if provenance is None else provenance}
+
+
+@contextmanager
+def read(
+    path: str | os.PathLike[str],
+) -> Iterator[tuple[FrictionLaw, Provenance, Mapping[str, Any] | None]]:
+    """Yield law, provenance and parameters of a file; say of what is wrong with them where it is.
+
+    Raises:
+        ConfigurationError: with file, line and key of what is wrong.
+    """
+    file = TomlFile(path, SCHEMA, FORMAT.check)
+    with file.named():
+        if "law" not in file.values:
+            raise ParameterError("law", "is missing")
+        law = law_of(file.values["law"], "law")
+        origin = Provenance.of_table(file.values.get("provenance", {}), "provenance")
+        yield law, origin, file.values.get("parameters")

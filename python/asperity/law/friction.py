@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.drawing import svg
@@ -462,9 +462,10 @@ class FrictionLaw(Questions):
         Raises:
             ConfigurationError: with file, line and key of what is wrong.
         """
-        from asperity.law.file import LawFile
+        from asperity.law.file import read
 
-        return LawFile.load(path).law
+        with read(path) as (law, _, _):
+            return law
 
     def _misses(self, phi: Array, force: Array) -> Array:
         """Return by how much of the largest force the law misses each of them."""

@@ -48,10 +48,10 @@ def plot_track(
     >>> matplotlib.use("Agg")
     >>> import numpy as np
     >>> from asperity.plot import plot_track
-    >>> from asperity.track import Scene, track_mark
+    >>> from asperity.track import PlaneView, track_mark
     >>> frame = np.full((60, 80, 3), 120, dtype=np.uint8)
     >>> frame[20:40, 30:50] = 200, 30, 30
-    >>> track = track_mark([frame] * 3, fps=500.0, scene=Scene.from_scale(1e-3))
+    >>> track = track_mark([frame] * 3, fps=500.0, scene=PlaneView.from_scale(1e-3))
     >>> plot_track(track, image=frame).get_ylabel()
     'row'
     """

@@ -8,24 +8,23 @@
 [('end point e1', 0.1652), ('end point e2', 0.1409)]
 """
 
-from asperity.predict.bands import Bands, Region, propagate
+from asperity.predict.bands import PredictionBands, Region, propagate
 from asperity.predict.examples import write_example
 from asperity.predict.law_sheet import LawSheet, describe_law
-from asperity.predict.scenario import Scenario, load_law
+from asperity.predict.scenario import Scenario
 from asperity.predict.simulation import Simulation, simulate_scenario
 from asperity.predict.stability_sheet import Belt, StabilitySheet, describe_stability
 
 __all__ = [
-    "Bands",
     "Belt",
     "LawSheet",
+    "PredictionBands",
     "Region",
     "Scenario",
     "Simulation",
     "StabilitySheet",
     "describe_law",
     "describe_stability",
-    "load_law",
     "propagate",
     "simulate_scenario",
     "write_example",

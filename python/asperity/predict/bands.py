@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.progress import Progress, each, reporter
+from asperity._base.progress import Progress, Report, part_of, reporter
+from asperity.ensemble import Ensemble, integrate_many, simulate_many
 from asperity.errors import AsperityError, ParameterError
 from asperity.identify import IdentifiedLaw
 from asperity.law import FrictionLaw
-from asperity.predict.kinds import Quantity
+from asperity.predict.kinds import REST, Course, Quantity
 from asperity.predict.scenario import Scenario
+from asperity.status import Outcome
 
 # Ellipses settle within a few rounds; this many end the search if two of them take turns.
 _ROUNDS = 50
+# So many numbers of samples are in memory at a time.
+_NUMBERS = 2e7
+# Times the time until rest with the laws of the files.
+_LONGER = 1.3
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Bands:
+class PredictionBands:
     """Intervals and end points over laws that were drawn.
 
     Attributes:
@@ -86,7 +93,7 @@ def propagate(
     *,
     nominal: Sequence[Quantity],
     progress: Progress = None,
-) -> Bands:
+) -> PredictionBands:
     """Draw the laws of a scenario from their uncertainty, compute every motion, and make bands.
 
     Intervals are between quantiles of the draws, those of angles between quantiles of what they
@@ -127,24 +134,87 @@ def propagate(
             if name in known
             else [file.law] * options.samples
         )
-    rows: list[list[Quantity]] = []
+    rows: list[Sequence[Quantity]] = []
     failed: list[str] = []
     doubts: list[str] = []
     with reporter(progress, "draw") as report:
-        for i in each(range(options.samples), report):
-            try:
-                run = scenario.run({name: laws[i] for name, laws in drawn.items()})
-                rows.append(scenario.quantities(run))
-                doubts += scenario.doubts(run)[:1]
-            except AsperityError as error:
-                failed.append(str(error))
+        for made, outcome, course in _courses(scenario, drawn, nominal, report):
+            if isinstance(course, str):
+                failed.append(course)
+                continue
+            rows.append(scenario.kind.quantities(made, course))
+            doubts += scenario.doubtful(outcome, course)[:1]
     if not rows:
         raise AsperityError(f"no motion of a drawn law could be computed: {failed[0]}")
     draws = np.array([[one.value for one in row] for row in rows])
     low, high = _intervals(draws, nominal, options.confidence)
     ends = draws[:, :2].copy() if scenario.kind.has_end else None
     region = None if ends is None else _region(ends, options.confidence)
-    return Bands(options.confidence, draws, low, high, ends, region, tuple(failed), tuple(doubts))
+    return PredictionBands(
+        options.confidence, draws, low, high, ends, region, tuple(failed), tuple(doubts)
+    )
+
+
+def _courses(
+    scenario: Scenario,
+    drawn: Mapping[str, Sequence[FrictionLaw]],
+    nominal: Sequence[Quantity],
+    report: Report | None,
+) -> Iterator[tuple[Any, Outcome, Course | str]]:
+    """Yield system, outcome and course of the motion with every law, or why there is none."""
+    options, kind, done = scenario.options, scenario.kind, 0
+    count = scenario.bands.samples
+    kept: Any = {"samples": 0, "rest": "rest_time", "end": "end"}[kind.needs]
+    chunk, t_end = count, options.duration
+    if kind.needs == "samples":
+        kept = options.output if options.event_driven else options.steps_per_sample
+        if options.until_rest:
+            # There is memory for samples until then: few motions take longer than this.
+            rest = [one.value for one in nominal if one.name == REST]
+            t_end = min([t_end, *(_LONGER * one for one in rest)])
+        first = scenario.setup()[0]
+        width = 2 * first.dof + 6 * len(first.contacts)
+        chunk = max(1, int(_NUMBERS * options.output / (t_end * width)))
+    while done < count:
+        numbers = range(done, min(done + chunk, count))
+        made = [scenario.setup({name: laws[i] for name, laws in drawn.items()}) for i in numbers]
+        systems, start = [system for system, _ in made], made[0][1]
+        with scenario.blamed():
+            part = part_of(report, done, count)
+            if options.event_driven:
+                many = integrate_many(systems, t_end=t_end, keep=kept, progress=part, **start)
+            else:
+                many = simulate_many(
+                    systems,
+                    dt=options.step,
+                    t_end=t_end,
+                    until_rest=options.until_rest,
+                    keep=kept,
+                    lanes=True,
+                    progress=part,
+                    **start,
+                )
+        failures = {one.index[0]: str(one.error) for one in many.failures}
+        for i, system in enumerate(systems):
+            outcome = Outcome(many.status[i])
+            if t_end < options.duration and outcome is Outcome.FINISHED:
+                run = scenario.run({name: laws[done + i] for name, laws in drawn.items()})
+                yield system, run.status, Course.of(run.t, run.q, run.phase)
+                continue
+            yield system, outcome, failures[i] if i in failures else _course(many, i, start)
+        done += len(numbers)
+
+
+def _course(many: Ensemble, i: int, start: Mapping[str, Array]) -> Course:
+    """Return samples of a run, or its start and end."""
+    if many.samples:
+        t = many.samples["t"][i]
+        there = ~np.isnan(t)
+        return Course.of(t[there], many.samples["q"][i][there], many.samples["phase"][i][there])
+    rest = np.nan if many.rest_time is None else many.rest_time[i]
+    q = np.stack([start.get("q0", many.q[i]), many.q[i]])
+    t = np.array([0.0, many.t[i]])
+    return Course(t, q, many.phase[[i, i]], None if np.isnan(rest) else float(rest))
 
 
 def _quantile(values: Array, share: float | list[float]) -> Array:

@@ -19,7 +19,6 @@ from asperity._base.tables import aligned
 from asperity.errors import ConfigurationError
 from asperity.identify import IdentifiedLaw
 from asperity.law import EngineReport, FrictionLaw, LawFile
-from asperity.predict.scenario import load_law
 
 FILES = ("coefficients.csv", "sets.png", "coefficients.png", "report.html")
 """What `describe_law` writes."""
@@ -321,7 +320,7 @@ def planar_law(path: str | os.PathLike[str]) -> LawFile:
     Raises:
         ConfigurationError: with file, line and key of what is wrong, or if it is not planar.
     """
-    file = load_law(path)
+    file = LawFile.load(path)
     if file.law.dimension != 2:
         raise ConfigurationError(
             os.fspath(path), f"must be planar, its dimension is {file.law.dimension}", key="[law]"

@@ -24,7 +24,7 @@ def paths(simulation: Simulation) -> Figure:
     scenario, bands = simulation.scenario, simulation.bands
     with style():
         figure = Figure(figsize=(6.4 if bands is None else 9.6, 4.8), layout="constrained")
-        found = scenario.kind.paths(scenario.setup().system, simulation.run)
+        found = scenario.kind.paths(scenario.setup()[0], simulation.run.q)
         if bands is None or bands.ends is None or bands.region is None:
             ax = figure.add_subplot()
         else:
@@ -63,7 +63,7 @@ def history(simulation: Simulation) -> Figure:
     with style():
         figure = Figure(figsize=(8.0, 5.4), layout="constrained")
         place, forces = figure.subplots(2, 1, sharex=True)
-        found = scenario.kind.paths(scenario.setup().system, run)
+        found = scenario.kind.paths(scenario.setup()[0], run.q)
         for name, path in found.items():
             for axis, values in zip(("e1", "e2", "z"), path.T, strict=False):
                 if len(found) == 1 or axis != "z":

@@ -4,29 +4,45 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from asperity import law as law_room
+from asperity import sets, system
 from asperity._base.progress import Progress
 from asperity._base.result import counted
-from asperity._base.storage.toml import COUNT, NUMBER, SWITCH, TEXT, Schema, TomlFile, advice_on
+from asperity._base.storage import data
+from asperity._base.storage.toml import (
+    COUNT,
+    NUMBER,
+    NUMBERS,
+    SWITCH,
+    TABLE,
+    TEXT,
+    Schema,
+    TomlFile,
+    advice_on,
+)
 from asperity._base.value import keep_views
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw, LawFile
-from asperity.law.file import SCHEMA as law_schema
-from asperity.predict.kinds import KINDS, Kind, Quantity, Setup, rest_time
+from asperity.predict.kinds import KINDS, Course, Quantity, ScenarioKind
 from asperity.runs import integrate, simulate
 from asperity.runs.run import Run
-from asperity.runs.trajectory import Trajectory
-from asperity.status import Outcome, Phase
+from asperity.status import Outcome
+from asperity.system import Body, PlanarBody, PointPlane, SlidingDisk
 
 _METHODS = ("time stepping", "event-driven")
-_COMMON: Schema = {
-    "kind": TEXT,
+_SCHEMA: Schema = {
     "law": TEXT,
     "title": TEXT,
+    "system": TABLE,
+    "start": {"position": NUMBERS, "velocity": NUMBERS, "speed": NUMBER, "direction_deg": NUMBER},
     "run": {
         "duration": NUMBER,
         "step": NUMBER,
@@ -36,6 +52,17 @@ _COMMON: Schema = {
     },
     "bands": {"samples": COUNT, "confidence": NUMBER, "seed": COUNT},
 }
+_CLASSES: dict[str, Any] = {
+    **data.classes(sets, law_room, system),
+    "Body.box": Body.box,
+    "Body.ball": Body.ball,
+    "Body.cylinder": Body.cylinder,
+    "PlanarBody.box": PlanarBody.box,
+    "PlanarBody.disk": PlanarBody.disk,
+    "PointPlane.cylinder": PointPlane.cylinder,
+}
+"""What may be made of the tables of a scenario, by the word in ``type``."""
+_SYSTEMS = {kind.system.__name__: kind for kind in KINDS.values()}
 # So many samples are kept of a run that does not say otherwise, in files and pictures: all steps of
 # most runs, because extremes of a vibration are those of its samples.
 _SAMPLES = 20_000
@@ -63,6 +90,11 @@ class RunOptions:
     until_rest: bool
     event_driven: bool
     output: float
+
+    @property
+    def steps_per_sample(self) -> int:
+        """Steps of time stepping from one sample to the next."""
+        return max(1, round(self.output / self.step))
 
 
 @dataclass(frozen=True)
@@ -94,7 +126,7 @@ class Scenario:
     """
 
     file: TomlFile
-    kind: Kind
+    kind: ScenarioKind
     laws: Mapping[str, LawFile]
     law_paths: Mapping[str, Path]
     options: RunOptions
@@ -116,21 +148,18 @@ class Scenario:
         Raises:
             ConfigurationError: with file, line and key of what is wrong.
         """
-        kind = _kind(path)
-        file = TomlFile(path, {**_COMMON, **kind.schema})
-        contacts = file.values.get("contacts", [])
-        keys = {}
-        if not contacts or any("law" not in one for one in contacts):
+        file = TomlFile(path, _SCHEMA)
+        kind = _kind(file)
+        keys = _laws_named(file.values["system"], "system")
+        if "" in keys:
             if law is not None:
                 file.values.setdefault("law", os.fspath(law))
             elif "law" not in file.values:
                 raise file.error("law", "is missing: name the file of a friction law")
+            del keys[""]
             keys[file.values["law"]] = "law"
         elif law is not None:
             raise ParameterError("law", "is that of no contact, each names its own in the scenario")
-        for i, one in enumerate(contacts):
-            if "law" in one:
-                keys.setdefault(one["law"], f"contacts[{i}].law")
         paths = {name: Path(file.path.parent, name) for name in sorted(keys)}
         if law is not None:
             paths[file.values["law"]] = Path(law)
@@ -143,7 +172,7 @@ class Scenario:
                 if keys[name] == "law" and law is not None:
                     raise ParameterError("law", problem)
                 raise file.error(keys[name], problem)
-        laws = {name: load_law(place) for name, place in paths.items()}
+        laws = {name: LawFile.load(place) for name, place in paths.items()}
         scenario = cls(file, kind, laws, paths, _options(file), _bands(file))
         scenario.setup()
         return scenario
@@ -153,17 +182,47 @@ class Scenario:
         """Of pictures and reports: what the file says, or its name."""
         return str(self.file.values.get("title", self.file.path.stem))
 
-    def setup(self, laws: Mapping[str, FrictionLaw] | None = None) -> Setup:
-        """Return system and initial state, with the laws of the files or with others.
+    def setup(self, laws: Mapping[str, FrictionLaw] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Return the system, and its start as ``q0`` and ``u0`` where these are not its own.
 
         Args:
-            laws: by the names of their files in the scenario.
+            laws: by the names of their files in the scenario; default those of the files.
 
         Raises:
             ConfigurationError: if the file does not describe a system.
         """
-        given = {name: file.law for name, file in self.laws.items()} if laws is None else laws
-        return self.kind.build(self.file, given)
+        known = {name: file.law for name, file in self.laws.items()} if laws is None else laws
+        table = _with_laws(self.file.values["system"], known, self.file.values.get("law"))
+        start = self._start()
+        if issubclass(self.kind.system, SlidingDisk):
+            table, start = {**table, **start}, {}
+        law = table.get("law")
+        if isinstance(law, FrictionLaw) and law.dimension != 2:
+            raise self.file.error("law", f"must be planar, its dimension is {law.dimension}")
+        with self.file.named():
+            made = data.built_as_typed(table, "system", _CLASSES)
+        return made, {f"{'q' if name == 'position' else 'u'}0": x for name, x in start.items()}
+
+    def _start(self) -> dict[str, Any]:
+        """Return position and velocity of the section ``[start]``."""
+        file, given = self.file, self.file.values.get("start", {})
+        if given and self.kind.name == "rigid bodies":
+            raise file.error("start", "is not known of RigidBodies: each body has its own")
+        found = {}
+        for name in ("position", "velocity"):
+            found[name] = np.asarray(given.get(name, [0.0, 0.0]), float)
+            if found[name].shape != (2,):
+                problem = f"must be 2 numbers in brackets, got {given[name]!r}"
+                raise file.error(f"start.{name}", problem)
+        if "speed" in given or "direction_deg" in given:
+            if "velocity" in given:
+                raise file.error("start.speed", "is given beside velocity: leave one of them out")
+            for name in ("speed", "direction_deg"):
+                if name not in given:
+                    raise file.error(f"start.{name}", "is missing")
+            angle = math.radians(given["direction_deg"])
+            found["velocity"] = given["speed"] * np.array([math.cos(angle), math.sin(angle)])
+        return found if self.kind.name != "rigid bodies" else {}
 
     def run(
         self,
@@ -180,75 +239,111 @@ class Scenario:
         Raises:
             AsperityError: as `simulate` and `integrate`.
         """
-        setup, options = self.setup(laws), self.options
-        start: dict[str, Any] = {"q0": setup.q0, "u0": setup.u0}
-        with self.file.blamed():
+        made, start = self.setup(laws)
+        options = self.options
+        with self.blamed():
             if options.event_driven:
                 return integrate(
-                    setup.system,
+                    made,
                     t_end=options.duration,
                     sample_every=options.output,
                     progress=progress,
                     **start,
                 )
             return simulate(
-                setup.system,
+                made,
                 dt=options.step,
                 t_end=options.duration,
                 until_rest=options.until_rest,
-                sample_every=max(1, round(options.output / options.step)) * options.step,
+                sample_every=options.steps_per_sample * options.step,
                 progress=progress,
                 **start,
             )
 
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """Say of what a run refuses that the file is about it."""
+        try:
+            with self.file.blamed():
+                yield
+        except ParameterError as error:
+            if error.argument not in ("system", "systems", "q0"):
+                raise
+            raise self.file.error("system", error.message) from None
+
     def quantities(self, run: Run) -> list[Quantity]:
         """Return what a run is asked for."""
-        return list(self.kind.quantities(self.setup().system, run))
+        return list(self.kind.quantities(self.setup()[0], Course.of(run.t, run.q, run.phase)))
 
     def doubts(self, run: Run) -> list[str]:
         """Return what makes the results of a run doubtful, as sentences."""
+        return self.doubtful(run.status, Course.of(run.t, run.q, run.phase))
+
+    def doubtful(self, status: Outcome, course: Course) -> list[str]:
+        """Return what makes the results of a motion doubtful, as sentences."""
         options, found = self.options, []
-        if run.status not in (Outcome.FINISHED, Outcome.AT_REST):
-            found.append(f"the run ended too early, at t = {run.t[-1]:g} s: {run.status}")
-        elif (options.until_rest and run.status is not Outcome.AT_REST) or (
-            self.kind.has_end and rest_time(run) is None
+        if status not in (Outcome.FINISHED, Outcome.AT_REST):
+            found.append(f"the run ended too early, at t = {course.t[-1]:g} s: {status}")
+        elif (options.until_rest and status is not Outcome.AT_REST) or (
+            self.kind.has_end and course.rest is None
         ):
             found.append(
                 f"it does not come to rest within {options.duration:g} s: give a longer duration"
             )
-        if isinstance(run, Trajectory):
-            if run.failed_steps:
-                found.append(f"{counted(run.failed_steps, 'step')} did not converge")
-            slipped = int(run.phase_counts[:, Phase.SLIP].max(initial=0))
-            if self.kind.has_end and 0 < slipped < _FEWEST_STEPS:
+        if self.kind.has_end and course.rest is not None and not options.event_driven:
+            # In the last one it sticks already.
+            steps = round(course.rest / options.step) - 1
+            if 0 < steps < _FEWEST_STEPS:
                 found.append(
-                    f"it slides for {counted(slipped, 'step')} only, which is too coarse: give a "
+                    f"it slides for {counted(steps, 'step')} only, which is too coarse: give a "
                     "shorter step"
                 )
         return found
 
 
-def _kind(path: str | os.PathLike[str]) -> Kind:
-    """Return the kind of a scenario, which says what else its file may hold."""
-    file = TomlFile(path, {"kind": TEXT}, others=True)
-    name = file.values.get("kind")
+def _kind(file: TomlFile) -> ScenarioKind:
+    """Return the kind of a scenario."""
+    if "system" not in file.values:
+        raise file.error("system", f"is missing; its type is one of {', '.join(_SYSTEMS)}")
+    name = file.values["system"].get("type")
     if name is None:
-        raise file.error("kind", f"is missing; kinds are {', '.join(KINDS)}")
-    if name not in KINDS:
-        raise file.error("kind", f"{name!r} is not known{advice_on(name, KINDS)}")
-    return KINDS[name]
+        raise file.error("system.type", f"is missing; it is one of {', '.join(_SYSTEMS)}")
+    if name not in _SYSTEMS:
+        raise file.error("system.type", f"{name!r} is not known{advice_on(str(name), _SYSTEMS)}")
+    return _SYSTEMS[name]
 
 
-def load_law(path: str | os.PathLike[str]) -> LawFile:
-    """Read the file of a law, as an `IdentifiedLaw` if it has parameters with their covariance.
+def _takes_law(table: Mapping[str, Any]) -> bool:
+    kind = _CLASSES.get(str(table.get("type")))
+    return kind is not None and "law" in data.parameters(kind)
 
-    Raises:
-        ConfigurationError: with file, line and key of what is wrong.
-    """
-    from asperity.identify import IdentifiedLaw
 
-    identified = "parameters" in TomlFile(path, law_schema).values
-    return IdentifiedLaw.load(path) if identified else LawFile.load(path)
+def _laws_named(value: Any, key: str) -> dict[str, str]:
+    """Return the keys at which files of laws are named, by these names; "" is the scenario's."""
+    found: dict[str, str] = {}
+    if isinstance(value, list):
+        for i, one in enumerate(value):
+            found = {**_laws_named(one, f"{key}[{i}]"), **found}
+    elif isinstance(value, Mapping):
+        for name, one in value.items():
+            found = {**_laws_named(one, f"{key}.{name}"), **found}
+        named = value.get("law", "")
+        if isinstance(named, str) and _takes_law(value):
+            found.setdefault(named, f"{key}.law")
+    return found
+
+
+def _with_laws(value: Any, laws: Mapping[str, FrictionLaw], default: Any) -> Any:
+    """Return tables with laws in the place of the names of their files."""
+    if isinstance(value, list):
+        return [_with_laws(one, laws, default) for one in value]
+    if not isinstance(value, Mapping):
+        return value
+    whole = {name: _with_laws(one, laws, default) for name, one in value.items()}
+    named = value.get("law", default)
+    if isinstance(named, str) and _takes_law(value):
+        whole["law"] = laws[named]
+    return whole
 
 
 def _options(file: TomlFile) -> RunOptions:

@@ -16,7 +16,7 @@ from asperity._base.report import Facts, Grid, Picture, Section, Text, write_rep
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns
-from asperity.predict.bands import Bands, propagate
+from asperity.predict.bands import PredictionBands, propagate
 from asperity.predict.kinds import Quantity
 from asperity.predict.scenario import Scenario
 from asperity.runs.run import Run
@@ -44,7 +44,7 @@ class Simulation(TableResult):
     scenario: Scenario
     run: Run
     quantities: tuple[Quantity, ...]
-    bands: Bands | None
+    bands: PredictionBands | None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -158,7 +158,7 @@ class Simulation(TableResult):
         from asperity.plot.look import png
 
         self.to_csv(folder / "results.csv")
-        paths = self.scenario.kind.paths(self.scenario.setup().system, self.run)
+        paths = self.scenario.kind.paths(self.scenario.setup()[0], self.run.q)
         columns = {"t [s]": self.run.t}
         for name, path in paths.items():
             for axis, values in zip("xyz", path.T, strict=False):

@@ -8,9 +8,6 @@ from enum import StrEnum
 from asperity._base.value import Record
 from asperity.status import Phase
 
-NO_NUMBER = -2
-"""Stands in files for a contact or a phase that an event does not have."""
-
 
 class EventKind(StrEnum):
     """What happens at an event."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
-from asperity import _core
+import asperity._core as _core
 from asperity.law import FrictionLaw
 from asperity.system import RigidBodies
 from asperity.system.labels import Labels, contact_names, numbered

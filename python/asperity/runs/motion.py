@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base.arrays import Array
 from asperity._base.result import counted
-from asperity.runs.event import NO_NUMBER, Event, EventKind
+from asperity.runs.event import Event, EventKind
 from asperity.runs.model import Model
 from asperity.runs.origin import Origin
 from asperity.runs.run import Run
@@ -70,8 +69,6 @@ class Motion(Run):
 
     events: tuple[Event, ...]
     rejected_steps: int
-
-    _kind = "motion"
 
     def __init__(
         self,
@@ -149,34 +146,6 @@ class Motion(Run):
         own, options = self._again(system)
         return integrate(own, **options)
 
-    def _contents(self) -> dict[str, Any]:
-        contents = super()._contents()
-        del contents["events"]
-        columns = {
-            "time": np.array([e.time for e in self.events], dtype=float),
-            "kind": np.array([str(e.kind) for e in self.events], dtype=np.str_),
-            "contact": np.array([_number(e.contact) for e in self.events], dtype=np.int64),
-            "phase": np.array([_number(e.phase) for e in self.events], dtype=np.int8),
-            "ambiguous": np.array([e.ambiguous for e in self.events], dtype=np.bool_),
-        }
-        return {**contents, **{f"event_{name}": column for name, column in columns.items()}}
-
-    @classmethod
-    def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
-        names = ("time", "kind", "contact", "phase", "ambiguous")
-        columns = (contents.pop(f"event_{name}").tolist() for name in names)
-        events = [
-            Event(
-                time,
-                kind,
-                None if contact == NO_NUMBER else contact,
-                None if phase == NO_NUMBER else phase,
-                ambiguous=ambiguous,
-            )
-            for time, kind, contact, phase, ambiguous in zip(*columns, strict=True)
-        ]
-        return {**contents, "events": events}
-
     @property
     def end(self) -> State | None:
         """The `State` at the last sample, from which runs go on with ``start=``; None without one.
@@ -203,7 +172,3 @@ class Motion(Run):
         series = self._between(t0, t1)
         events = tuple(event for event in self.events if t0 <= event.time <= t1)
         return self.replace(**series, events=events)
-
-
-def _number(value: int | None) -> int:
-    return NO_NUMBER if value is None else int(value)

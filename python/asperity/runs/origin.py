@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Annotated, Any
 
-from numpy.typing import NDArray
-
-from asperity import _core, law, sets, solvers, system
+import asperity._core as _core
+from asperity import law, sets, solvers, system
 from asperity._base import arrays
 from asperity._base.storage import data
 from asperity._base.value import Count, Number, Positive, Record, Value
@@ -19,7 +16,6 @@ from asperity.runs.model import Model
 from asperity.runs.section import Section
 from asperity.runs.state import State
 from asperity.solvers import Solver, chosen
-from asperity.system.labels import Labels
 
 
 def _solver(value: Solver | None, _: str) -> Solver:
@@ -120,16 +116,7 @@ class Origin(Value):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # As in a file: what a function of the user is in cannot be copied to another process.
-        beside: data.Arrays = {}
-        return read, (self.written(beside), beside)
-
-    def written(self, beside: data.Arrays) -> str:
-        """Return the origin as text, with large arrays beside it; without a system that is no data.
-
-        Args:
-            beside: where large arrays are put, by their places.
-        """
-        return json.dumps(data.typed(self, "origin", KNOWN, beside), ensure_ascii=False)
+        return super(Origin, self._stored()).__reduce__()
 
     def _stored(self) -> Origin:
         return self if self.unsaved is None else self.replace(system=None, note=self.unsaved)
@@ -151,41 +138,3 @@ KNOWN: data.Kinds = {
     **{one.__name__: one for one in (Origin, TimeStepping, EventDriven, State, Section)},
 }
 """Classes that the origin of a run is made of."""
-
-
-def read(text: str, beside: Mapping[str, NDArray[Any]]) -> Origin:
-    """Return the origin of a text, given the arrays beside it.
-
-    Raises:
-        ParameterError: naming the place of what is wrong.
-    """
-    found = _decoded(text, "origin", beside)
-    if not isinstance(found, Origin):
-        raise ParameterError("origin", f"must be of the type Origin, got {found!r:.60}")
-    return found
-
-
-def labels_written(labels: Labels) -> str:
-    """Return labels as text."""
-    return json.dumps(data.typed(labels, "labels", KNOWN), ensure_ascii=False)
-
-
-def read_labels(text: str) -> Labels:
-    """Return the labels of a text.
-
-    Raises:
-        ParameterError: naming the place of what is wrong.
-    """
-    found = _decoded(text, "labels", {})
-    if not isinstance(found, Labels):
-        raise ParameterError("labels", f"must be of the type Labels, got {found!r:.60}")
-    return found
-
-
-def _decoded(text: str, key: str, beside: Mapping[str, NDArray[Any]]) -> Any:
-    try:
-        return data.built_as_typed(json.loads(text), key, KNOWN, beside)
-    except ParameterError:
-        raise
-    except (ValueError, RecursionError) as error:
-        raise ParameterError(key, f"must be the text that asperity writes: {error}") from None

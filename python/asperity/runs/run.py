@@ -5,20 +5,21 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Axis, Series, Table, counted
+from asperity._base.storage.data import Kinds
+from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
-from asperity.runs import origin as origins
-from asperity.runs import run_file
+from asperity.runs.event import Event
 from asperity.runs.model import Model
-from asperity.runs.origin import EventDriven, Origin, TimeStepping
+from asperity.runs.origin import KNOWN, EventDriven, Origin, TimeStepping
 from asperity.runs.state import State
 from asperity.status import Outcome, Phase
 from asperity.system.labels import Labels, numbered
@@ -46,7 +47,7 @@ _ENDS = {
 _TOLD = 8
 
 
-class Run(TableResult, Value):
+class Run(SavedResult, Value):
     """States, forces and phases over time; base of `Trajectory` and `Motion`.
 
     Two runs are equal if all their numbers are: names, and what made them, are not compared.
@@ -70,7 +71,6 @@ class Run(TableResult, Value):
         def end(self) -> State | None:
             """The state from which another run goes on."""
 
-    _kind: ClassVar[str]
     _picture = "plot_history"
     _descriptive = frozenset({"labels", "origin"})
     _is_result = True
@@ -157,10 +157,7 @@ class Run(TableResult, Value):
     def _again(self, system: Model | None) -> tuple[Model, dict[str, Any]]:
         """Return the system and the options that make the run again."""
         if self.origin is None:
-            raise ParameterError(
-                "run", "does not know what made it: it is from a file of version 0.1, or was put "
-                "together by hand"
-            )  # fmt: skip
+            raise ParameterError("run", "does not know what made it: it was put together by hand")
         system = self.system if system is None else system
         if system is None:
             raise ParameterError(
@@ -261,50 +258,11 @@ class Run(TableResult, Value):
             warnings.warn(
                 f"the run is saved without its system: {self.origin.unsaved}", stacklevel=2
             )
-        run_file.save(self._kind, {**self._contents(), **self._description()}, path)
-
-    def _contents(self) -> dict[str, Any]:
-        """Return the fields of the file by their names."""
-        return {
-            name: value for name, value in self._parameters.items() if name not in self._descriptive
-        }
-
-    def _description(self) -> dict[str, Any]:
-        beside: dict[str, NDArray[Any]] = {}
-        described: dict[str, Any] = {"labels": origins.labels_written(self.labels)}
-        if self.origin is not None:
-            described["origin"] = self.origin.written(beside)
-        return {**described, **beside}
+        super().save(path)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a file written by `save`, also one of version 0.1, which holds no system.
-
-        Args:
-            path: of the file.
-
-        Raises:
-            ParameterError: naming the field that is missing, damaged or does not fit the others;
-                or ``path``, if the file is something else.
-            FileNotFoundError: if there is none.
-        """
-        contents = run_file.load(cls._kind, path)
-        beside = {name: contents.pop(name) for name in list(contents) if "." in name}
-        try:
-            described: dict[str, Any] = {}
-            if "labels" in contents:
-                described["labels"] = origins.read_labels(contents.pop("labels"))
-            if "origin" in contents:
-                described["origin"] = origins.read(contents.pop("origin"), beside)
-            return cls(**cls._from_contents(contents), **described)
-        except ParameterError as error:
-            where = f"{error.message}, in {os.fspath(path)}"
-            raise type(error)(error.argument, where) from None
-
-    @classmethod
-    def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
-        """Return the arguments of the constructor, given the fields of a file."""
-        return contents
+    def _known(cls) -> Kinds:
+        return {**KNOWN, **{one.__name__: one for one in (cls, Event, Labels)}}
 
 
 def _cast(values: ArrayLike, name: str, kind: type[np.generic]) -> NDArray[Any]:

@@ -14,7 +14,6 @@ from asperity.errors import ParameterError
 from asperity.status import Phase
 
 _COLUMNS = 16
-_PREFIX = "end_"
 
 
 class State(Value):
@@ -74,7 +73,7 @@ class State(Value):
             raise ParameterError("dt", "must be given with steps")
         memory = _table(contacts, "contacts", _COLUMNS)
         if memory is not None:
-            check_memory(memory, "contacts")
+            _check_memory(memory, "contacts")
         self._set(
             q=arrays.read_only(arrays.array(q, "q", (None,))),
             u=arrays.read_only(arrays.array(u, "u", (None,))),
@@ -113,20 +112,8 @@ class State(Value):
         momenta = np.zeros((0, 3)) if self.momenta is None else self.momenta
         return clock, self.q, self.u, contacts, momenta
 
-    def _arrays(self) -> dict[str, Any]:
-        """Return what a file holds."""
-        given = self._parameters.items()
-        return {_PREFIX + name: value for name, value in given if value is not None}
 
-    @classmethod
-    def _from_arrays(cls, contents: dict[str, Any]) -> Self | None:
-        """Take what a file holds out of its contents; ``None`` if it is of an earlier version."""
-        names = [name for name in contents if name.startswith(_PREFIX)]
-        given = {name.removeprefix(_PREFIX): contents.pop(name) for name in names}
-        return cls(**given) if given else None
-
-
-def check_memory(contacts: Array, argument: str) -> None:
+def _check_memory(contacts: Array, argument: str) -> None:
     """Refuse what no contact remembers, in the table of a `State`."""
     for column, what, allowed in (
         (0, "whether a contact is closed, 0 or 1", (0, 1)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,7 +43,7 @@ class Trajectory(Run):
         failed_steps: number of steps that did not converge.
         phase_counts: number of steps open, sticking, slipping, shape ``(n_contact, 3)``.
         end: the `State` at the last sample, from which `simulate` goes on with ``start=``; ``None``
-            if it is not known: after a cut, a divergence, or in a file of an earlier version.
+            if it is not known: after a cut or a divergence.
         labels: `Labels`, the names and units of coordinates, velocities and contacts.
         origin: `Origin`, the system and the options of the run; ``None`` if they are not known.
 
@@ -66,7 +66,6 @@ class Trajectory(Run):
     phase_counts: NDArray[np.int64]
     end: State | None
 
-    _kind = "trajectory"
     _series: ClassVar = {**Run._series, "iterations": np.int64, "residual": np.float64}
 
     def __init__(
@@ -95,7 +94,7 @@ class Trajectory(Run):
         self._set(
             **series,
             status=Outcome(status),
-            dt=float(dt),
+            dt=arrays.positive(dt, "dt"),
             steps=int(steps),
             ambiguous_steps=int(ambiguous_steps),
             failed_steps=int(failed_steps),
@@ -162,13 +161,3 @@ class Trajectory(Run):
         """Return the samples with t0 ≤ t ≤ t1; counts and status remain those of the whole run."""
         series = self._between(t0, t1)
         return self.replace(**series, end=self.end if series["t"][-1] == self.t[-1] else None)
-
-    def _contents(self) -> dict[str, Any]:
-        contents = super()._contents()
-        del contents["end"]
-        return contents if self.end is None else {**contents, **self.end._arrays()}
-
-    @classmethod
-    def _from_contents(cls, contents: dict[str, Any]) -> dict[str, Any]:
-        end = State._from_arrays(contents)
-        return {**contents, "end": end}

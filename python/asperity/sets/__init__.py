@@ -1,27 +1,26 @@
 """Star-shaped and convex sets in one, two and three dimensions ([WL19] §2.1)."""
 
-from asperity.sets.combined import Intersection, Mapped, MinkowskiSum, Union
-from asperity.sets.cone import Cone
+from asperity.sets.combined import Intersection as Intersection
+from asperity.sets.combined import Mapped as Mapped
+from asperity.sets.combined import MinkowskiSum as MinkowskiSum
+from asperity.sets.combined import Union as Union
+from asperity.sets.cone import Cone as Cone
 from asperity.sets.shapes.boxes import Box, CappedRectangle, Interval, Rectangle
 from asperity.sets.shapes.curves import PolarCurve, Polygon, SupportCurve, star_shape
 from asperity.sets.shapes.reservoirs import CoulombContensou, WedgeAsperity
 from asperity.sets.shapes.rounds import Ball, Disk, Ellipse, Ellipsoid, Superellipse, Superellipsoid
 from asperity.sets.star import StarSet
-from asperity.sets.verdict import Verdict
+from asperity.sets.verdict import Verdict as Verdict
 
 __all__ = [
     "Ball",
     "Box",
     "CappedRectangle",
-    "Cone",
     "CoulombContensou",
     "Disk",
     "Ellipse",
     "Ellipsoid",
-    "Intersection",
     "Interval",
-    "Mapped",
-    "MinkowskiSum",
     "PolarCurve",
     "Polygon",
     "Rectangle",
@@ -29,8 +28,6 @@ __all__ = [
     "Superellipse",
     "Superellipsoid",
     "SupportCurve",
-    "Union",
-    "Verdict",
     "WedgeAsperity",
     "star_shape",
 ]

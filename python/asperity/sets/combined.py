@@ -7,7 +7,7 @@ from typing import Self
 
 from numpy.typing import ArrayLike
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._core import Set as CoreSet
@@ -122,7 +122,7 @@ class Mapped(StarSet):
 
     Reference: [WL19] (9).
 
-    >>> from asperity import Box, Mapped
+    >>> from asperity.sets import Box, Mapped
     >>> shear = Mapped(Box([1.0, 1.0]), [[1.0, 0.5], [0.0, 1.0]])
     >>> bool(shear.contains([1.5, 1.0]))
     True

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
@@ -27,7 +27,7 @@ class Cone(Value):
 
     Reference: [WL19] Def. 6, 7; [Rockafellar1970].
 
-    >>> from asperity import Cone
+    >>> from asperity.sets import Cone
     >>> quadrant = Cone([[[1.0, 0.0], [0.0, 1.0]]])
     >>> quadrant.distance([3.0, -4.0]).tolist()
     4.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from asperity import _core, sets
+import asperity._core as _core
+from asperity import sets
 from asperity._base.storage import data, provenance, toml
 from asperity._base.storage.data import HEAD_SCHEMA, FileFormat, Kinds
 from asperity._base.storage.provenance import Provenance

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.progress import Progress, reporter
 from asperity._base.result import counted
+from asperity._core import __version__
 from asperity.errors import ParameterError, SweepInterrupted
 from asperity.sweeps.execution import Execution
 from asperity.sweeps.executors import Workers
@@ -110,9 +111,6 @@ def sweep(
     >>> dict(chart.growth.sizes), (chart.growth > 0.0).values.tolist()
     ({'phi': 2, 'zeta': 2}, [[False, False], [False, True]])
     """
-    # When this file is imported the package has no version yet.
-    from asperity import __version__
-
     if not callable(function):
         raise ParameterError("function", f"must be callable, got {function!r}")
     words = _words(units)

@@ -2,7 +2,7 @@
 
 from asperity.system.contacts import Contact, ContactLaw
 from asperity.system.custom import System
-from asperity.system.labels import Labels
+from asperity.system.labels import Labels as Labels
 from asperity.system.linear import LinearSystem
 from asperity.system.models import MassOnBelt, SlidingPoint
 from asperity.system.rigid import (
@@ -29,7 +29,6 @@ __all__ = [
     "BoxPlane",
     "Contact",
     "ContactLaw",
-    "Labels",
     "Line",
     "LinearSystem",
     "MassOnBelt",

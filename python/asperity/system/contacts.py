@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol, Self, TypeVar
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import (
+    AnyArray,
+    AnyArrayOrNone,
+    Fraction,
+    Given,
+    NonNegative,
+    Number,
+    Record,
+    field,
+    unchecked,
+)
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import labels
@@ -28,14 +39,14 @@ class _Obeying(Protocol):
 _Part = TypeVar("_Part", bound=_Obeying)
 
 
-class AnyContact(Value):
+Name: TypeAlias = Annotated[str | None, labels.name]
+
+
+class AnyContact(Record):
     """What a contact obeys."""
 
-    law: FrictionLaw
-    normal_force: float | None
-    normal_restitution: float
-    tangential_restitution: float
-    name: str | None
+    law: FrictionLaw = field(init=False)
+    normal_force: float | None = field(init=False)
 
     @property
     def unilateral(self) -> bool:
@@ -61,18 +72,12 @@ class ContactLaw(AnyContact):
     ContactLaw(FrictionLaw(Disk(0.3), Disk(0.3)), normal_force=9.81)
     """
 
-    def __init__(
-        self,
-        law: FrictionLaw,
-        *,
-        normal_force: float | None = None,
-        normal_restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        name: str | None = None,
-    ) -> None:
-        self._set(
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
-        )
+    law: FrictionLaw
+    _: KW_ONLY
+    normal_force: NonNegative | None = None
+    normal_restitution: Fraction = 0.0
+    tangential_restitution: Fraction = 0.0
+    name: Name = None
 
 
 class Contact(AnyContact):
@@ -101,43 +106,33 @@ class Contact(AnyContact):
            [0.]])
     """
 
-    direction: Array
-    normal: Array | None
-    gap: float
-    velocity: Array
+    law: FrictionLaw
+    _: KW_ONLY
+    direction: AnyArray
+    normal_force: NonNegative | None = None
+    normal: Annotated[Given[ArrayLike | None, Array | None], unchecked] = field(default=None)
+    gap: Number = 0.0
+    velocity: AnyArrayOrNone = field(default=None)
+    normal_restitution: Fraction = 0.0
+    tangential_restitution: Fraction = 0.0
+    name: Name = None
 
-    def __init__(
-        self,
-        law: FrictionLaw,
-        *,
-        direction: ArrayLike,
-        normal_force: float | None = None,
-        normal: ArrayLike | None = None,
-        gap: float = 0.0,
-        velocity: ArrayLike | None = None,
-        normal_restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        name: str | None = None,
-    ) -> None:
-        laws = checked_laws(law, normal_force, normal_restitution, tangential_restitution, name)
-        if (normal_force is None) == (normal is None):
+    def _complete(self, given: dict[str, Any]) -> None:
+        law, normal, velocity = given["law"], given["normal"], given["velocity"]
+        if (given["normal_force"] is None) == (normal is None):
             raise ParameterError(
                 "normal_force", "give either normal_force (prescribed) or normal (unilateral)"
             )
-        if normal is None and gap:
+        if normal is None and given["gap"]:
             raise ParameterError("gap", "needs a unilateral contact: give normal")
-        columns = arrays.array(direction, "direction")
+        columns = arrays.array(given["direction"], "direction")
         if columns.ndim == 1 and law.dimension == 1:
             columns = columns[:, None]
-        columns = arrays.array(columns, "direction", (None, law.dimension))
+        given["direction"] = arrays.array(columns, "direction", (None, law.dimension))
+        if normal is not None:
+            given["normal"] = arrays.array(normal, "normal", (len(columns),))
         belt = np.zeros(law.dimension) if velocity is None else velocity
-        self._set(
-            **laws,
-            direction=columns,
-            normal=None if normal is None else arrays.array(normal, "normal", (len(columns),)),
-            gap=arrays.number(gap, "gap"),
-            velocity=arrays.constant(belt, "velocity", (law.dimension,)),
-        )
+        given["velocity"] = arrays.constant(belt, "velocity", (law.dimension,))
 
 
 def relawed(
@@ -185,23 +180,3 @@ def checked_law(law: object) -> FrictionLaw:
     if not isinstance(law, FrictionLaw):
         raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
     return law
-
-
-def checked_laws(
-    law: FrictionLaw,
-    normal_force: float | None,
-    normal_restitution: float,
-    tangential_restitution: float,
-    name: str | None,
-) -> dict[str, Any]:
-    """Return the laws of a contact and its name under the names of its parameters."""
-    checked_law(law)
-    if normal_force is not None:
-        normal_force = arrays.non_negative(normal_force, "normal_force")
-    return {
-        "law": law,
-        "normal_force": normal_force,
-        "normal_restitution": arrays.fraction(normal_restitution, "normal_restitution"),
-        "tangential_restitution": arrays.fraction(tangential_restitution, "tangential_restitution"),
-        "name": labels.name(name),
-    }

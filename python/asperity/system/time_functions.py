@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Check, Given, Value
 from asperity.errors import DimensionError, ParameterError
 
 # What `breaks` lists at most: their memory is that of a small computer.
@@ -239,3 +239,17 @@ def checked(value: Any, argument: str, shape: tuple[int, ...]) -> Any:
 def core(value: Any) -> Any:
     """Return what the core takes for a function of time."""
     return value._core if isinstance(value, Signal) else value
+
+
+def of_time(*shape: int) -> Check:
+    """Return the check of numbers of a shape that may change with time."""
+    return lambda value, name: checked(value, name, shape)
+
+
+_Changing: TypeAlias = Array | Signal | Callable[[float], ArrayLike]
+Changing1: TypeAlias = Annotated[
+    Given[TimeFunction, float | Signal | Callable[[float], ArrayLike]], of_time()
+]
+Changing2: TypeAlias = Annotated[Given[TimeFunction, _Changing], of_time(2)]
+Changing3: TypeAlias = Annotated[Given[TimeFunction, _Changing], of_time(3)]
+"""Fields that hold numbers, signals or functions."""

@@ -6,7 +6,7 @@ from asperity.track.film.frames import ImageFolder, open_frames
 from asperity.track.film.video import VideoFile, write_video
 from asperity.track.following.sight import Sight
 from asperity.track.image.circle import Circle, fit_circle
-from asperity.track.image.scene import Scene
+from asperity.track.image.scene import PlaneView
 from asperity.track.image.segmentation import Mark
 from asperity.track.path import MeasuredPath
 from asperity.track.track import Track, track_mark
@@ -16,7 +16,7 @@ __all__ = [
     "ImageFolder",
     "Mark",
     "MeasuredPath",
-    "Scene",
+    "PlaneView",
     "Sight",
     "Track",
     "TrackConfig",

@@ -19,7 +19,7 @@ from asperity.errors import DimensionError, ParameterError
 from asperity.runs.run import Run
 from asperity.track.config import config_text
 from asperity.track.film.frames import Pixels
-from asperity.track.image.scene import Scene
+from asperity.track.image.scene import PlaneView
 from asperity.track.image.segmentation import Mark
 
 _Image = NDArray[np.float32]
@@ -85,7 +85,7 @@ class VirtualCamera(Value):
     glare: float
     rest: float
     seed: int
-    view: Scene
+    view: PlaneView
     time: Array
     position: Array
     pixel: Array
@@ -97,7 +97,7 @@ class VirtualCamera(Value):
         fps: float = 500.0,
         coordinates: tuple[int, int] = (0, 1),
         size: tuple[int, int] = (1920, 1080),
-        scene: Scene | None = None,
+        scene: PlaneView | None = None,
         tilt: float = 0.0,
         mark: Mark | None = None,
         disk_diameter: float = 0.028,
@@ -194,7 +194,7 @@ class VirtualCamera(Value):
         along = [np.interp(time, since, coordinate) for coordinate in places.T]
         return np.column_stack(along) + early
 
-    def _facing(self, tilt: float) -> Scene:
+    def _facing(self, tilt: float) -> PlaneView:
         places = self.run.q[:, list(self.coordinates)]
         low, high = places.min(axis=0), places.max(axis=0)
         needed = high - low + 2.0 * (0.5 + _SURROUNDINGS) * self.disk_diameter
@@ -202,7 +202,7 @@ class VirtualCamera(Value):
         focal = _HEIGHT * float(np.min(np.array(self.size) / needed))
         back, up = _HEIGHT * math.sin(tilt), _HEIGHT * math.cos(tilt)
         eye = [middle[0], middle[1] - back, up]
-        return Scene.from_camera(eye, target=middle, focal_length=focal, size=self.size)
+        return PlaneView.from_camera(eye, target=middle, focal_length=focal, size=self.size)
 
     def _steel(self) -> _Image:
         """Return the plate: grooves along e₂, darker towards the corners."""

@@ -12,7 +12,7 @@ from asperity._base.arrays import Array
 from asperity._base.storage import toml
 from asperity._base.storage.toml import NUMBER, NUMBERS, TEXT, Schema, TomlFile
 from asperity.errors import ParameterError
-from asperity.track.image.scene import Scene
+from asperity.track.image.scene import PlaneView
 from asperity.track.image.segmentation import Mark
 
 _POINTS = {"pixels", "plane"}
@@ -45,7 +45,7 @@ class TrackConfig:
     """
 
     fps: float
-    scene: Scene
+    scene: PlaneView
     mark: Mark
     bandwidth: float | None = None
     start: float | None = None
@@ -117,7 +117,7 @@ def config_text(fps: float, mark: Mark, pixels: Array, plane: Array) -> str:
     )
 
 
-def _scene(given: Mapping[str, Any]) -> tuple[Scene, float]:
+def _scene(given: Mapping[str, Any]) -> tuple[PlaneView, float]:
     """Return the scene and how far its points are off."""
     points, scale = given.keys() & _POINTS, given.keys() & _SCALE
     if points and scale:
@@ -125,10 +125,10 @@ def _scene(given: Mapping[str, Any]) -> tuple[Scene, float]:
             "scene", f"gives points and a scale: leave {min(points)} or {min(scale)} out"
         )
     if "metres_per_pixel" in scale:
-        return Scene.from_scale(**given), 0.0
+        return PlaneView.from_scale(**given), 0.0
     if points != _POINTS:
         raise ParameterError("scene", "must hold pixels and plane, or metres_per_pixel")
-    scene = Scene.from_points(given["pixels"], given["plane"])
+    scene = PlaneView.from_points(given["pixels"], given["plane"])
     mismatch = scene.mismatch(given["pixels"], given["plane"])
     if mismatch > _MISMATCH:
         raise ParameterError(

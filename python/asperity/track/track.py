@@ -20,7 +20,7 @@ from asperity.track.film.frames import Frames, Pixels, open_frames
 from asperity.track.following import repeats
 from asperity.track.following.follower import Follower
 from asperity.track.following.sight import Sight, Sighting
-from asperity.track.image.scene import Scene
+from asperity.track.image.scene import PlaneView
 from asperity.track.image.segmentation import Mark
 from asperity.track.path import MeasuredPath
 
@@ -49,7 +49,7 @@ class Track(TableResult, Record):
     _digits = 10
 
     fps: Positive
-    scene: Scene
+    scene: PlaneView
     pixel: Array
     position: Array
     position_error: Array
@@ -146,7 +146,7 @@ def track_mark(
     frames: str | os.PathLike[str] | Frames | Iterable[Pixels],
     *,
     fps: float,
-    scene: Scene,
+    scene: PlaneView,
     mark: Mark | None = None,
     progress: Progress = None,
 ) -> Track:
@@ -178,14 +178,14 @@ def track_mark(
     >>> frames = np.full((9, 80, 120, 3), 120, dtype=np.uint8)
     >>> for k, frame in enumerate(frames):
     ...     frame[np.hypot(column - 40.0 - 3.0 * k, row - 40.0) < 12.0] = 200, 30, 30
-    >>> track = track_mark(frames, fps=500.0, scene=Scene.from_scale(1e-3))
+    >>> track = track_mark(frames, fps=500.0, scene=PlaneView.from_scale(1e-3))
     >>> track.quality
     '9 good'
     >>> (track.pixel[8] - track.pixel[0]).round(3).tolist()
     [24.0, 0.0]
     """
     fps = arrays.positive(fps, "fps")
-    arrays.of_kind(scene, "scene", Scene, "a Scene")
+    arrays.of_kind(scene, "scene", PlaneView, "a PlaneView")
     source = open_frames(frames)
     follower = Follower(scene, mark or Mark(), fps)
     changes = repeats.Changes()

@@ -11,7 +11,7 @@ import functools
 import inspect
 from collections.abc import Callable, Mapping
 from types import ModuleType
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +39,13 @@ _PLAIN = (bool, int, float, str)
 
 def classes(*rooms: ModuleType) -> dict[str, type]:
     """Return the public classes of values of some rooms by their names, without mere bases."""
-    public = (getattr(room, name) for room in rooms for name in room.__all__)
     return {
-        one.__name__: one
-        for one in public
-        if isinstance(one, type) and issubclass(one, Value) and one.__init__ is not object.__init__
+        name: one
+        for room in rooms
+        for name, one in sorted(vars(room).items())
+        if isinstance(one, type) and issubclass(one, Value) and not name.startswith("_")
+        if (one.__module__.startswith(room.__name__) or name in room.__all__)
+        and one.__init__ is not object.__init__
     }
 
 
@@ -81,7 +83,7 @@ def arguments(
         raise ParameterError(key, f"is {what}, which a file cannot hold")
 
     given = _parts(value)
-    defaults = {} if isinstance(value, Mapping) else _signature(type(value))
+    defaults = {} if isinstance(value, Mapping) else parameters(type(value))
     return {
         name: plain(part, _joined(key, f".{name}"))
         for name, part in given.items()
@@ -91,19 +93,28 @@ def arguments(
     }
 
 
-def _parameters(kind: type) -> Mapping[str, inspect.Parameter]:
-    return inspect.signature(kind).parameters
+def _parameters(kind: Any) -> Mapping[str, inspect.Parameter]:
+    """Return the parameters of a constructor; those that it unpacks by their names."""
+    found: dict[str, inspect.Parameter] = {}
+    for name, one in inspect.signature(kind).parameters.items():
+        if one.kind is inspect.Parameter.VAR_KEYWORD:
+            (keys,) = get_args(get_type_hints(kind)[name])
+            for key in get_type_hints(keys):
+                found[key] = inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=None)
+        else:
+            found[name] = one
+    return found
 
 
 # Systems have thousands of parts of few classes.
-_signature: Callable[[type], Mapping[str, inspect.Parameter]] = functools.cache(_parameters)
+parameters: Callable[[Any], Mapping[str, inspect.Parameter]] = functools.cache(_parameters)
 
 
 def _parts(value: Any) -> dict[str, Any]:
     if isinstance(value, Value):
-        parameters = value._stored()._parameters
+        given = value._stored()._parameters
         # A constructor may also take what follows from the parameters, if it is at hand.
-        return {name: parameters[name] for name in _signature(type(value)) if name in parameters}
+        return {name: given[name] for name in parameters(type(value)) if name in given}
     if dataclasses.is_dataclass(value):
         return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, Mapping):
@@ -119,8 +130,8 @@ def _is_record(value: object) -> bool:
 
 def _list_or_name(part: NDArray[Any], key: str, arrays: Arrays | None, *, small: bool) -> Any:
     # Lists have neither complex numbers nor the shape of what has no entries; and records, unlike
-    # values, make no arrays of lists.
-    inline = small and 0 < part.size <= _INLINE and part.dtype.kind != "c"
+    # values, make no arrays of lists. Arrays of the result itself are found by their own names.
+    inline = small and "." in key and 0 < part.size <= _INLINE and part.dtype.kind != "c"
     if arrays is None or inline:
         return part.tolist()
     arrays[key] = part
@@ -144,13 +155,11 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
         ParameterError: whose argument is the key of what is wrong.
     """
     _check_table(table, key, "a table of keys and values")
-    parameters = _signature(kind)
+    known = parameters(kind)
     for name in table:
-        if name not in parameters:
-            raise ParameterError(
-                _joined(key, f".{name}"), f"is not known{advice_on(name, parameters)}"
-            )
-    for name, parameter in parameters.items():
+        if name not in known:
+            raise ParameterError(_joined(key, f".{name}"), f"is not known{advice_on(name, known)}")
+    for name, parameter in known.items():
         if parameter.default is inspect.Parameter.empty and name not in table:
             raise ParameterError(_joined(key, f".{name}"), "is missing")
 
@@ -158,15 +167,17 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
         if isinstance(value, Mapping):
             return part(value, key)
         if isinstance(value, list) and any(isinstance(one, Mapping) for one in value):
-            return [made(one, f"{key}[{i}]") for i, one in enumerate(value)]
+            each = (made(one, f"{key}[{i}]") for i, one in enumerate(value))
+            # A constructor may make several parts, such as the points of a rim.
+            return [part for one in each for part in (one if isinstance(one, tuple) else (one,))]
         return value
 
     given = {}
     for name, value in table.items():
-        if not _takes_truth(parameters[name]):
+        if not _takes_truth(known[name]):
             _refuse_truth(value, _joined(key, f".{name}"))
         given[name] = made(value, _joined(key, f".{name}"))
-    if not issubclass(kind, Value):
+    if isinstance(kind, type) and not issubclass(kind, Value):
         given = {name: tuple(one) if isinstance(one, list) else one for name, one in given.items()}
     try:
         return kind(**given)
@@ -178,7 +189,7 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
     except (TypeError, ValueError, AttributeError, ArithmeticError, LookupError) as error:
         # Constructors check numbers and sets; a table in the place of a word may meet no check.
         raise ParameterError(
-            key or kind.__name__, f"cannot be made into {kind.__name__}: {error}"
+            key or kind.__qualname__, f"cannot be made into {kind.__qualname__}: {error}"
         ) from None
 
 
@@ -208,16 +219,14 @@ def typed(value: object, key: str, kinds: Kinds, arrays: Arrays | None = None) -
     }
 
 
-def built_as_typed(
-    table: Any, key: str, kinds: Kinds, arrays: Mapping[str, NDArray[Any]] | None = None
-) -> Any:
+def built_as_typed(table: Any, key: str, kinds: Kinds, arrays: Arrays | None = None) -> Any:
     """Return the value of a table with its ``type`` and its arguments.
 
     Args:
         table: what `typed` has returned, or somebody has written.
         key: of the table, for messages.
         kinds: classes that may be made.
-        arrays: that stand beside the table, by their keys.
+        arrays: that stand beside the table, by their keys; those that are used are taken out.
 
     Raises:
         ParameterError: whose argument is the key of what is wrong.
@@ -228,7 +237,7 @@ def built_as_typed(
         name = table[_ARRAY]
         if not isinstance(name, str) or name not in arrays:
             raise ParameterError(key, f"needs the array {name!r}, which is missing")
-        return arrays[name]
+        return arrays.pop(name)
     name, place = table.get("type"), _joined(key, ".type")
     if name is None:
         raise ParameterError(place, f"is missing: it is one of {_words(kinds)}")

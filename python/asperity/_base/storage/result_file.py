@@ -1,13 +1,10 @@
 """Files of results: an archive of arrays with a text that says what they are.
 
-A result is what a computation has given. Each entry of the archive is therefore compared with the
-digest that was written with it: what somebody has changed is refused by its name, and need not be
-told from what the computation gives.
+Each entry has its checksum, which reading compares.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from typing import Any, Self
@@ -20,6 +17,7 @@ from asperity._base.storage import data
 from asperity._base.storage.archive import Archive
 from asperity._base.storage.data import Kinds
 from asperity._base.storage.files import atomic
+from asperity._core import __version__
 from asperity.errors import ParameterError
 
 FORMAT = 1
@@ -40,16 +38,15 @@ class SavedResult(TableResult):
         Args:
             path: of the file, which replaces an older one only when it is complete.
         """
-        from asperity import __version__
-
         arrays: dict[str, Any] = {}
         text = json.dumps(data.typed(self, "", self._known(), arrays), ensure_ascii=False)
-        entries = {"content": np.asarray(text), **arrays}
-        digests = json.dumps({key: _digest(entry) for key, entry in entries.items()})
+        head: dict[str, Any] = {
+            "format": FORMAT,
+            "version": __version__,
+            "content": np.asarray(text),
+        }
         with atomic(path) as file:
-            np.savez_compressed(
-                file, format=FORMAT, version=__version__, digests=np.asarray(digests), **entries
-            )
+            np.savez_compressed(file, **head, **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -63,16 +60,17 @@ class SavedResult(TableResult):
             FileNotFoundError: if there is none.
         """
         with Archive(path, f"a {cls.__name__} that this version can read") as file:
-            for key in ("format", "content", "digests"):
+            for key in ("format", "content"):
                 if key not in file:
                     raise ParameterError(key, f"is missing: {file.path} must be a {cls.__name__}")
-            number = file["format"]
-            if number.shape or number.dtype.kind != "i" or not 1 <= int(number) <= FORMAT:
-                raise ParameterError("format", f"must be {FORMAT} or older, in {file.path}")
-            entries = {key: file[key] for key in file.keys if key not in _HEAD}
+                if key == "format" and not np.array_equal(file[key], FORMAT):
+                    raise ParameterError(key, f"must be {FORMAT}, in {file.path}")
+            entries = {key: file[key] for key in file.keys if key not in ("format", "version")}
             try:
-                _compare(entries, _parsed(file["digests"], "digests"))
-                return cls._made(_parsed(entries.pop("content"), "content"), entries)
+                found = cls._made(_parsed(entries.pop("content"), "content"), entries)
+                for key in entries:
+                    raise ParameterError(key, "is no part of it")
+                return found
             except ParameterError as error:
                 raise type(error)(error.argument, f"{error.message}, in {file.path}") from None
 
@@ -84,28 +82,6 @@ class SavedResult(TableResult):
         found = data.built_as_typed(table, "", cls._known(), arrays)
         assert isinstance(found, cls)
         return found
-
-
-_HEAD = ("format", "version", "digests")
-
-
-def _digest(entry: NDArray[Any]) -> str:
-    kind = f"{entry.dtype.str}{entry.shape}".encode()
-    return hashlib.blake2b(kind + np.ascontiguousarray(entry).tobytes(), digest_size=16).hexdigest()
-
-
-def _compare(entries: dict[str, NDArray[Any]], digests: Any) -> None:
-    """Refuse entries that are not those that were written."""
-    if not isinstance(digests, dict):
-        raise ParameterError("digests", "must be the text that asperity writes")
-    for key in digests:
-        if key not in entries:
-            raise ParameterError(key, "is missing")
-    for key, entry in entries.items():
-        if key not in digests:
-            raise ParameterError(key, "is no part of it")
-        if _digest(entry) != digests[key]:
-            raise ParameterError(key, "is not as it was written")
 
 
 def _parsed(text: NDArray[Any], key: str) -> Any:

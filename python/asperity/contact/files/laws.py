@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
 
 from asperity._base import arrays
 from asperity.errors import ParameterError
@@ -30,37 +29,8 @@ def read(text: str, key: str) -> list[FrictionLaw]:
     try:
         tables = json.loads(text)
         arrays.of_kind(tables, key, list, "a list of laws")
-        return [law_of(_of_today(table), f"{key}[{i}]") for i, table in enumerate(tables)]
+        return [law_of(table, f"{key}[{i}]") for i, table in enumerate(tables)]
     except ParameterError as error:
         raise type(error)(key, str(error)) from None
     except (ValueError, RecursionError) as error:
         raise ParameterError(key, f"must be laws that asperity has written: {error}") from None
-
-
-def _of_today(table: Any) -> Any:
-    """Return the table of a law that version 0.1 has written.
-
-    It had the arguments of every object under a key of their own, and the types of all.
-    """
-    if not isinstance(table, dict) or "parameters" not in table:
-        return table
-    law = _flat(table)
-    for name in ("rate", "report"):
-        if isinstance(law.get(name), dict):
-            del law[name]["type"]
-    if law.pop("type") != "FrictionLaw":
-        raise ValueError(f"no law, {table.get('type')!r}")
-    return {name: value for name, value in law.items() if value is not None}
-
-
-def _flat(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_flat(one) for one in value]
-    if not isinstance(value, dict):
-        return value
-    if not isinstance(value.get("parameters"), dict) or not isinstance(value.get("type"), str):
-        raise ValueError("a table of version 0.1 without its type or its parameters")
-    return {
-        "type": value["type"],
-        **{name: _flat(one) for name, one in value["parameters"].items() if one is not None},
-    }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity.sets.shapes.turned import AngledSet, SizedSet
 

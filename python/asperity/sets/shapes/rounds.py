@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError

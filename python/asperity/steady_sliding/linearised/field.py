@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Self, TypedDict, Unpack
+from dataclasses import KW_ONLY
+from typing import Annotated, Self, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Given, Number, Positive, Record, Vector2, Vector3, field
 from asperity.errors import ParameterError
-from asperity.system import labels, time_functions
+from asperity.system.contacts import Name
 from asperity.system.rigid import rotation
 from asperity.system.rigid.rotation import Orientation
-from asperity.system.time_functions import Signal, TimeFunction
+from asperity.system.time_functions import Changing1, Changing2, Changing3, TimeFunction
 
 # Relative tolerance within which a tensor in turned axes counts as symmetric.
 _SYMMETRY = 1e-12
@@ -23,7 +23,7 @@ _SYMMETRY = 1e-12
 _MOMENTS = 1e-9
 
 
-class State(TypedDict, total=False):
+class BodyState(TypedDict, total=False):
     """Initial state and loads of a `Body`."""
 
     position: ArrayLike
@@ -47,7 +47,7 @@ class PlanarState(TypedDict, total=False):
     name: str | None
 
 
-class Body(Value):
+class Body(Record):
     """A rigid body in space, placed by its centre of mass and its orientation.
 
     Args:
@@ -77,46 +77,26 @@ class Body(Value):
     [0.707107, 0.0, 0.0, 0.707107]
     """
 
-    mass: float
-    inertia: Array
-    position: Array
-    orientation: Array
-    velocity: Array
-    angular_velocity: Array
-    force: Array | Signal | Callable[[float], ArrayLike]
-    torque: Array | Signal | Callable[[float], ArrayLike]
-    name: str | None
+    mass: Positive
+    _: KW_ONLY
+    inertia: Annotated[Given[ArrayLike, Array], _inertia]
+    position: Vector3 = field(default=(0.0, 0.0, 0.0))
+    orientation: Annotated[Given[Orientation, Array], rotation.written] = field(
+        default=(1.0, 0.0, 0.0, 0.0)
+    )
+    velocity: Vector3 = field(default=(0.0, 0.0, 0.0))
+    angular_velocity: Vector3 = field(default=(0.0, 0.0, 0.0))
+    force: Changing3 = field(default=(0.0, 0.0, 0.0))
+    torque: Changing3 = field(default=(0.0, 0.0, 0.0))
+    name: Name = None
+
+    def _derive(self) -> None:
+        self._keep(orientation=rotation.quaternion(self.orientation, "orientation"))
 
     _scaled = frozenset({"orientation"})
 
-    def __init__(
-        self,
-        mass: float,
-        *,
-        inertia: ArrayLike,
-        position: ArrayLike = (0.0, 0.0, 0.0),
-        orientation: Orientation = (1.0, 0.0, 0.0, 0.0),
-        velocity: ArrayLike = (0.0, 0.0, 0.0),
-        angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
-        force: TimeFunction = (0.0, 0.0, 0.0),
-        torque: TimeFunction = (0.0, 0.0, 0.0),
-        name: str | None = None,
-    ) -> None:
-        self._set(
-            mass=arrays.positive(mass, "mass"),
-            inertia=_inertia(inertia),
-            position=arrays.array(position, "position", (3,)),
-            orientation=rotation.written(orientation, "orientation"),
-            velocity=arrays.array(velocity, "velocity", (3,)),
-            angular_velocity=arrays.array(angular_velocity, "angular_velocity", (3,)),
-            force=time_functions.checked(force, "force", (3,)),
-            torque=time_functions.checked(torque, "torque", (3,)),
-            name=labels.name(name),
-        )
-        self._keep(orientation=rotation.quaternion(self.orientation, "orientation"))
-
     @classmethod
-    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[State]) -> Self:
+    def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[BodyState]) -> Self:
         """Return a homogeneous box.
 
         Args:
@@ -130,7 +110,7 @@ class Body(Value):
         )
 
     @classmethod
-    def ball(cls, mass: float, *, radius: float, **state: Unpack[State]) -> Self:
+    def ball(cls, mass: float, *, radius: float, **state: Unpack[BodyState]) -> Self:
         """Return a homogeneous ball, J = ⅖ m R².
 
         Args:
@@ -142,7 +122,9 @@ class Body(Value):
         return cls(mass, inertia=np.full(3, 0.4 * arrays.positive(mass, "mass") * square), **state)
 
     @classmethod
-    def cylinder(cls, mass: float, *, radius: float, height: float, **state: Unpack[State]) -> Self:
+    def cylinder(
+        cls, mass: float, *, radius: float, height: float, **state: Unpack[BodyState]
+    ) -> Self:
         """Return a homogeneous cylinder about the body's third axis.
 
         Args:
@@ -168,7 +150,7 @@ class Body(Value):
         return np.concatenate([self.velocity, turned])
 
 
-class PlanarBody(Value):
+class PlanarBody(Record):
     """A rigid body in a plane, placed by its centre of mass and an angle.
 
     Args:
@@ -191,40 +173,16 @@ class PlanarBody(Value):
     1.0
     """
 
-    mass: float
-    inertia: float
-    position: Array
-    angle: float
-    velocity: Array
-    angular_velocity: float
-    force: Array | Signal | Callable[[float], ArrayLike]
-    torque: float | Signal | Callable[[float], ArrayLike]
-    name: str | None
-
-    def __init__(
-        self,
-        mass: float,
-        *,
-        inertia: float,
-        position: ArrayLike = (0.0, 0.0),
-        angle: float = 0.0,
-        velocity: ArrayLike = (0.0, 0.0),
-        angular_velocity: float = 0.0,
-        force: TimeFunction = (0.0, 0.0),
-        torque: TimeFunction = 0.0,
-        name: str | None = None,
-    ) -> None:
-        self._set(
-            mass=arrays.positive(mass, "mass"),
-            inertia=arrays.positive(inertia, "inertia"),
-            position=arrays.array(position, "position", (2,)),
-            angle=arrays.number(angle, "angle"),
-            velocity=arrays.array(velocity, "velocity", (2,)),
-            angular_velocity=arrays.number(angular_velocity, "angular_velocity"),
-            force=time_functions.checked(force, "force", (2,)),
-            torque=time_functions.checked(torque, "torque", ()),
-            name=labels.name(name),
-        )
+    mass: Positive
+    _: KW_ONLY
+    inertia: Positive
+    position: Vector2 = field(default=(0.0, 0.0))
+    angle: Number = 0.0
+    velocity: Vector2 = field(default=(0.0, 0.0))
+    angular_velocity: Number = 0.0
+    force: Changing2 = field(default=(0.0, 0.0))
+    torque: Changing1 = field(default=0.0)
+    name: Name = None
 
     @classmethod
     def box(cls, mass: float, *, half_sizes: ArrayLike, **state: Unpack[PlanarState]) -> Self:
@@ -269,18 +227,18 @@ def positive_vector(value: ArrayLike, argument: str, size: int) -> Array:
     return vector
 
 
-def _inertia(value: ArrayLike) -> Array:
+def _inertia(value: ArrayLike, argument: str) -> Array:
     """Return J; no body has a principal moment above the sum of the other two."""
-    inertia = arrays.square(value, "inertia", 3)
+    inertia = arrays.square(value, argument, 3)
     if np.abs(inertia - inertia.T).max() > _SYMMETRY * np.abs(inertia).max():
-        raise ParameterError("inertia", "must be symmetric")
+        raise ParameterError(argument, "must be symmetric")
     inertia = 0.5 * (inertia + inertia.T)
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] <= 0.0:
-        raise ParameterError("inertia", f"must be positive definite, moments {moments.tolist()}")
+        raise ParameterError(argument, f"must be positive definite, moments {moments.tolist()}")
     if moments[2] > (moments[0] + moments[1]) * (1.0 + _MOMENTS):
         raise ParameterError(
-            "inertia",
+            argument,
             f"must have no principal moment above the sum of the others, {moments.tolist()}",
         )
     return inertia

@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.value import (
+    AnyArray,
+    AnyArrayOrNone,
+    Fraction,
+    Given,
+    Index,
+    NonNegative,
+    Positive,
+    field,
+    unchecked,
+)
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
-from asperity.system.contacts import AnyContact, checked_law, checked_laws
+from asperity.system.contacts import AnyContact, Name
 from asperity.system.rigid.bodies import positive_vector
 from asperity.system.rigid.surfaces import BodyAxis, Frame, Line, Plane, checked_frame
 
@@ -31,8 +43,18 @@ class Pair(AnyContact):
 
     _kind: ClassVar[str]
 
-    body: int
-    patch_radius: float | None
+    body: Index
+    _: KW_ONLY
+    law: FrictionLaw
+    normal_restitution: Fraction = 0.0
+    tangential_restitution: Fraction = 0.0
+    normal_force: NonNegative | None = None
+    patch_radius: Positive | None = None
+    name: Name = None
+
+    def _complete(self, given: dict[str, Any]) -> None:
+        if (given["law"].dimension == 3) != (given["patch_radius"] is not None):
+            raise ParameterError("patch_radius", "goes with a law of dimension 3 and only with one")
 
     @property
     def planar(self) -> bool:
@@ -48,11 +70,36 @@ class Pair(AnyContact):
         return {**super()._core_data(), "kind": self._kind}
 
 
+def _surface(value: Any, argument: str) -> Any:
+    return arrays.of_kind(value, argument, Plane | Line, "a Plane or a Line")
+
+
+def _body_axis(value: BodyAxis | None, argument: str) -> BodyAxis:
+    axis = BodyAxis((1.0, 0.0, 0.0)) if value is None else value
+    return arrays.of_kind(axis, argument, BodyAxis, "a BodyAxis between spheres")
+
+
 class PlanePair(Pair):
     """Base of the pairs of a body and a plane, or a line for planar bodies."""
 
-    plane: Plane | Line
-    frame: Frame
+    _: KW_ONLY
+    plane: Annotated[Plane | Line, _surface]
+    frame: Annotated[Frame, unchecked] = "plane"
+
+    def _complete(self, given: dict[str, Any]) -> None:
+        law, plane = given["law"], given["plane"]
+        allowed = (1,) if isinstance(plane, Line) else (2, 3)
+        if law.dimension not in allowed:
+            words, kind = " or ".join(map(str, allowed)), type(plane).__name__
+            raise DimensionError(
+                "law", f"must have dimension {words} on a {kind}, has {law.dimension}"
+            )
+        if plane.body == given["body"]:
+            raise ParameterError(
+                "plane", f"must not be fixed to the body {plane.body} that touches it"
+            )
+        given["frame"] = checked_frame(given["frame"], plane)
+        super()._complete(given)
 
     def _core_data(self) -> dict[str, Any]:
         frame = self.frame.axis if isinstance(self.frame, BodyAxis) else self.frame
@@ -88,26 +135,54 @@ class PointPlane(PlanePair):
 
     _kind = "point_plane"
 
-    point: Array
+    _: KW_ONLY
+    point: AnyArray
 
-    def __init__(
-        self,
+    def _complete(self, given: dict[str, Any]) -> None:
+        super()._complete(given)
+        given["point"] = _vector(given["point"], "point", len(given["plane"].point))
+
+    @classmethod
+    def cylinder(
+        cls,
         body: int,
         *,
-        point: ArrayLike,
-        plane: Plane | Line,
+        radius: float,
+        height: float,
+        plane: Plane,
         law: FrictionLaw,
-        frame: Frame = "plane",
+        points: int = 12,
         normal_restitution: float = 0.0,
         tangential_restitution: float = 0.0,
-        normal_force: float | None = None,
-        patch_radius: float | None = None,
-        name: str | None = None,
-    ) -> None:
-        self._set(
-            **_on_plane(body, plane, law, frame, patch_radius),
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
-            point=_vector(point, "point", len(plane.point)),
+    ) -> tuple[Self, ...]:
+        """Return points on both edges of a cylinder: it stands, slides and tips on a plane.
+
+        On its side it rests, but it does not roll there as a round one does.
+
+        Args:
+            body: number of the body, whose third axis is that of the cylinder.
+            radius: R > 0 in m.
+            height: h > 0 in m.
+            plane: that it touches.
+            law: as of `PointPlane`.
+            points: number of points of each edge.
+            normal_restitution: e_N in [0, 1].
+            tangential_restitution: e_T in [0, 1].
+        """
+        count, half = arrays.count(points, "points", 3), 0.5 * arrays.positive(height, "height")
+        edge = arrays.unit_vectors(2.0 * np.pi * np.arange(count) / count)
+        edge *= arrays.positive(radius, "radius")
+        return tuple(
+            cls(
+                body,
+                point=(*place, z),
+                plane=plane,
+                law=law,
+                normal_restitution=normal_restitution,
+                tangential_restitution=tangential_restitution,
+            )
+            for z in (-half, half)
+            for place in edge.tolist()
         )
 
 
@@ -118,15 +193,9 @@ class SpherePlane(PlanePair):
         body: number of the body.
         radius: of the sphere in m, > 0.
         plane: `Plane`, or `Line` for planar bodies.
-        law: friction law: p = 1 on a line; on a plane p = 2, or 3 with drilling.
         center: of the sphere, in the body's axes from its centre of mass in m. Default 0.
-        frame: as of `PointPlane`.
-        normal_restitution: e_N in [0, 1].
-        tangential_restitution: e_T in [0, 1].
-        normal_force: prescribed λ_N ≥ 0 in N, which pushes the body away like any force: without
-            a load against it the body moves off. ``None``: unilateral.
-        patch_radius: R > 0 in m, with p = 3 and only then.
-        name: of the pair; its contacts are named after it. Default: after the bodies.
+        law, frame, normal_restitution, tangential_restitution, normal_force, patch_radius, name: as
+            of `PointPlane`, of each contact.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -140,30 +209,13 @@ class SpherePlane(PlanePair):
 
     _kind = "sphere_plane"
 
-    radius: float
-    center: Array
+    _: KW_ONLY
+    radius: Positive
+    center: AnyArrayOrNone = field(default=None)
 
-    def __init__(
-        self,
-        body: int,
-        *,
-        radius: float,
-        plane: Plane | Line,
-        law: FrictionLaw,
-        center: ArrayLike | None = None,
-        frame: Frame = "plane",
-        normal_restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        normal_force: float | None = None,
-        patch_radius: float | None = None,
-        name: str | None = None,
-    ) -> None:
-        self._set(
-            **_on_plane(body, plane, law, frame, patch_radius),
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
-            radius=arrays.positive(radius, "radius"),
-            center=_vector(center, "center", len(plane.point)),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        super()._complete(given)
+        given["center"] = _vector(given["center"], "center", len(given["plane"].point))
 
 
 class BoxPlane(PlanePair):
@@ -173,13 +225,8 @@ class BoxPlane(PlanePair):
         body: number of the body, in whose axes the box is centred.
         half_sizes: half of its edges in m, shape ``(3,)``, planar ``(2,)``.
         plane: `Plane`, or `Line` for planar bodies.
-        law: friction law of each corner: p = 1 on a line; on a plane p = 2, or 3 with drilling.
-        frame: as of `PointPlane`.
-        normal_restitution: e_N in [0, 1].
-        tangential_restitution: e_T in [0, 1].
-        normal_force: prescribed λ_N ≥ 0 in N of each corner; ``None``: unilateral.
-        patch_radius: R > 0 in m of each corner, with p = 3 and only then.
-        name: of the pair; its contacts are named after it. Default: after the bodies.
+        law, frame, normal_restitution, tangential_restitution, normal_force, patch_radius, name: as
+            of `PointPlane`, of each contact.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -193,27 +240,13 @@ class BoxPlane(PlanePair):
 
     _kind = "box_plane"
 
-    half_sizes: Array
+    _: KW_ONLY
+    half_sizes: AnyArray
 
-    def __init__(
-        self,
-        body: int,
-        *,
-        half_sizes: ArrayLike,
-        plane: Plane | Line,
-        law: FrictionLaw,
-        frame: Frame = "plane",
-        normal_restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        normal_force: float | None = None,
-        patch_radius: float | None = None,
-        name: str | None = None,
-    ) -> None:
-        self._set(
-            **_on_plane(body, plane, law, frame, patch_radius),
-            **checked_laws(law, normal_force, normal_restitution, tangential_restitution, name),
-            half_sizes=positive_vector(half_sizes, "half_sizes", len(plane.point)),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        super()._complete(given)
+        size = len(given["plane"].point)
+        given["half_sizes"] = positive_vector(given["half_sizes"], "half_sizes", size)
 
     @property
     def contacts(self) -> int:
@@ -234,12 +267,8 @@ class SphereSphere(Pair):
         other_center: of the second sphere, likewise.
         frame: axis of the first body that carries the law's e₁. Default ``BodyAxis((1, 0, 0))``,
             which does not matter to isotropic laws.
-        normal_restitution: e_N in [0, 1].
-        tangential_restitution: e_T in [0, 1].
-        normal_force: prescribed λ_N ≥ 0 in N, which pushes the body away like any force: without
-            a load against it the body moves off. ``None``: unilateral.
-        patch_radius: R > 0 in m, with p = 3 and only then.
-        name: of the pair; its contacts are named after it. Default: after the bodies.
+        normal_restitution, tangential_restitution, normal_force, patch_radius, name: as of
+            `PointPlane`.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -253,78 +282,24 @@ class SphereSphere(Pair):
 
     _kind = "sphere_sphere"
 
-    radius: float
-    other: int
-    other_radius: float
-    center: Array
-    other_center: Array
-    frame: BodyAxis
+    _: KW_ONLY
+    radius: Positive
+    other: Index
+    other_radius: Positive
+    center: AnyArrayOrNone = field(default=None)
+    other_center: AnyArrayOrNone = field(default=None)
+    frame: Annotated[Given[BodyAxis | None, BodyAxis], _body_axis] = field(default=None)
 
-    def __init__(
-        self,
-        body: int,
-        *,
-        radius: float,
-        other: int,
-        other_radius: float,
-        law: FrictionLaw,
-        center: ArrayLike | None = None,
-        other_center: ArrayLike | None = None,
-        frame: BodyAxis | None = None,
-        normal_restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        normal_force: float | None = None,
-        patch_radius: float | None = None,
-        name: str | None = None,
-    ) -> None:
-        checked = checked_laws(law, normal_force, normal_restitution, tangential_restitution, name)
-        size = 2 if law.dimension == 1 else 3
-        frame = BodyAxis((1.0, 0.0, 0.0)) if frame is None else frame
-        arrays.of_kind(frame, "frame", BodyAxis, "a BodyAxis between spheres")
-        body, other = arrays.count(body, "body", 0), arrays.count(other, "other", 0)
-        if body == other:
-            raise ParameterError("other", f"must be another body than {body}")
-        self._set(
-            **checked,
-            body=body,
-            radius=arrays.positive(radius, "radius"),
-            other=other,
-            other_radius=arrays.positive(other_radius, "other_radius"),
-            center=_vector(center, "center", size),
-            other_center=_vector(other_center, "other_center", size),
-            frame=frame,
-            patch_radius=_patch_radius(patch_radius, law),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        super()._complete(given)
+        if given["body"] == given["other"]:
+            raise ParameterError("other", f"must be another body than {given['body']}")
+        size = 2 if given["law"].dimension == 1 else 3
+        for name in ("center", "other_center"):
+            given[name] = _vector(given[name], name, size)
 
     def _core_data(self) -> dict[str, Any]:
         return {**super()._core_data(), "frame": self.frame.axis}
-
-
-def _on_plane(
-    body: int, plane: Plane | Line, law: FrictionLaw, frame: Frame, patch_radius: float | None
-) -> dict[str, Any]:
-    """Return what every pair with a plane holds, checked."""
-    arrays.of_kind(plane, "plane", Plane | Line, "a Plane or a Line")
-    allowed = (1,) if isinstance(plane, Line) else (2, 3)
-    if checked_law(law).dimension not in allowed:
-        words = " or ".join(map(str, allowed))
-        kind = type(plane).__name__
-        raise DimensionError("law", f"must have dimension {words} on a {kind}, has {law.dimension}")
-    body = arrays.count(body, "body", 0)
-    if plane.body == body:
-        raise ParameterError("plane", f"must not be fixed to the body {body} that touches it")
-    return {
-        "body": body,
-        "plane": plane,
-        "frame": checked_frame(frame, plane),
-        "patch_radius": _patch_radius(patch_radius, law),
-    }
-
-
-def _patch_radius(value: float | None, law: FrictionLaw) -> float | None:
-    if (law.dimension == 3) != (value is not None):
-        raise ParameterError("patch_radius", "goes with a law of dimension 3 and only with one")
-    return None if value is None else arrays.positive(value, "patch_radius")
 
 
 def _vector(value: ArrayLike | None, argument: str, size: int) -> Array:

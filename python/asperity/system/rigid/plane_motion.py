@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
-from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Check, Record
 from asperity.errors import ParameterError
 from asperity.system import time_functions
 from asperity.system.time_functions import Signal, TimeFunction
@@ -23,7 +23,18 @@ _SPANS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
 _AGREES, _SAYS = 0.1, 0.01
 
 
-class PlaneMotion(Value):
+_Motion: TypeAlias = Signal | Callable[[float], tuple[ArrayLike, ArrayLike]] | None
+
+
+def _moving(given: Any, argument: str) -> Any:
+    if not (given is None or callable(given)):
+        raise ParameterError(argument, f"must be a Signal, a function or None, got {given!r}")
+    if isinstance(given, Signal) and given._core.jumps:
+        raise ParameterError(argument, "must not jump: no velocity is that of a jump")
+    return given
+
+
+class PlaneMotion(Record):
     """How a plane moves: its point goes to point + d(t), and its axes turn by exp(ρ(t)) about it.
 
     Grooves and the normal move along. Velocities follow from the same functions, ḋ and ω = J(ρ) ρ̇
@@ -50,36 +61,23 @@ class PlaneMotion(Value):
     [0.0, 0.0, 0.314159]
     """
 
-    displacement: Array | Signal | Callable[[float], tuple[ArrayLike, ArrayLike]] | None
-    rotation: Array | float | Signal | Callable[[float], tuple[ArrayLike, ArrayLike]] | None
-
-    def __init__(
-        self,
-        *,
-        displacement: Signal | Callable[[float], tuple[ArrayLike, ArrayLike]] | None = None,
-        rotation: Signal | Callable[[float], tuple[ArrayLike, ArrayLike]] | None = None,
-    ) -> None:
-        parts = {"displacement": displacement, "rotation": rotation}
-        for argument, given in parts.items():
-            if not (given is None or callable(given)):
-                raise ParameterError(
-                    argument, f"must be a Signal, a function or None, got {given!r}"
-                )
-            if isinstance(given, Signal) and given._core.jumps:
-                raise ParameterError(argument, "must not jump: no velocity is that of a jump")
-        self._set(**parts)
+    _: KW_ONLY
+    displacement: Annotated[_Motion, _moving] = None
+    rotation: Annotated[_Motion, _moving] = None
 
 
-def checked(motion: PlaneMotion | None, shapes: tuple[tuple[int, ...], tuple[int, ...]]) -> Any:
-    """Return a motion whose displacement and rotation have these shapes."""
-    if motion is None:
-        return None
-    arrays.of_kind(motion, "motion", PlaneMotion, "a PlaneMotion or None")
-    parts = (("displacement", motion.displacement), ("rotation", motion.rotation))
-    for (argument, given), shape in zip(parts, shapes, strict=True):
-        if given is not None:
-            time_functions.checked(given, argument, shape)
-    return motion
+def of_shapes(displacement: tuple[int, ...], rotation: tuple[int, ...]) -> Check:
+    """Return the check of a motion whose displacement and rotation have these shapes."""
+
+    def checked(motion: Any, argument: str) -> Any:
+        arrays.of_kind(motion, argument, PlaneMotion | None, "a PlaneMotion or None")
+        for name, shape in (("displacement", displacement), ("rotation", rotation)):
+            part = getattr(motion, name, None)
+            if part is not None:
+                time_functions.checked(part, name, shape)
+        return motion
+
+    return checked
 
 
 def core_data(

@@ -3,20 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
-from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import (
+    AnyArrayOrNone,
+    Given,
+    Index,
+    NonNegative,
+    Record,
+    Vector,
+    field,
+)
 from asperity.errors import DimensionError, ParameterError
 from asperity.system import time_functions
 from asperity.system.time_functions import Signal, TimeFunction
 
 
-class Spring(Value):
+def _length(given: TimeFunction, argument: str) -> Any:
+    if callable(given):
+        return time_functions.checked(given, argument, ())
+    return arrays.non_negative(given, argument)
+
+
+_Length: TypeAlias = Annotated[
+    Given[TimeFunction, float | Signal | Callable[[float], ArrayLike]], _length
+]
+
+
+class Spring(Record):
     """A spring with a damper between two points: tension k (l − l₀) + d dl/dt.
 
     It acts explicitly: steps need Δt d < 2 m and Δt² k < 4 m with the effective mass m along it.
@@ -40,42 +59,23 @@ class Spring(Value):
     6
     """
 
-    body: int
-    point: Array
-    other: int | None
-    other_point: Array
-    stiffness: float
-    damping: float
-    length: float | Signal | Callable[[float], ArrayLike]
+    body: Index
+    _: KW_ONLY
+    point: Vector
+    other: Index | None = None
+    other_point: AnyArrayOrNone = field(default=None)
+    stiffness: NonNegative
+    damping: NonNegative = 0.0
+    length: _Length = field(default=0.0)
 
-    def __init__(
-        self,
-        body: int,
-        *,
-        point: ArrayLike,
-        other: int | None = None,
-        other_point: ArrayLike | None = None,
-        stiffness: float,
-        damping: float = 0.0,
-        length: TimeFunction = 0.0,
-    ) -> None:
-        body = arrays.count(body, "body", 0)
-        other = None if other is None else arrays.count(other, "other", 0)
-        if body == other:
-            raise ParameterError("other", f"must be another body than {body}")
-        near = arrays.array(point, "point", (None,))
+    def _complete(self, given: dict[str, Any]) -> None:
+        if given["body"] == given["other"]:
+            raise ParameterError("other", f"must be another body than {given['body']}")
+        near, far = given["point"], given["other_point"]
         if len(near) not in (2, 3):
             raise DimensionError("point", f"must have 2 or 3 entries, got {len(near)}")
-        far = np.zeros(len(near)) if other_point is None else other_point
-        self._set(
-            body=body,
-            point=near,
-            other=other,
-            other_point=arrays.array(far, "other_point", near.shape),
-            stiffness=arrays.non_negative(stiffness, "stiffness"),
-            damping=arrays.non_negative(damping, "damping"),
-            length=_length(length),
-        )
+        far = np.zeros(len(near)) if far is None else far
+        given["other_point"] = arrays.array(far, "other_point", near.shape)
 
     @property
     def planar(self) -> bool:
@@ -84,9 +84,3 @@ class Spring(Value):
 
     def _core_data(self) -> dict[str, Any]:
         return {**self._parameters, "length": time_functions.core(self.length)}
-
-
-def _length(given: TimeFunction) -> Any:
-    if callable(given):
-        return time_functions.checked(given, "length", ())
-    return arrays.non_negative(given, "length")

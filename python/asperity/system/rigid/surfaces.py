@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal, Self, TypeAlias
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Index, Record, Vector2, Vector3, field
 from asperity.errors import ParameterError
 from asperity.system import time_functions
 from asperity.system.rigid import plane_motion, rotation
 from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.rotation import Orientation
-from asperity.system.time_functions import Signal, TimeFunction
+from asperity.system.time_functions import Changing1, Changing2
 
 # Sine of the smallest angle between an axis and the normal it is projected along.
 _PARALLEL = 1e-12
 
 
-class Plane(Value):
+class Plane(Record):
     """A plane with the axes e₁, e₂ = n × e₁ and the normal n that points to the touching bodies.
 
     Its surface may move in itself: a belt with `velocity`, a turntable with `spin` about the normal
@@ -50,39 +49,21 @@ class Plane(Value):
     [[1.0, 0.0, 0.0], [0.0, 0.707107, 0.707107], [0.0, -0.707107, 0.707107]]
     """
 
-    point: Array
-    normal: Array
-    axis: Array
-    velocity: Array | Signal | Callable[[float], ArrayLike]
-    spin: float | Signal | Callable[[float], ArrayLike]
-    motion: PlaneMotion | None
-    body: int | None
-    axes: Array
+    _: KW_ONLY
+    point: Vector3 = field(default=(0.0, 0.0, 0.0))
+    normal: Vector3 = field(default=(0.0, 0.0, 1.0))
+    axis: Vector3 = field(default=(1.0, 0.0, 0.0))
+    velocity: Changing2 = field(default=(0.0, 0.0))
+    spin: Changing1 = field(default=0.0)
+    motion: Annotated[PlaneMotion | None, plane_motion.of_shapes((3,), (3,))] = None
+    body: Index | None = None
+    axes: Array = field(init=False)
 
-    _scaled = frozenset({"normal", "axis"})
-
-    def __init__(
-        self,
-        *,
-        point: ArrayLike = (0.0, 0.0, 0.0),
-        normal: ArrayLike = (0.0, 0.0, 1.0),
-        axis: ArrayLike = (1.0, 0.0, 0.0),
-        velocity: TimeFunction = (0.0, 0.0),
-        spin: TimeFunction = 0.0,
-        motion: PlaneMotion | None = None,
-        body: int | None = None,
-    ) -> None:
-        self._set(
-            point=arrays.array(point, "point", (3,)),
-            normal=arrays.array(normal, "normal", (3,)),
-            axis=arrays.array(axis, "axis", (3,)),
-            velocity=time_functions.checked(velocity, "velocity", (2,)),
-            spin=time_functions.checked(spin, "spin", ()),
-            motion=plane_motion.checked(motion, ((3,), (3,))),
-            body=None if body is None else arrays.count(body, "body", 0),
-        )
+    def _derive(self) -> None:
         n, e1 = (rotation.normalised(getattr(self, name), name, 3) for name in ("normal", "axis"))
         self._keep(normal=n, axis=e1, axes=_axes(n, e1))
+
+    _scaled = frozenset({"normal", "axis"})
 
     @classmethod
     def oriented(cls, orientation: Orientation, **options: Any) -> Self:
@@ -114,7 +95,7 @@ class Plane(Value):
         }
 
 
-class Line(Value):
+class Line(Record):
     """A straight line for planar bodies, with e₁ to the right of the normal n.
 
     Args:
@@ -134,34 +115,20 @@ class Line(Value):
     [[1.0, 0.0], [0.0, 1.0]]
     """
 
-    point: Array
-    normal: Array
-    velocity: float | Signal | Callable[[float], ArrayLike]
-    motion: PlaneMotion | None
-    body: int | None
-    axes: Array
+    _: KW_ONLY
+    point: Vector2 = field(default=(0.0, 0.0))
+    normal: Vector2 = field(default=(0.0, 1.0))
+    velocity: Changing1 = field(default=0.0)
+    motion: Annotated[PlaneMotion | None, plane_motion.of_shapes((2,), ())] = None
+    body: Index | None = None
+    axes: Array = field(init=False)
 
-    _scaled = frozenset({"normal"})
-
-    def __init__(
-        self,
-        *,
-        point: ArrayLike = (0.0, 0.0),
-        normal: ArrayLike = (0.0, 1.0),
-        velocity: TimeFunction = 0.0,
-        motion: PlaneMotion | None = None,
-        body: int | None = None,
-    ) -> None:
-        self._set(
-            point=arrays.array(point, "point", (2,)),
-            normal=arrays.array(normal, "normal", (2,)),
-            velocity=time_functions.checked(velocity, "velocity", ()),
-            motion=plane_motion.checked(motion, ((2,), ())),
-            body=None if body is None else arrays.count(body, "body", 0),
-        )
+    def _derive(self) -> None:
         n1, n2 = normal = rotation.normalised(self.normal, "normal", 2)
         # Adding zero turns −0 into 0.
         self._keep(normal=normal, axes=np.array([[n2, -n1], [n1, n2]]) + 0.0)
+
+    _scaled = frozenset({"normal"})
 
     def _core_data(self) -> dict[str, Any]:
         return {
@@ -172,7 +139,7 @@ class Line(Value):
         }
 
 
-class BodyAxis(Value):
+class BodyAxis(Record):
     """The frame of a law that a body carries: e₁ is an axis of the body, projected on the surface.
 
     Args:
@@ -184,13 +151,12 @@ class BodyAxis(Value):
     BodyAxis([0.0, 2.0, 0.0])
     """
 
-    axis: Array
+    axis: Vector3
+
+    def _derive(self) -> None:
+        self._keep(axis=rotation.normalised(self.axis, "axis", 3))
 
     _scaled = frozenset({"axis"})
-
-    def __init__(self, axis: ArrayLike) -> None:
-        self._set(axis=arrays.array(axis, "axis", (3,)))
-        self._keep(axis=rotation.normalised(self.axis, "axis", 3))
 
 
 Frame: TypeAlias = Literal["plane", "polar"] | BodyAxis | Callable[[float, float], float]

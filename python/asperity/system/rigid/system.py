@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity import _core
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value

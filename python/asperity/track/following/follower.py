@@ -12,7 +12,7 @@ from asperity._base.arrays import Array
 from asperity.track.film.frames import Frame
 from asperity.track.following.sight import Sight, Sighting
 from asperity.track.image.circle import Circle, fit_circle
-from asperity.track.image.scene import Scene
+from asperity.track.image.scene import PlaneView
 from asperity.track.image.segmentation import Candidates, Mark, Outline, outline, search
 
 # The region of interest in radii of the mark, and how often it may be widened.
@@ -48,7 +48,7 @@ class _Whole:
 class Follower:
     """The mark as it was in the frames so far."""
 
-    def __init__(self, scene: Scene, mark: Mark, fps: float) -> None:
+    def __init__(self, scene: PlaneView, mark: Mark, fps: float) -> None:
         arrays.of_kind(mark, "mark", Mark, "a Mark")
         self.scene = scene
         self.mark = mark

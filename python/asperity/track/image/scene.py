@@ -15,7 +15,7 @@ from asperity.errors import DimensionError, ParameterError
 _ROUNDING = 1e-9
 
 
-class Scene(Value):
+class PlaneView(Value):
     """Homography H from pixels to the plane in which the centre of the mark moves.
 
     Pixels are counted from the centre of the first one, columns to the right, rows downwards. With
@@ -25,7 +25,7 @@ class Scene(Value):
     Args:
         homography: H, regular, shape ``(3, 3)``; its factor is free.
 
-    >>> scene = Scene.from_scale(2e-4, origin=(100.0, 50.0))
+    >>> scene = PlaneView.from_scale(2e-4, origin=(100.0, 50.0))
     >>> scene.to_plane([110.0, 40.0]).round(9).tolist()
     [0.002, 0.002]
     """
@@ -42,7 +42,7 @@ class Scene(Value):
     @classmethod
     def from_scale(
         cls, metres_per_pixel: float, *, origin: ArrayLike = (0.0, 0.0), angle: float = 0.0
-    ) -> Scene:
+    ) -> PlaneView:
         """Return the scene of a camera that looks straight down on the plane.
 
         Args:
@@ -58,7 +58,7 @@ class Scene(Value):
         return cls(np.vstack([np.column_stack([turn, shift]), [0.0, 0.0, 1.0]]))
 
     @classmethod
-    def from_points(cls, pixels: ArrayLike, plane: ArrayLike) -> Scene:
+    def from_points(cls, pixels: ArrayLike, plane: ArrayLike) -> PlaneView:
         """Return the scene that maps known points best, by least squares in the image.
 
         Args:
@@ -70,7 +70,7 @@ class Scene(Value):
 
         >>> square = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]]
         >>> corners = [[20.0, 980.0], [990.0, 985.0], [930.0, 40.0], [60.0, 50.0]]
-        >>> scene = Scene.from_points(corners, square)
+        >>> scene = PlaneView.from_points(corners, square)
         >>> scene.to_plane([930.0, 40.0]).round(9).tolist()
         [0.1, 0.1]
         """
@@ -95,7 +95,7 @@ class Scene(Value):
         target: ArrayLike,
         focal_length: float,
         size: tuple[int, int],
-    ) -> Scene:
+    ) -> PlaneView:
         """Return the scene of a pinhole camera, upright, that looks at a point of the plane.
 
         Args:
