@@ -16,7 +16,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 from asperity.identify import fit_patch
-from asperity.identify.patches.solving import starts_of
+from asperity.identify.evidence.wrenches.solving import starts_of
 from report import ratio
 from scipy.optimize import least_squares
 

@@ -8,14 +8,14 @@ import pytest
 from asperity import identify
 from asperity.errors import FitError
 from asperity.identify import PatchFit, compare_patches, fit_patch, fit_supports
-from asperity.identify.patches.models import (
+from asperity.identify.evidence.wrenches.pairs import Pairs, in_ground
+from asperity.identify.evidence.wrenches.solving import descend
+from asperity.identify.models.patches import (
     EllipsoidPatch,
     ExtendedPatch,
     ExtendedPoints,
     PointsPatch,
 )
-from asperity.identify.patches.pairs import Pairs, in_ground
-from asperity.identify.patches.solving import descend
 from profiles import counts
 
 PHI = 2.0 * np.pi * np.arange(5) / 5 + 0.2

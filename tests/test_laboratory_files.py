@@ -8,9 +8,9 @@ import pytest
 from asperity import identify
 from asperity.commands.main import main
 from asperity.errors import AsperityError, FitError, ParameterError, RecordError
-from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import by_axes
-from asperity.identify.fitting.uncertainty.covariance import sensitivities
+from asperity.identify.evidence.forces.bins import grouped
+from asperity.identify.evidence.forces.errors import sensitivities
+from asperity.identify.evidence.forces.samples import by_axes
 
 RUN = lab.run()
 DATA = identify.process(identify.RawData([RUN]))

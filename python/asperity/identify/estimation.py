@@ -9,24 +9,10 @@ from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Progress
 from asperity.errors import FitError, ParameterError
-from asperity.identify.fit import Fit
-from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import Measured, Samples, frozen, inside, samples_of
-from asperity.identify.fitting.least_squares.descent import Descent, refine
-from asperity.identify.fitting.least_squares.loss import Loss
-from asperity.identify.fitting.least_squares.mistakes import sense_explained
-from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
-from asperity.identify.fitting.least_squares.outliers import check_sense, without_outliers
-from asperity.identify.fitting.least_squares.starts import check_directions, fit_bins, start
-from asperity.identify.fitting.models.names import (
-    DirectionName,
-    ReservoirName,
-    direction_model,
-    name_of,
-    reservoir_model,
-)
-from asperity.identify.fitting.selection import BEST, compare_models, matching_pairs
-from asperity.identify.fitting.uncertainty.flat_sides import (
+from asperity.identify.estimator.descent import Descent, refine
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.evidence.forces.bins import grouped
+from asperity.identify.evidence.forces.flat_sides import (
     DECISIVE,
     Clear,
     clear_of_axes,
@@ -34,6 +20,20 @@ from asperity.identify.fitting.uncertainty.flat_sides import (
     is_singular,
     round_quarters,
     shared_axes,
+)
+from asperity.identify.evidence.forces.mistakes import sense_explained
+from asperity.identify.evidence.forces.normal_equations import Family, Sums
+from asperity.identify.evidence.forces.outliers import check_sense, without_outliers
+from asperity.identify.evidence.forces.samples import Measured, Samples, frozen, inside, samples_of
+from asperity.identify.evidence.forces.selection import BEST, compare_models, matching_pairs
+from asperity.identify.evidence.forces.starts import check_directions, fit_bins, start
+from asperity.identify.fit import Fit
+from asperity.identify.models.names import (
+    DirectionName,
+    ReservoirName,
+    direction_model,
+    name_of,
+    reservoir_model,
 )
 
 _COARSE_WIDTH = 5

@@ -20,12 +20,20 @@ from asperity._base.storage.result_file import SavedResult
 from asperity._base.value import Value, View
 from asperity.identify.associativity import Associativity, associativity_of
 from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
-from asperity.identify.fitting.data import defects
-from asperity.identify.fitting.data.bins import Bins, grouped
-from asperity.identify.fitting.data.coverage import Coverage, coverage
-from asperity.identify.fitting.data.defects import Defect
-from asperity.identify.fitting.data.drift import Drift, drift
-from asperity.identify.fitting.data.samples import (
+from asperity.identify.estimator.covariance import Bands, Covariance, estimates, known_angles
+from asperity.identify.estimator.descent import Descent, Sums
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.evidence.forces import defects
+from asperity.identify.evidence.forces.bins import Bins, grouped
+from asperity.identify.evidence.forces.causes import Causes, means_of, weighty
+from asperity.identify.evidence.forces.coverage import Coverage, coverage
+from asperity.identify.evidence.forces.defects import Defect
+from asperity.identify.evidence.forces.drift import Drift, drift
+from asperity.identify.evidence.forces.mistakes import Mistake, mistake
+from asperity.identify.evidence.forces.mountings import Mountings
+from asperity.identify.evidence.forces.normal_equations import Family
+from asperity.identify.evidence.forces.outliers import Outliers, outliers
+from asperity.identify.evidence.forces.samples import (
     Samples,
     channels_turn,
     frozen,
@@ -33,20 +41,13 @@ from asperity.identify.fitting.data.samples import (
     runs_of,
     samples_of,
 )
-from asperity.identify.fitting.least_squares.descent import Descent
-from asperity.identify.fitting.least_squares.loss import Loss
-from asperity.identify.fitting.least_squares.mistakes import Mistake, mistake
-from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
-from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
-from asperity.identify.fitting.models.coordinates import Estimate, Scale, at_bounds, table_of
-from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
-from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
-from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
-from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
-from asperity.identify.fitting.uncertainty.mountings import Mountings
+from asperity.identify.evidence.forces.selection import Candidate, Comparison, compare_models
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.identified_law import IdentifiedLaw
+from asperity.identify.models.coordinates import Estimate, at_bounds, table_of
+from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
+from asperity.identify.models.structure import Structure
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
@@ -55,8 +56,6 @@ from asperity.sets import StarSet
 
 # Means for figures are taken over half a degree.
 _WIDTH = 5
-# Without bands, a set counts as round if its combinations of coordinates are below this.
-_ROUND = 1e-9
 
 
 class Fit(SavedResult, Value):
@@ -175,6 +174,10 @@ class Fit(SavedResult, Value):
         """Name of the model of D."""
         return name_of(self._family.direction)
 
+    @property
+    def _structure(self) -> Structure:
+        return Structure(self._family.reservoir, self._family.direction)
+
     @cached_property
     def reservoir(self) -> StarSet:
         """The force reservoir C, per unit normal force."""
@@ -229,17 +232,13 @@ class Fit(SavedResult, Value):
 
     def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
         known = None if self.covariance is None else self.covariance.merged()
-        family = self._family
         parts = (None,) * 3 if known is None else known.parts
         degrees = (math.inf,) * 3 if known is None else known.degrees
-        values = [
-            float(scale.natural(x)) for x, scale in zip(self.coordinates, self.scales, strict=True)
-        ]
         return IdentifiedLaw(
             self.law,
-            reservoir_model=family.reservoir,
-            direction_model=family.direction,
-            values=values,
+            reservoir_model=self._structure.reservoir,
+            direction_model=self._structure.direction,
+            values=self._structure.values(self.coordinates),
             turns=parts[0],
             calibration=parts[1],
             zeros=parts[2],
@@ -256,24 +255,25 @@ class Fit(SavedResult, Value):
         what ended at a bound of its model or strokes in few directions leave open, nor the shape of
         C where forces leap over 30° and more of their directions; `warnings` says so.
         """
-        family = self._family
-        result: dict[str, Estimate] = {}
-        stuck, blind = self.at_bounds | self.undetermined, bool(self.gaps)
-        for start, model, part in (
-            (0, family.reservoir, "reservoir"),
-            (family.split, family.direction, "direction"),
-        ):
-            for at, coordinate in enumerate(model.coordinates, start):
-                last = at == start + len(model.coordinates) - 1
-                told = not last or self._has_angle(slice(start, at + 1), model.roundness())
-                told = told and not stuck[at] and not (blind and part == "reservoir")
-                unit = np.eye(family.size)[at]
-                width, deviation = self._width(unit[None])[0], self._deviation(unit)
-                result[f"{part}.{coordinate.name}"] = estimate(
-                    self.coordinates[at], coordinate, width, deviation, told
-                )
-        result["direction.scale"] = Estimate(np.nan, 0.0, np.inf, np.inf, identifiable=False)
-        return View(result)
+        structure = self._structure
+        told = ~(self.at_bounds | self.undetermined)
+        if self.gaps:
+            told[: self._family.split] = False
+        angles = known_angles(structure, self.coordinates, self.covariance)
+        told &= [angles.get(name, True) for name in structure.names]
+        units = np.eye(len(told))
+        deviations = np.full(len(told), np.nan)
+        if self.covariance is not None:
+            deviations = np.sqrt(np.maximum(np.diag(self.covariance.total), 0.0))
+        return View(
+            estimates(
+                structure,
+                self.coordinates,
+                told,
+                half_widths=self._width(units),
+                standard_errors=deviations,
+            )
+        )
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -289,11 +289,6 @@ class Fit(SavedResult, Value):
         where forces are given as arrays: what is known of their errors is not known here.
         """
         return View(self._causes.missing())
-
-    @property
-    def scales(self) -> tuple[Scale, ...]:
-        """How the reported parameters follow from the coordinates."""
-        return tuple(coordinate.scale for coordinate in self._family.coordinates)
 
     @cached_property
     def at_bounds(self) -> NDArray[np.bool_]:
@@ -475,19 +470,6 @@ class Fit(SavedResult, Value):
         if self.covariance is None or self.confidence is None:
             return np.full(len(directions), np.nan)
         return self.covariance.half_widths(directions, self.confidence)
-
-    def _deviation(self, direction: Array) -> float:
-        if self.covariance is None:
-            return float("nan")
-        return math.sqrt(max(float(direction @ self.covariance.total @ direction), 0.0))
-
-    def _has_angle(self, part: slice, roundness: Any) -> bool:
-        if roundness is None:
-            return True
-        p = self.coordinates[part]
-        if self.covariance is None:
-            return bool(np.abs(roundness.matrix @ p - roundness.offset).max() > _ROUND)
-        return has_angle(p, roundness, self.covariance.of(part))
 
 
 _KNOWN: stored.Kinds = {

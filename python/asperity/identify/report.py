@@ -12,9 +12,9 @@ from asperity._base import report
 from asperity._base.report import Block, Facts, Grid, Picture, Section, Text
 from asperity.errors import FitError, ParameterError
 from asperity.identify.diagnostics import SETS
-from asperity.identify.fitting.models.coordinates import Estimate
 from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.processing import ProcessedData
+from asperity.identify.models.coordinates import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,0 +1,336 @@
+"""Least squares of wrenches, their covariance from the scatter of blocks, and blocks left out."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base.arrays import Array
+from asperity._base.value import Record
+from asperity.errors import FitError, ParameterError
+from asperity.identify.evidence.wrenches.pairs import Pairs
+from asperity.identify.models.patches import (
+    EllipsoidPatch,
+    ExtendedPatch,
+    ExtendedPoints,
+    PatchModel,
+    PointsPatch,
+)
+
+LossName = Literal["soft_l1", "linear"]
+Labels = NDArray[np.intp]
+
+# A first scale of a robust loss, relative to the size of the wrenches, and when it has settled.
+_FIRST_SCALE, _SETTLED, _ROUNDS = 0.15, 0.05, 4
+# A median deviation of a Gaussian variable of deviation 1.
+_MEDIAN = 0.6744897501960817
+# Steps of the searches from several starts, of which the best is followed to its end.
+_TRIAL, _SHORT, _MOST = 10, 30, 200
+# Relative changes of the cost at which a search ends: on the way, and at its end, where steps that
+# change less move coordinates by a small part of their errors. In valleys of points that nearly
+# coincide, searches would go on for hundreds of such steps.
+_ROUGH, _FINE = 1e-3, 1e-6
+# Radii and phases of the rings of points from which searches start.
+_RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
+# Wrenches of which squares can be summed.
+_LARGEST = 1e140
+# Eigenvalues of the scaled normal equations below this share say nothing.
+_RANK = 1e-10
+# A parameter is not told if a larger part of its derivative is in a direction without curvature.
+_PART = 1e-3
+
+
+class Found(Record):
+    """Coordinates where a fit ended.
+
+    Args:
+        p: the coordinates.
+        cost: half the sum of the losses, in squares of the wrench.
+        scale: of a robust loss; 0 for least squares.
+        evaluations: how often wrenches were computed.
+        converged: whether the search has ended by itself.
+    """
+
+    p: Array
+    cost: float
+    scale: float
+    evaluations: int
+    converged: bool
+
+
+def descend(
+    model: PatchModel,
+    pairs: Pairs,
+    first: Array,
+    loss: LossName,
+    scale: float,
+    most: int,
+    tolerance: float,
+) -> Found:
+    """Descend from given coordinates with a loss of given scale."""
+    from scipy.optimize import least_squares
+
+    last: list[tuple[Array, Array, Array]] = []
+
+    def both(p: Array) -> tuple[Array, Array]:
+        # Residuals and derivatives are asked for one after the other at the same place.
+        if not last or not np.array_equal(last[0][0], p):
+            f, by = np.full_like(pairs.wrench, np.nan), np.empty((len(pairs), 3, model.size))
+            # Where no set has these coordinates, or one beyond the range of numbers, residuals that
+            # are no numbers make the search take a shorter step.
+            refused = ParameterError, np.linalg.LinAlgError, ArithmeticError
+            with suppress(*refused), np.errstate(over="raise", divide="raise", invalid="raise"):
+                found, slopes = model.both(p, pairs)
+                if np.abs(found).max() < _LARGEST and np.isfinite(slopes).all():
+                    f, by = found, slopes
+            last[:] = [(p.copy(), (f - pairs.wrench).ravel(), by.reshape(-1, model.size))]
+        return last[0][1], last[0][2]
+
+    def residuals(p: Array) -> Array:
+        return both(p)[0]
+
+    def jacobian(p: Array) -> Array:
+        return both(p)[1]
+
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        try:
+            found = least_squares(
+                residuals,
+                first,
+                jac=jacobian,
+                loss=loss,
+                f_scale=scale or 1.0,
+                x_scale="jac",
+                max_nfev=most,
+                ftol=tolerance,
+                # The size of a gradient depends on the unit of forces.
+                gtol=None,
+            )
+        except (ValueError, np.linalg.LinAlgError):
+            raise FitError(
+                "wrench: the fit has left the range of numbers: try a simpler model"
+            ) from None
+    return Found(found.x, float(found.cost), scale, int(found.nfev), bool(found.status > 0))
+
+
+def fitted(
+    model: PatchModel,
+    pairs: Pairs,
+    starts: list[Array],
+    loss: LossName,
+    scale: float | None = None,
+    *,
+    roughly: bool = False,
+) -> Found:
+    """Return the best fit from several starts; a robust loss finds its scale on the way.
+
+    The search is followed to its end once, where the scale has settled; `roughly` not at all.
+    """
+    size = float(np.sqrt((pairs.wrench**2).mean()))
+    given = scale is not None or loss == "linear"
+    first = (scale or 0.0) if given else _FIRST_SCALE * size
+    best, spent = Found(starts[0], math.inf, first, 0, False), 0
+    for start in starts if len(starts) > 1 else ():
+        try:
+            trial = descend(model, pairs, start, loss, first, _TRIAL, _ROUGH)
+        except FitError:
+            # There is no law to begin with; another start has one.
+            continue
+        best = min(best, trial, key=lambda one: one.cost)
+        spent += trial.evaluations
+    for _ in range(0 if given else _ROUNDS):
+        best = descend(model, pairs, best.p, loss, best.scale, _SHORT, _ROUGH)
+        spent += best.evaluations
+        residuals = model.both(best.p, pairs)[0] - pairs.wrench
+        now = float(np.median(np.abs(residuals))) / _MEDIAN
+        if now <= 1e-12 * size or abs(now - best.scale) <= _SETTLED * now:
+            break
+        best = best.replace(scale=now)
+    most, tolerance = (_SHORT, _ROUGH) if roughly else (_MOST, _FINE)
+    best = descend(model, pairs, best.p, loss, best.scale, most, tolerance)
+    return best.replace(evaluations=spent + best.evaluations)
+
+
+def starts_of(
+    model: PatchModel, pairs: Pairs, loss: LossName, scale: float | None = None
+) -> list[Array]:
+    """Return coordinates to start from, the simpler models of which follow from the data."""
+    if isinstance(model, EllipsoidPatch):
+        return [model.start(pairs)]
+    if isinstance(model, ExtendedPoints):
+        plain = PointsPatch(pairs.points, radius=0.0, known=True)
+        p = fitted(plain, pairs, starts_of(plain, pairs, loss), loss, scale, roughly=True).p
+        return [
+            np.concatenate([p, [0.02, 0.0, 0.02, 0.0]]),
+            np.concatenate([p, [0, 0.02, 0, 0.02]]),
+        ]
+    if isinstance(model, ExtendedPatch):
+        round_one = EllipsoidPatch(frame=model.frame)
+        ellipsoid = fitted(
+            round_one, pairs, starts_of(round_one, pairs, loss), loss, scale, roughly=True
+        ).p
+        if isinstance(model.of, EllipsoidPatch):
+            return [model.start(ellipsoid, ellipsoid)]
+        own = fitted(
+            model.of, pairs, starts_of(model.of, pairs, loss, scale), loss, scale, roughly=True
+        ).p
+        return [model.start(own, ellipsoid)]
+    assert isinstance(model, PointsPatch)
+    if model.known:
+        assert pairs.loads is not None
+        sizes = np.linalg.norm(pairs.wrench[:, :2], axis=1) / pairs.loads.sum(axis=1)
+        p = np.zeros(model.size)
+        p[0] = math.log(max(float(np.median(sizes)), np.finfo(float).tiny))
+        return [p]
+    if model.friction == "ellipse":
+        # Isotropic friction first: its best places are where ellipses begin.
+        plain = model.replace(friction="isotropic")
+        found = fitted(
+            plain, pairs, starts_of(plain, pairs, loss, scale), loss, scale, roughly=True
+        )
+        return [np.concatenate([found.p, [0.0, 0.0]])]
+    # The ellipsoid of the second moments knows size, centre and radius of the patch.
+    A = EllipsoidPatch().reservoir(EllipsoidPatch().start(pairs))
+    extents = A.support(np.eye(3))
+    upright = EllipsoidPatch().start(pairs)
+    C = _square(upright)
+    centre = np.array([C[2, 1] / C[1, 1], -C[2, 0] / C[0, 0]])
+    load = float(np.sqrt(extents[0] * extents[1]))
+    radius = float(extents[2]) / load
+    if model.radius is None:
+        return [model.start(np.array([load]), centre[None], 1.5 * radius)]
+    starts = []
+    for ring, phase in _RINGS if model.places is None else _RINGS[:1]:
+        phi = 2.0 * np.pi * (np.arange(model.count) + phase) / model.count
+        around = ring * radius * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+        starts.append(
+            model.start(np.full(model.count, load / model.count), centre + around, radius)
+        )
+    return starts
+
+
+def _square(p: Array) -> Array:
+    A = np.zeros((3, 3))
+    A[np.tril_indices(3)] = p
+    A[np.diag_indices(3)] = np.exp(np.diag(A))
+    return A @ A.T
+
+
+class Scores(NamedTuple):
+    """Gradient and matrix of the normal equations of each block, and of single components.
+
+    Attributes:
+        gradient: of each block, ``(b, k)``.
+        matrix: of each block, ``(b, k, k)``.
+        single: Σ g gᵀ over components of wrenches, ``(k, k)``.
+    """
+
+    gradient: Array
+    matrix: Array
+    single: Array
+
+
+def scores(model: PatchModel, pairs: Pairs, found: Found, blocks: Labels) -> Scores:
+    """Return what blocks of pairs say of the coordinates."""
+    f, by = model.both(found.p, pairs)
+    residuals = f - pairs.wrench
+    weight = bend = np.ones_like(residuals)
+    if found.scale > 0.0:
+        root = 1.0 / np.sqrt(1.0 + (residuals / found.scale) ** 2)
+        weight, bend = root, root**3
+    each = by * (weight * residuals)[:, :, None]
+    count = int(blocks.max()) + 1
+    gradient = np.zeros((count, model.size))
+    np.add.at(gradient, blocks, each.sum(axis=1))
+    products = np.einsum("nck,nc,ncl->nkl", by, bend, by, optimize=True)
+    matrix = np.zeros((count, model.size, model.size))
+    np.add.at(matrix, blocks, products)
+    single = np.einsum("nck,ncl->kl", each, each, optimize=True)
+    return Scores(gradient, matrix, single)
+
+
+class Spread(NamedTuple):
+    """What blocks that are left out in turn say of the errors of coordinates.
+
+    Attributes:
+        covariance: of the coordinates, ``(k, k)``.
+        sizes: of derivatives of the wrench by coordinates, which make these comparable, ``(k,)``.
+        untold: unit directions of scaled coordinates without curvature in all pairs, or in those
+            that are left without some block, ``(k, m)``.
+    """
+
+    covariance: Array
+    sizes: Array
+    untold: Array
+
+    def tells(self, slope: Array) -> bool:
+        """Return whether the data tell a parameter that has this derivative by coordinates."""
+        scaled = slope / self.sizes
+        scaled /= np.abs(scaled).max(initial=0.0) or 1.0
+        return bool((np.abs(scaled @ self.untold) <= _PART * np.linalg.norm(scaled)).all())
+
+
+def covariance_of(known: Scores) -> Spread:
+    """Return the covariance of the coordinates from blocks left out, and what it does not tell.
+
+    Residuals of one push are not independent. Without block b the coordinates would be off by
+    (H − H_b)⁻¹ g_b to first order; the jackknife of these is nearly unbiased with few blocks,
+    where the sandwich of scores is too small. A direction that one block alone tells is lost
+    without it: its jackknife deviation would be 0 where nothing is known, so it is not told.
+    """
+    count = len(known.gradient)
+    H = known.matrix.sum(axis=0)
+    sizes = np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
+    scale = np.outer(sizes, sizes)
+    values, vectors = np.linalg.eigh(H / scale)
+    least = _RANK * values.max(initial=1.0)
+    untold = [vectors[:, values < least]]
+    moved = np.empty_like(known.gradient)
+    for b, (one, g) in enumerate(zip(known.matrix, known.gradient, strict=True)):
+        rest = (H - one) / scale
+        moved[b] = _solved(rest, g / sizes) / sizes
+        values, vectors = np.linalg.eigh(rest)
+        untold.append(vectors[:, values < least])
+    away = moved - moved.mean(axis=0)
+    return Spread((count - 1.0) / count * away.T @ away, sizes, np.concatenate(untold, axis=1))
+
+
+def _solved(matrix: Array, gradient: Array) -> Array:
+    values, vectors = np.linalg.eigh(matrix)
+    told = values > _RANK * values.max(initial=0.0)
+    inverse = np.where(told, 1.0 / np.where(told, values, 1.0), 0.0)
+    result: Array = vectors @ (inverse * (vectors.T @ gradient))
+    return result
+
+
+def inflation(known: Scores) -> float:
+    """Return κ, at least 1: how much more blocks scatter than independent components would."""
+    H = known.matrix.sum(axis=0)
+    sizes = np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
+    both = np.outer(sizes, sizes)
+    count = len(known.gradient)
+    scatter = known.gradient.T @ known.gradient * count / (count - 1.0)
+
+    def trace(matrix: Array) -> float:
+        scaled = matrix / both
+        return sum(float(_solved(H / both, column)[k]) for k, column in enumerate(scaled.T))
+
+    blocks, single = trace(scatter), trace(known.single)
+    return max(float(blocks / single), 1.0) if single > 0.0 else 1.0
+
+
+def left_out(model: PatchModel, pairs: Pairs, found: Found, folds: Labels, loss: LossName) -> Array:
+    """Return the squared error of each wrench, predicted from the blocks without it."""
+    errors = np.empty(len(pairs))
+    for fold in range(int(folds.max()) + 1):
+        out = folds == fold
+        rest = pairs[~out]
+        starts = [found.p, *starts_of(model, rest, loss, found.scale or None)]
+        p = fitted(model, rest, starts, loss, found.scale or None).p
+        test = pairs[out]
+        errors[out] = ((model.both(p, test)[0] - test.wrench) ** 2).sum(axis=1)
+    return errors
