@@ -433,8 +433,6 @@ RESULTS = {
     "Fit",
     "FittedPath",
     "PathFit",
-    "PatchCandidate",
-    "PatchComparison",
     "PatchFit",
     "SupportsFit",
     "Track",

@@ -175,7 +175,7 @@ def test_draws_that_are_no_law_are_repeated_or_said_to_be_too_many():
         ({"degrees_of_freedom": (1.0, 1.0)}, "degrees_of_freedom: must hold 3 numbers"),
         ({"reservoir_model": "elipse"}, "reservoir_model: must be 'circle', 'ellipse'"),
         ({"law": 0.3}, "law: must be a FrictionLaw, got 0.3"),
-        ({"law": asp.FrictionLaw.isotropic(0.3, dimension=3)}, "law: must be of the plane"),
+        ({"law": asp.FrictionLaw.isotropic(0.3, dimension=3)}, "law: must have p = 2"),
         ({"provenance": "dry"}, "provenance: must be a Provenance or None"),
     ],
 )

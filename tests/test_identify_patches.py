@@ -123,7 +123,7 @@ def test_steps_that_go_too_far_are_taken_back(model):
 
     class Far(type(model)):
         def __init__(self, of):
-            self._keep(_of=of, size=of.size)
+            self._keep(_of=of, coordinates=of.coordinates)
 
         def both(self, p, pairs):
             asked.append(p)
@@ -822,4 +822,4 @@ def test_load_and_centre_are_told_by_pure_translation():
 
 
 def test_public_names_are_in_the_room():
-    assert {"PatchFit", "SupportsFit", "PatchComparison"} <= set(identify.__all__)
+    assert {"PatchFit", "SupportsFit", "Comparison"} <= set(identify.__all__)

@@ -13,6 +13,7 @@ from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
 from asperity.identify import FourierReservoir, IdentifiedLaw, Launch, PathFit, fit_paths
+from asperity.identify.estimator.loss import Loss
 from asperity.identify.evidence.paths.campaign import FILES
 from asperity.identify.evidence.paths.launch import known_of
 from asperity.identify.evidence.paths.misfits import Misfits
@@ -21,7 +22,7 @@ from asperity.identify.evidence.paths.observed import observed, read_path
 from asperity.identify.evidence.paths.solution import Solution
 from asperity.identify.models.directions import CircleDirection
 from asperity.identify.models.reservoirs import SuperellipseReservoir
-from asperity.identify.models.structure import Structure
+from asperity.identify.models.structure import PlanarStructure
 from asperity.runs.comparison import hermite
 from asperity.track import MeasuredPath
 from profiles import counts
@@ -310,10 +311,11 @@ class Linear:
 
     def covariance(self, residuals):
         solution = Solution(
-            structure=Structure(SuperellipseReservoir(2.0), CircleDirection()),
+            structure=PlanarStructure(SuperellipseReservoir(2.0), CircleDirection()),
             held=np.full(self.size, np.nan),
             misfits=self,
             motions=None,
+            loss=Loss(components=1),
             z=np.zeros(self.jacobian.shape[1]),
             others=(),
         )

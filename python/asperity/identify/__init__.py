@@ -12,12 +12,13 @@ Reference: [WL19] §5.2.
 
 from asperity.identify.associativity import Associativity
 from asperity.identify.estimation import fit_law
+from asperity.identify.estimator.comparison import Candidate, Comparison
 from asperity.identify.estimator.covariance import Bands
-from asperity.identify.evidence.forces.selection import Candidate, Comparison, compare_models
+from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.evidence.forces.selection import compare_models
 from asperity.identify.evidence.paths.estimation import fit_paths
 from asperity.identify.evidence.paths.launch import Launch
 from asperity.identify.evidence.paths.result import FittedPath, PathFit
-from asperity.identify.evidence.wrenches.comparison import PatchCandidate, PatchComparison
 from asperity.identify.evidence.wrenches.estimation import compare_patches, fit_patch, fit_supports
 from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
 from asperity.identify.fit import Fit
@@ -27,7 +28,6 @@ from asperity.identify.forces.filters import low_pass
 from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
-from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.loading import load
 from asperity.identify.models.coordinates import Estimate
 from asperity.identify.models.directions import (
@@ -70,8 +70,6 @@ __all__ = [
     "Inspection",
     "Launch",
     "MeasuredSets",
-    "PatchCandidate",
-    "PatchComparison",
     "PatchFit",
     "PathFit",
     "ProcessedData",

@@ -17,6 +17,7 @@ from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
 from asperity.identify.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.estimation import fit_law
+from asperity.identify.estimator.loss import LossName
 from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.dependence import several_loads
@@ -193,8 +194,8 @@ class Identification:
                 one.parameters,
                 one.rms,
                 one.bic,
-                one.left_out,
-                one.left_out_error,
+                one.behind,
+                one.behind_error,
                 (one.reservoir, one.direction) == fitted,
             )
             for one in self.fit.comparison.candidates
@@ -240,7 +241,7 @@ def identify_campaign(
     *,
     reservoir: str = "superellipse",
     direction: str = "superellipse",
-    loss: str = "linear",
+    loss: LossName = "linear",
     confidence: float = 0.95,
     progress: Progress = None,
     announce: Callable[[str], object] = lambda _: None,
@@ -254,7 +255,7 @@ def identify_campaign(
         reservoir: model of C, ``"circle"``, ``"ellipse"``, ``"superellipse"``,
             ``"fourier"`` or ``"best"`` of those compared, by BIC.
         direction: model of D, likewise.
-        loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
+        loss: ``"linear"``, ``"soft_l1"``, ``"huber"`` or ``"cauchy"``.
         confidence: of the bands.
         progress: ``True`` for a bar of tqdm, or a function of (stages done, all stages); while
             files are read, of which each is a share of the first stage.

@@ -126,6 +126,7 @@ def _unlike_noise(fit: Fit) -> list[str]:
     far, kind = fit.outliers, fit.loss.kind
     follows = {
         "linear": far.matters,
+        "soft_l1": far.one_sided,
         "huber": far.one_sided,
         "cauchy": far.one_sided and far.share > _MUCH,
     }

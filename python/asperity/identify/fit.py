@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from functools import cached_property
@@ -14,22 +13,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Table, counted
+from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value, View
+from asperity._base.value import View
 from asperity.identify.associativity import Associativity, associativity_of
 from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
+from asperity.identify.estimator.comparison import Candidate, Comparison
 from asperity.identify.estimator.covariance import Bands, Covariance, estimates, known_angles
 from asperity.identify.estimator.descent import Descent, Sums
 from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.mistakes import Mistake
+from asperity.identify.estimator.result import LawFit
 from asperity.identify.evidence.forces import defects
 from asperity.identify.evidence.forces.bins import Bins, grouped
 from asperity.identify.evidence.forces.causes import Causes, means_of, weighty
 from asperity.identify.evidence.forces.coverage import Coverage, coverage
 from asperity.identify.evidence.forces.defects import Defect
 from asperity.identify.evidence.forces.drift import Drift, drift
-from asperity.identify.evidence.forces.mistakes import Mistake, mistake
+from asperity.identify.evidence.forces.mistakes import mistake
 from asperity.identify.evidence.forces.mountings import Mountings
 from asperity.identify.evidence.forces.normal_equations import Family
 from asperity.identify.evidence.forces.outliers import Outliers, outliers
@@ -41,24 +42,23 @@ from asperity.identify.evidence.forces.samples import (
     runs_of,
     samples_of,
 )
-from asperity.identify.evidence.forces.selection import Candidate, Comparison, compare_models
+from asperity.identify.evidence.forces.selection import compare_models
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
-from asperity.identify.identified_law import IdentifiedLaw
-from asperity.identify.models.coordinates import Estimate, at_bounds, table_of
+from asperity.identify.models.coordinates import Estimate, at_bounds
 from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
-from asperity.identify.models.structure import Structure
+from asperity.identify.models.structure import PlanarStructure
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
-from asperity.law import FrictionLaw, Provenance
+from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
 # Means for figures are taken over half a degree.
 _WIDTH = 5
 
 
-class Fit(SavedResult, Value):
+class Fit(LawFit):
     """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
 
     What `save` writes holds all readings of the measurement with calibration and records without
@@ -83,11 +83,11 @@ class Fit(SavedResult, Value):
     confidence: float | None
     held: bool
     coordinates: Array
-    covariance: Covariance | None
     _samples: Samples
     _family: Family
     _descent: Descent
     _causes: Causes
+    _covariance: Covariance | None
 
     _picture = "plot_fitted_sets"
 
@@ -123,36 +123,27 @@ class Fit(SavedResult, Value):
         bins = means_of(self._samples, loss) if bins is None else bins
         causes = Causes(family, descent, loss, self.data, self._samples, bins)
         covariance = None if confidence is None else causes.covariance(held=held)
-        self._keep(covariance=covariance, _causes=causes)
+        self._keep(_covariance=covariance, _causes=causes)
 
-    def summary(self) -> str:
-        """Return the models, their parameters with confidence intervals, and warnings."""
-        level = "" if self.confidence is None else f" with {self.confidence:.0%} intervals"
-        lines = [
+    @property
+    def covariance(self) -> Covariance | None:
+        """Covariance of the coordinates by its causes; None without confidence intervals."""
+        return self._covariance
+
+    def _words(self) -> tuple[str, str, str]:
+        models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
+        return (
             f"The models {self.reservoir_model} for C and {self.direction_model} for D are fitted "
             f"to {counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
             f"from the model by {self.rms:.4g} N (root mean square). There are forces in "
             f"{self.coverage}.",
-            f"The parameters{level} are",
-            *(
-                f"{name}{' in rad' if name.endswith('.angle') else ''}: {one}."
-                for name, one in self.parameters.items()
-            ),
             UNITS_AND_SCALE,
-        ]
-        return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
-
-    def _table(self) -> Table:
-        return table_of(self.parameters, rms=self.rms)
+            f"{models}, {self.samples} samples, {self.turns} turns",
+        )
 
     @classmethod
     def _known(cls) -> stored.Kinds:
         return _KNOWN
-
-    def __repr__(self) -> str:
-        models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
-        text = "; ".join([f"{models}, {self.samples} samples, {self.turns} turns", *self.warnings])
-        return f"<Fit: {text}>"
 
     @property
     def samples(self) -> int:
@@ -175,8 +166,8 @@ class Fit(SavedResult, Value):
         return name_of(self._family.direction)
 
     @property
-    def _structure(self) -> Structure:
-        return Structure(self._family.reservoir, self._family.direction)
+    def _structure(self) -> PlanarStructure:
+        return PlanarStructure(self._family.reservoir, self._family.direction)
 
     @cached_property
     def reservoir(self) -> StarSet:
@@ -200,51 +191,12 @@ class Fit(SavedResult, Value):
         """
         return FrictionLaw(self.reservoir, self.direction)
 
-    @cached_property
-    def identified_law(self) -> IdentifiedLaw:
-        """The law with the values of its parameters and their covariance, to sample and to save.
-
-        Raises:
-            FitError: if the fitted D is not convex.
-        """
-        return self._identified(None)
-
-    def save_law(
-        self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
-    ) -> Path:
-        """Write the law, its parameters and their covariance to a readable TOML file.
-
-        ``FrictionLaw.load`` reads the law in it, `IdentifiedLaw.load` all of it; the same file is
-        written by ``asperity identify`` as ``law.toml``.
-
-        Args:
-            path: of the file; it is complete or not there.
-            provenance: where the measurement comes from, to keep with the law.
-
-        Returns:
-            The path.
-
-        Raises:
-            FitError: if the fitted D is not convex.
-        """
-        self._identified(provenance).save(path)
-        return Path(path)
-
-    def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
-        known = None if self.covariance is None else self.covariance.merged()
-        parts = (None,) * 3 if known is None else known.parts
-        degrees = (math.inf,) * 3 if known is None else known.degrees
-        return IdentifiedLaw(
-            self.law,
-            reservoir_model=self._structure.reservoir,
-            direction_model=self._structure.direction,
-            values=self._structure.values(self.coordinates),
-            turns=parts[0],
-            calibration=parts[1],
-            zeros=parts[2],
-            degrees_of_freedom=degrees,
-            provenance=provenance,
-        )
+    def _models(self) -> dict[str, Any]:
+        return {
+            "reservoir_model": self._structure.reservoir,
+            "direction_model": self._structure.direction,
+            "values": self._structure.values(self.coordinates),
+        }
 
     @cached_property
     def parameters(self) -> Mapping[str, Estimate]:

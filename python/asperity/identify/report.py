@@ -175,7 +175,7 @@ def _comparison(fit: Fit) -> list[Section]:
             str(one.parameters),
             f"{one.rms:.4g}",
             f"{one.bic:.1f}",
-            f"{one.left_out:.2g} ± {one.left_out_error:.2g}",
+            f"{one.behind:.2g} ± {one.behind_error:.2g}",
         )
         for one in comparison.candidates
     ]

@@ -9,12 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Record
+from asperity.errors import ParameterError
 from asperity.identify.estimator.descent import Sums
 from asperity.identify.estimator.leverage import Leverage, leverage_of
 from asperity.identify.models.coordinates import Coordinate, Estimate, Scale
-from asperity.identify.models.structure import Structure
+from asperity.identify.models.structure import PlanarStructure
 
 # An angle is told from none at this level, and from rounding.
 _LEVEL, _ROUNDING = 0.01, 1e-9
@@ -101,6 +103,11 @@ class Covariance:
             other.leverage,
         )
 
+    def variances(self, directions: Array) -> Array:
+        """Return the variances of combinations ``(n, k)`` of coordinates."""
+        found = np.einsum("ni,ij,nj->n", directions, self.total, directions)
+        return np.asarray(np.maximum(found, 0.0))
+
     def half_widths(self, directions: Array, confidence: float) -> Array:
         """Return the half widths of the bands of combinations ``(n, k)`` of coordinates.
 
@@ -118,6 +125,16 @@ class Covariance:
                 quantile = t.ppf(0.5 + 0.5 * confidence, np.minimum(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
+
+
+def level_of(confidence: float | None) -> float | None:
+    """Return a level of confidence intervals, or None for none."""
+    if confidence is None:
+        return None
+    confidence = arrays.fraction(confidence, "confidence")
+    if not 0.0 < confidence < 1.0:
+        raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
+    return confidence
 
 
 class Bands(Record):
@@ -155,8 +172,10 @@ def scatter_of(sums: Sums, clusters: NDArray[np.intp]) -> tuple[Array, Leverage]
     return leverage.covariance(gradients), leverage
 
 
-def known_angles(structure: Structure, p: Array, covariance: Covariance | None) -> dict[str, bool]:
-    """Return whether sets differ from those that have no angle, by the names of their angles.
+def known_angles(
+    structure: PlanarStructure, p: Array, covariance: Covariance | None
+) -> dict[str, bool]:
+    """Return whether sets differ from those without an angle, by the names of the angles.
 
     One of the combinations of coordinates that vanish there must differ from zero, at a level that
     they share; without a covariance by more than rounding.
@@ -175,7 +194,7 @@ def known_angles(structure: Structure, p: Array, covariance: Covariance | None) 
 
 
 def estimates(
-    structure: Structure,
+    structure: PlanarStructure,
     p: Array,
     told: NDArray[np.bool_],
     *,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import Enum
 from typing import NamedTuple
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Axis, Series, Table
 from asperity._base.value import Record, Value
 
 # Logarithms are kept off minus infinity: samples may lie on an axis of a set.
@@ -126,22 +125,6 @@ class Estimate(Record):
             return "not identifiable"
         if math.isnan(self.low):
             return f"{self.value:.6g} (no interval)"
+        if self.low == self.high and self.standard_error == 0.0:
+            return f"{self.value:.6g} (fixed)"
         return f"{self.value:.6g} ({self.low:.6g} … {self.high:.6g})"
-
-
-def table_of(parameters: Mapping[str, Estimate], *, rms: float) -> Table:
-    """Return the parameters of a fit as rows, with the root mean square of its residuals."""
-    words = {
-        "value": "estimate, angles in rad",
-        "low": "lower end of the confidence interval",
-        "high": "upper end of the confidence interval",
-        "standard_error": "standard deviation of the estimate",
-        "identifiable": "whether the data determine it",
-    }
-    series = {
-        name: Series(
-            np.array([getattr(one, name) for one in parameters.values()]), ("parameter",), "", text
-        )
-        for name, text in words.items()
-    }
-    return Table({"parameter": Axis(tuple(parameters), "", "parameter")}, series, {"rms": rms})

@@ -9,8 +9,9 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.storage.data import Kinds
 from asperity._base.value import Value
-from asperity.identify.models.coordinates import Scale
+from asperity.identify.models.coordinates import Coordinate, Scale
 from asperity.law import FrictionLaw
 from asperity.sets import (
     Ball,
@@ -60,10 +61,15 @@ class Reported(NamedTuple):
 class PatchModel(Value):
     """A family of laws of a patch with coordinates p."""
 
-    size: int
-    """Number of coordinates."""
+    coordinates: tuple[Coordinate, ...]
+    """Their names and scales."""
     frame: Frame
     """Whether the sets keep their axes in the body or in the ground."""
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return len(self.coordinates)
 
     @property
     def words(self) -> str:
@@ -96,6 +102,19 @@ class PatchModel(Value):
         raise NotImplementedError
 
 
+def _entries(name: str) -> tuple[Coordinate, ...]:
+    """Return the coordinates of a lower triangular matrix."""
+    return tuple(
+        Coordinate(f"{name}.entry_{i + 1}{j + 1}", Scale.LOG if i == j else Scale.PLAIN)
+        for i, j in zip(_ROWS, _COLUMNS, strict=True)
+    )
+
+
+def _half_logarithm(name: str) -> tuple[Coordinate, ...]:
+    """Return the coordinates of an ellipse: half the logarithm of its ratio, times the axis."""
+    return tuple(Coordinate(f"{name}.{one}", Scale.PLAIN) for one in ("cos", "sin"))
+
+
 class EllipsoidPatch(PatchModel):
     """C is an ellipsoid A·ball of R³ with a lower triangular A; the law is associated.
 
@@ -104,7 +123,7 @@ class EllipsoidPatch(PatchModel):
     """
 
     frame: Frame
-    size = 6
+    coordinates = _entries("reservoir")
 
     def __init__(self, *, frame: Frame = "body") -> None:
         self._set(frame=frame)
@@ -202,7 +221,7 @@ class PointsPatch(PatchModel):
         self,
         count: int,
         *,
-        radius: float | None,
+        radius: float | None = None,
         friction: Friction = "isotropic",
         frame: Frame = "body",
         places: Array | None = None,
@@ -220,20 +239,27 @@ class PointsPatch(PatchModel):
             known=known,
             pressure=pressure,
         )
-        ends = np.cumsum(
-            [
-                1 if loads is not None or known else count,
-                0 if places is not None or known else 2 * count,
-                radius is None,
-                2 * (friction == "ellipse"),
-            ]
+        points = range(1, count + 1)
+        loads_of = [f"point_{i}.load" for i in points]
+        places_of = [f"point_{i}.x{axis}" for i in points for axis in (1, 2)]
+        if radius is None:
+            loads_of, places_of = ["mu"], ["centre.1", "centre.2"]
+        names = (
+            ["mu"] if loads is not None or known else loads_of,
+            [] if places is not None or known else places_of,
+            ["radius"] if radius is None else [],
         )
-        parts = tuple(slice(int(a), int(b)) for a, b in zip([0, *ends], ends, strict=False))
+        scales = (Scale.LOG, Scale.PLAIN, Scale.LOG)
+        listed = [
+            *(tuple(Coordinate(n, s) for n in own) for own, s in zip(names, scales, strict=True)),
+            _half_logarithm("friction") if friction == "ellipse" else (),
+        ]
+        ends = np.cumsum([len(own) for own in listed]).tolist()
+        parts = tuple(slice(a, b) for a, b in zip([0, *ends], ends, strict=False))
         area = CoulombContensou(1.0, pressure=pressure) if radius is None else None
         unit = None if area is None else FrictionLaw.associated(area)
-        self._keep(size=int(ends[-1]), _parts=parts, _unit=unit)
+        self._keep(coordinates=sum(listed, ()), _parts=parts, _unit=unit)
 
-    size: int
     _parts: tuple[slice, slice, slice, slice]
 
     @property
@@ -419,8 +445,10 @@ class PointsPatch(PatchModel):
             result[self._parts[1]] = places[order].ravel()
         return result
 
-    def plane_law(self, p: Array) -> FrictionLaw:
-        """Return the law of one point, per unit of its load."""
+    def law(self, p: Array) -> FrictionLaw:
+        """Return the law; of known points that of one in the plane, per unit of its load."""
+        if not self.known:
+            return super().law(p)
         mu = float(np.exp(p[0]))
         if self.friction == "isotropic":
             return FrictionLaw.isotropic(mu)
@@ -438,7 +466,7 @@ class ExtendedPatch(PatchModel):
 
     def __init__(self, of: EllipsoidPatch | PointsPatch) -> None:
         self._set(of=of)
-        self._keep(size=of.size + 5, frame=of.frame)
+        self._keep(coordinates=(*of.coordinates, *_entries("direction")[1:]), frame=of.frame)
 
     @property
     def spot(self) -> float:
@@ -524,7 +552,11 @@ class ExtendedPoints(PatchModel):
     """
 
     frame: Frame
-    size = 5
+    coordinates = (
+        Coordinate("mu", Scale.LOG),
+        *_half_logarithm("friction"),
+        *_half_logarithm("direction"),
+    )
 
     def __init__(self, *, frame: Frame = "ground") -> None:
         self._set(frame=frame)
@@ -574,7 +606,7 @@ class ExtendedPoints(PatchModel):
             *_ellipse_reported(p, slice(3, 5), "direction"),
         ]
 
-    def plane_law(self, p: Array) -> FrictionLaw:
+    def law(self, p: Array) -> FrictionLaw:
         """Return the law of one point, per unit of its load."""
         return FrictionLaw(_ellipse(math.exp(p[0]), p[1:3]), _ellipse(1.0, p[3:]))
 
@@ -590,7 +622,8 @@ class OffsetPatch(PatchModel):
 
     def __init__(self, of: PatchModel) -> None:
         self._set(of=of)
-        self._keep(size=of.size + 2, frame=of.frame)
+        places = (Coordinate(f"point.x{axis}", Scale.PLAIN) for axis in (1, 2))
+        self._keep(coordinates=(*of.coordinates, *places), frame=of.frame)
 
     @property
     def words(self) -> str:
@@ -654,3 +687,9 @@ def _ellipse_reported(p: Array, part: slice, name: str) -> list[Reported]:
         Reported(f"{name}.ratio", Scale.LOG, 2.0 * float(np.hypot(*q)), at),
         Reported(f"{name}.angle", Scale.ANGLE, 0.5 * math.atan2(q[1], q[0]), at),
     ]
+
+
+PATCH_KINDS: Kinds = {
+    one.__name__: one for one in (EllipsoidPatch, PointsPatch, ExtendedPatch, ExtendedPoints)
+}
+"""Models as data in files."""

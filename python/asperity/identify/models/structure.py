@@ -1,32 +1,33 @@
-"""The models of C and D of a planar law, and what its parameters mean."""
+"""What the parameters of a law mean: of models of C and D in the plane, or of a patch."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.identify.models.coordinates import Coordinate, Roundness, Scale
+from asperity.identify.models.directions import DirectionModel
+from asperity.identify.models.patches import PatchModel
+from asperity.identify.models.reservoirs import ReservoirModel
 from asperity.law import FrictionLaw
 
 
-class Structure(NamedTuple):
-    """The models of C and D, and with them what the parameters of a law mean."""
-
-    reservoir: Any
-    direction: Any
+class Structure:
+    """The coordinates of a family of laws, and the parameters that follow from them."""
 
     @property
     def coordinates(self) -> tuple[tuple[str, Coordinate], ...]:
         """Names of the parameters, and the coordinates that the models have for them."""
-        return tuple(
-            (f"{part}.{one.name}", one)
-            for part, model in (("reservoir", self.reservoir), ("direction", self.direction))
-            for one in model.coordinates
-        )
+        raise NotImplementedError
+
+    def law(self, coordinates: Array) -> FrictionLaw:
+        """Return the law of coordinates."""
+        raise NotImplementedError
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -68,20 +69,61 @@ class Structure(NamedTuple):
         pairs = zip(coordinates, self.coordinates, strict=True)
         return all(one.low <= x <= one.high for x, (_, one) in pairs)
 
+
+@dataclass(frozen=True)
+class PlanarStructure(Structure):
+    """The models of C and D of a law in the plane."""
+
+    reservoir: ReservoirModel
+    direction: DirectionModel
+
+    @property
+    def models(self) -> tuple[tuple[str, Any, slice], ...]:
+        """The sets by name, their models and the places of their coordinates."""
+        split = len(self.reservoir.coordinates)
+        whole = split + len(self.direction.coordinates)
+        return (
+            ("reservoir", self.reservoir, slice(0, split)),
+            ("direction", self.direction, slice(split, whole)),
+        )
+
+    @property
+    def coordinates(self) -> tuple[tuple[str, Coordinate], ...]:
+        """Names of the parameters, and the coordinates that the models have for them."""
+        return tuple(
+            (f"{part}.{one.name}", one)
+            for part, model, _ in self.models
+            for one in model.coordinates
+        )
+
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""
-        split = len(self.reservoir.coordinates)
+        (_, _, first), (_, _, second) = self.models
         return FrictionLaw(
-            self.reservoir.reservoir(coordinates[:split]),
-            self.direction.direction(coordinates[split:]),
+            self.reservoir.reservoir(coordinates[first]),
+            self.direction.direction(coordinates[second]),
         )
 
     def roundness(self) -> dict[str, tuple[slice, Roundness]]:
         """Return what vanishes where a set has no angle, by the names of the angles."""
-        split = len(self.reservoir.coordinates)
-        parts = (slice(0, split), slice(split, len(self.names)))
         return {
             self.names[part.stop - 1]: (part, roundness)
-            for part, model in zip(parts, self, strict=True)
+            for _, model, part in self.models
             if (roundness := model.roundness()) is not None
         }
+
+
+@dataclass(frozen=True)
+class PatchStructure(Structure):
+    """The model of a patch, or of its support points in the plane."""
+
+    model: PatchModel
+
+    @property
+    def coordinates(self) -> tuple[tuple[str, Coordinate], ...]:
+        """Names of the parameters, and the coordinates that the model has for them."""
+        return tuple((one.name, one) for one in self.model.coordinates)
+
+    def law(self, coordinates: Array) -> FrictionLaw:
+        """Return the law of coordinates."""
+        return self.model.law(coordinates)

@@ -9,7 +9,7 @@ import numpy as np
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.identify.estimator.descent import damped_step
-from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.forces.bins import Bins, grouped
 from asperity.identify.evidence.forces.normal_equations import Family
 from asperity.identify.evidence.forces.outliers import without_outliers
@@ -22,7 +22,7 @@ _WIDTH = 5
 class Distortion:
     """Errors of the entries of T and of the zeros with their covariance, of given data."""
 
-    def __init__(self, samples: Samples, data: Any, *, loss: str = "linear") -> None:
+    def __init__(self, samples: Samples, data: Any, *, loss: LossName = "linear") -> None:
         covariance = np.zeros((12, 12))
         for name, part in (
             ("calibration_covariance", slice(0, 9)),

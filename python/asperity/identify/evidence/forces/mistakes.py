@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import FitError
+from asperity.identify.estimator.mistakes import Mistake
 from asperity.identify.evidence.forces.bins import Bins, along_sliding
 from asperity.identify.evidence.forces.coverage import coverage
 from asperity.identify.evidence.forces.normal_equations import Family
 from asperity.identify.evidence.forces.samples import channels_turn, is_angled
 from asperity.identify.evidence.forces.starts import fit_bins, start
-
-
-class Mistake(NamedTuple):
-    """What may have gone wrong, and how far mean forces are from the model without it.
-
-    Attributes:
-        words: to follow "with".
-        misfit: root mean square relative to the force.
-    """
-
-    words: str
-    misfit: float
-
 
 # By what the components that were taken for those along the sliding and across it are multiplied,
 # to give the ones that are meant. The mirror image of a law is a law: nothing tells a wrong

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Count, Progress, Report, reporter
-from asperity._base.value import Value
 from asperity.errors import FitError
-from asperity.identify.estimator.descent import damped_step
-from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.comparison import Comparison, compared, inflation
+from asperity.identify.estimator.descent import Sums
+from asperity.identify.estimator.leverage import leverage_of
+from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.forces.bins import GroupedBins, grouped
 from asperity.identify.evidence.forces.defects import MOST_GROUPS, asymmetry, means_of
 from asperity.identify.evidence.forces.distortion import Distortion
@@ -28,7 +27,6 @@ from asperity.identify.evidence.forces.starts import (
     has_directions,
     start,
 )
-from asperity.identify.models.directions import DirectionModel
 from asperity.identify.models.names import (
     DIRECTIONS,
     RESERVOIRS,
@@ -37,9 +35,7 @@ from asperity.identify.models.names import (
     direction_model,
     name_of,
     reservoir_model,
-    short,
 )
-from asperity.identify.models.reservoirs import ReservoirModel
 
 PAIRS: tuple[tuple[ReservoirName, DirectionName], ...] = (
     ("circle", "circle"),
@@ -63,6 +59,7 @@ BEST = "best"
 
 # Fits are compared on means over half a degree; more groups of turns than this tell no more.
 _WIDTH = 5
+_SUMS = ("cost", "gradient", "matrix")
 
 
 def matching_pairs(
@@ -76,99 +73,11 @@ def matching_pairs(
     return [(reservoir, name) for name in DIRECTIONS]
 
 
-class Candidate(Value):
-    """One pair of models in a comparison.
-
-    Args:
-        reservoir: name of the model of C; `reservoir_model` is the model.
-        direction: name of the model of D; `direction_model` is the model.
-        parameters: how many are fitted.
-        rms: root mean square of a component of the residuals in N.
-        bic: Bayesian information criterion relative to the smallest one.
-        left_out: by how much the mean square error of −λ/λ_N, where turns that were left out are
-            predicted, exceeds that of the best prediction.
-        left_out_error: standard error of that difference, over turns.
-    """
-
-    parameters: int
-    rms: float
-    bic: float
-    left_out: float
-    left_out_error: float
-    reservoir_model: ReservoirModel
-    direction_model: DirectionModel
-
-    def __init__(
-        self,
-        reservoir: ReservoirName,
-        direction: DirectionName,
-        *,
-        parameters: int,
-        rms: float,
-        bic: float,
-        left_out: float,
-        left_out_error: float,
-    ) -> None:
-        models = reservoir_model(reservoir), direction_model(direction)
-        self._keep(reservoir_model=models[0], direction_model=models[1])
-        self._set(
-            reservoir=short(models[0]),
-            direction=short(models[1]),
-            parameters=arrays.count(parameters, "parameters"),
-            rms=arrays.non_negative(rms, "rms"),
-            bic=float(bic),
-            left_out=float(left_out),
-            left_out_error=float(left_out_error),
-        )
-
-    @property
-    def reservoir(self) -> str:
-        """Name of the model of C."""
-        return name_of(self.reservoir_model)
-
-    @property
-    def direction(self) -> str:
-        """Name of the model of D."""
-        return name_of(self.direction_model)
-
-
-class Comparison(Value):
-    """Pairs of models that were fitted to the same data.
-
-    Args:
-        candidates: in the order in which they were named.
-        effective_samples: number of independent components of forces among the samples.
-    """
-
-    candidates: tuple[Candidate, ...]
-    effective_samples: float
-
-    def __init__(self, candidates: Iterable[Candidate], *, effective_samples: float) -> None:
-        self._set(
-            candidates=tuple(candidates),
-            effective_samples=arrays.positive(effective_samples, "effective_samples"),
-        )
-
-    @property
-    def best(self) -> Candidate:
-        """The candidate of the smallest BIC."""
-        return min(self.candidates, key=lambda candidate: candidate.bic)
-
-    @property
-    def best_predicting(self) -> Candidate:
-        """The smallest candidate that predicts left-out turns as well as the best one.
-
-        As well means within one standard error.
-        """
-        good = [c for c in self.candidates if c.left_out <= c.left_out_error]
-        return min(good, key=lambda candidate: candidate.parameters)
-
-
 def compare_models(
     data: Measured,
     *,
     pairs: Iterable[tuple[ReservoirName, DirectionName]] | None = None,
-    loss: str = "linear",
+    loss: LossName = "linear",
     progress: Progress = None,
 ) -> Comparison:
     """Fit several pairs of models of C and D to the same data.
@@ -217,7 +126,7 @@ def compare_models(
 def _compared(
     data: Measured,
     pairs: Iterable[tuple[ReservoirName, DirectionName]] | None,
-    loss: str,
+    loss: LossName,
     report: Report | None,
 ) -> Comparison:
     given = samples_of(data)
@@ -250,8 +159,12 @@ def _compared(
     squares = np.array([fit.cost for fit in fits]) + within
     components = 2.0 * len(samples)
     at = int(squares.argmin())
-    kappa = _inflation(families[at], sums, fits[at].p, squares[at] / components)
-    effective = components / kappa
+    groups = _sums_of_groups(families[at], sums, fits[at].p)
+    kappa = inflation(
+        leverage_of(groups.total()[2], groups.matrix).inverse,
+        groups.gradient,
+        families[at].size * squares[at] / components,
+    )
     # What an error of the calibration may be is not for a model to follow.
     distortion = Distortion(given, data, loss=loss)
     variance = kappa * squares[at] / components
@@ -259,55 +172,41 @@ def _compared(
         distortion.explained(family, fit.p, variance)
         for family, fit in zip(families, fits, strict=True)
     ]
-    clean = np.maximum(squares - explained, np.finfo(float).tiny)
-    sizes = np.array([family.size for family in families])
-    bic = effective * np.log(clean / components) + sizes * math.log(effective)
-    left_out = []
+    errors = []
     for number, (family, fit) in enumerate(zip(families, fits, strict=True)):
         count.add(len(families) + number)
-        left_out.append(_left_out(family, sums, fit.p))
+        errors.append(_left_out(family, sums, fit.p))
     count.finish()
-    errors = np.stack(left_out)
-    worse = errors - errors[errors.mean(axis=1).argmin()]
-    spread = worse.std(axis=1, ddof=1) / math.sqrt(worse.shape[1])
-    return Comparison(
+    return compared(
         [
-            Candidate(
-                family.reservoir,
-                family.direction,
-                parameters=family.size,
-                rms=math.sqrt(squares[row] / components),
-                bic=bic[row] - bic.min(),
-                left_out=worse[row].mean(),
-                left_out_error=spread[row],
+            (
+                f"{name_of(family.reservoir)}, {name_of(family.direction)}",
+                (family.reservoir, family.direction),
             )
-            for row, family in enumerate(families)
+            for family in families
         ],
-        effective_samples=effective,
+        [family.size for family in families],
+        rms=np.sqrt(squares / components).tolist(),
+        costs=squares - explained,
+        errors=np.stack(errors) / sums.energy,
+        components=components,
+        inflation=kappa,
     )
 
 
-def _inflation(family: Family, sums: GroupedBins, p: Array, variance: float) -> float:
-    """Return κ, at least 1: how much more coordinates scatter than with uncorrelated noise."""
-    if variance <= 0.0:
-        return 1.0
-    groups = len(sums.squares)
+def _sums_of_groups(family: Family, sums: GroupedBins, p: Array) -> Sums:
+    """Return the normal equations of each group of turns."""
     parts = [
-        family.sums(sums.only(group, _WIDTH).samples, p, Loss()).total() for group in range(groups)
+        family.sums(sums.only(group, _WIDTH).samples, p, Loss())
+        for group in range(len(sums.squares))
     ]
-    matrix = np.sum([part[2] for part in parts], axis=0)
-    gradient = np.stack([part[1] for part in parts])
-    gradient = gradient - gradient.mean(axis=0)
-    scatter = sum(float(g @ damped_step(matrix, g)) for g in gradient) * groups / (groups - 1.0)
-    return max(scatter / (family.size * variance), 1.0)
+    return Sums(*(np.concatenate([getattr(one, name) for one in parts]) for name in _SUMS))
 
 
 def _left_out(family: Family, sums: GroupedBins, p: Array) -> Array:
-    """Return the mean square error of each group of turns, predicted from the others."""
+    """Return the sum of squared errors of each group of turns, predicted from the others."""
     errors = []
     for group in range(len(sums.squares)):
         rest = fit_bins(family, sums.bins(group, _WIDTH), p)
-        bins = sums.only(group, _WIDTH)
-        cost = family.sums(bins.samples, rest.p, Loss()).cost[0]
-        errors.append(cost / max(float(bins.squares.sum()), 1e-300))
+        errors.append(family.sums(sums.only(group, _WIDTH).samples, rest.p, Loss()).cost[0])
     return np.array(errors)

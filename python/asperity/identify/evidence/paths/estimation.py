@@ -15,6 +15,8 @@ from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.storage.toml import advice_on
 from asperity.errors import DimensionError, FitError, ParameterError
+from asperity.identify.estimator.covariance import level_of
+from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.paths.launch import DIRECTION, Launch, known_of
 from asperity.identify.evidence.paths.misfits import Misfits
 from asperity.identify.evidence.paths.motions import Motions
@@ -30,7 +32,7 @@ from asperity.identify.models.names import (
     name_of,
     reservoir_model,
 )
-from asperity.identify.models.structure import Structure
+from asperity.identify.models.structure import PlanarStructure
 from asperity.law import FrictionLaw
 from asperity.runs.comparison import TimedPath
 from asperity.runs.model import Model
@@ -50,6 +52,8 @@ _ROUGH = 1e-4
 _SIFTED = 1e-3
 # Minima with squares in standard errors that differ by less than this cannot be told apart.
 _ALIKE = 10.0
+# When the scale of a robust loss has settled.
+_SETTLED, _ROUNDS = 0.05, 4
 
 
 def fit_paths(
@@ -62,6 +66,7 @@ def fit_paths(
     fixed: Mapping[str, float] | None = None,
     position_error: float | None = None,
     length_error: float | None = None,
+    loss: LossName = "linear",
     confidence: float | None = 0.95,
     tolerance: float = 1e-6,
     dt: float | None = None,
@@ -89,6 +94,8 @@ def fit_paths(
         fixed: values of parameters that are known, by name, such as ``"reservoir.angle"`` in rad.
         position_error: standard error of the positions in m, of all paths instead of their own.
         length_error: relative standard error of all lengths, which the paths share.
+        loss: of the components in standard errors, ``"linear"``, or ``"soft_l1"``, ``"huber"`` or
+            ``"cauchy"`` against points that were tracked wrongly.
         confidence: level of the confidence intervals; None for none.
         tolerance: of the integration, see `integrate`.
         dt: step in s of `simulate`, which then takes the place of `integrate`.
@@ -114,15 +121,13 @@ def fit_paths(
     >>> fit.parameters["reservoir.radius"].covers(0.4)
     True
     """
-    if confidence is not None:
-        confidence = arrays.fraction(confidence, "confidence")
-        if not 0.0 < confidence < 1.0:
-            raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
+    confidence = level_of(confidence)
     if length_error is not None:
         length_error = arrays.non_negative(length_error, "length_error")
     tolerance = arrays.positive(tolerance, "tolerance")
     step = None if dt is None else arrays.positive(dt, "dt")
-    structure = Structure(reservoir_model(reservoir), direction_model(direction))
+    measure = Loss(loss, components=1)
+    structure = PlanarStructure(reservoir_model(reservoir), direction_model(direction))
     given = observed(paths, position_error)
     launches = _launches(launch, len(given))
     given = tuple(_after(path, one) for path, one in zip(given, launches, strict=True))
@@ -130,7 +135,7 @@ def fit_paths(
     known, errors = (np.stack(part) for part in zip(*pairs, strict=True))
     _refuse_degrees(given, known[:, DIRECTION])
     search = _Search(
-        structure, _held(fixed, structure), given, system, known, errors, tolerance, step
+        structure, _held(fixed, structure), given, system, known, errors, tolerance, step, measure
     )
     solution = search.solved()
     return verdict(solution, confidence=confidence, length_error=length_error)
@@ -176,7 +181,7 @@ def _refuse_degrees(paths: Sequence[Observed], stated: Array) -> None:
         )
 
 
-def _held(fixed: Mapping[str, float] | None, structure: Structure) -> Array:
+def _held(fixed: Mapping[str, float] | None, structure: PlanarStructure) -> Array:
     """Return the coordinates that are known, NaN of the others."""
     names = structure.names
     held = np.full(len(names), np.nan)
@@ -211,7 +216,7 @@ class _Search:
 
     def __init__(
         self,
-        structure: Structure,
+        structure: PlanarStructure,
         held: Array,
         paths: Sequence[Observed],
         system: Model,
@@ -219,7 +224,9 @@ class _Search:
         errors: Array,
         tolerance: float,
         dt: float | None,
+        loss: Loss,
     ) -> None:
+        self._loss = loss
         self._structure, self._held = structure, held
         self._free: NDArray[np.bool_] = np.isnan(held)
         self._paths, self._known, self._errors = paths, known, errors
@@ -245,12 +252,18 @@ class _Search:
         z = [misfits.joined(one[self._free], launches) for one in starts]
         near = [self._tried(rough, one) for one in z] if len(z) > 1 else []
         best = min(near, key=lambda d: d.squares).z if near else z[0]
+        for _ in range(0 if self._loss.is_linear else _ROUNDS):
+            best = self._descend(misfits, best, _SIFTED).z
+            before = self._loss.scale
+            self._loss = self._loss.scaled_by(np.abs(misfits.residuals(best)))
+            if abs(self._loss.scale - before) <= _SETTLED * self._loss.scale:
+                break
         found = self._descend(misfits, best, _CLOSE)
         if not (found.converged and np.isfinite(found.squares)):
-            reservoir, direction = self._structure
+            names = " and ".join(name_of(model) for _, model, _ in self._structure.models)
             raise FitError(
-                f"no minimum of {name_of(reservoir)} and {name_of(direction)} was found: choose a "
-                "simpler model, or launch in more directions"
+                f"no minimum of {names} was found: choose a simpler model, or launch in more "
+                "directions"
             )
         others = [d for d in near if d.squares < found.squares + _ALIKE]
         log.info("fit_paths: %d paths, squares %.6g", len(self._paths), found.squares)
@@ -259,6 +272,7 @@ class _Search:
             held=self._held,
             misfits=misfits,
             motions=self._motions,
+            loss=self._loss,
             z=self._folded(found.z, misfits),
             others=tuple(self._folded(d.z, misfits)[: misfits.size] for d in others),
         )
@@ -270,7 +284,9 @@ class _Search:
             None if np.isnan(held.get(f"{part}.angle", np.nan)) else held[f"{part}.angle"]
             for part in ("reservoir", "direction")
         ]
-        ellipses = Ellipses(*self._structure, (angles[0], angles[1]))
+        ellipses = Ellipses(
+            self._structure.reservoir, self._structure.direction, (angles[0], angles[1])
+        )
         launches = first_launches(self._paths, self._known)
         rough = Misfits(
             self._paths, self._rough, ellipses.law, self._known, self._errors, ellipses.size
@@ -300,11 +316,9 @@ class _Search:
     def _folded(self, z: Array, misfits: Misfits) -> Array:
         """Return unknowns of the same law with the angles of its sets within ±45°."""
         full = self._full(z[: misfits.size])
-        split = len(self._structure.reservoir.coordinates)
-        parts = (slice(0, split), slice(split, None))
-        for model, part in zip(self._structure, parts, strict=True):
+        for _, model, part in self._structure.models:
             # The axes of a set that are told by name keep their names; half a turn changes nothing.
-            last = part.indices(len(full))[1] - 1
+            last = part.stop - 1
             if self._free[part].all():
                 full[part] = model.folded(full[part])
             elif model.roundness() is not None and self._free[last]:
@@ -339,6 +353,8 @@ class _Search:
             misfits.residuals,
             z,
             jac=slopes,
+            loss=self._loss.kind,
+            f_scale=1.0 if self._loss.is_linear else self._loss.bend,
             bounds=(low, high),
             x_scale="jac",
             ftol=close,

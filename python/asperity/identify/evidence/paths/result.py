@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from asperity import law, sets
 from asperity._base.arrays import Array
-from asperity._base.result import Table, counted
+from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Record, Value, View
+from asperity._base.value import Record, View
+from asperity.identify.estimator.covariance import Covariance
+from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.result import LawFit
 from asperity.identify.evidence.paths.launch import QUANTITIES, UNITS
-from asperity.identify.identified_law import IdentifiedLaw
-from asperity.identify.models.coordinates import Estimate, table_of
+from asperity.identify.models.coordinates import Estimate
 from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
-from asperity.law import FrictionLaw, Provenance
+from asperity.law import FrictionLaw
 
 
 class FittedPath(Record):
@@ -62,7 +62,7 @@ class FittedPath(Record):
         return float(np.sqrt(np.mean(np.sum((self.simulated - self.position) ** 2, axis=1))))
 
 
-class PathFit(SavedResult, Value):
+class PathFit(LawFit):
     """A law fitted to measured paths, with its uncertainty; made by `fit_paths`.
 
     What `save` writes holds the measured and the simulated paths and all that follows from them;
@@ -71,11 +71,9 @@ class PathFit(SavedResult, Value):
     Attributes:
         paths: measured and simulated, with their launches.
         parameters: estimates with confidence intervals by name, as those of `Fit`.
-        identified_law: the law with the values of its parameters and their covariance. In it, the
-            scatter between paths takes the place of that between turns, and the error of the
-            length scale that of the calibration.
-        misfit: root mean square of the residuals in standard errors, corrected for the number of
-            unknowns: 1 if the law and the stated errors are right.
+        loss: of the components of the residuals in standard errors.
+        misfit: root mean square of these, corrected for the number of unknowns, or the scale of a
+            robust loss: 1 if the law and the stated errors are right.
         slope_error: by how much the derivatives by differences of paths differ between two step
             sizes, relative to them.
         degrees_of_freedom: of the scatter between paths, the least of all parameters; NaN without
@@ -85,8 +83,8 @@ class PathFit(SavedResult, Value):
     """
 
     paths: tuple[FittedPath, ...]
-    identified_law: IdentifiedLaw
     parameters: Mapping[str, Estimate]
+    loss: Loss
     confidence: float | None
     misfit: float
     slope_error: float
@@ -102,6 +100,7 @@ class PathFit(SavedResult, Value):
         *,
         identified_law: IdentifiedLaw,
         parameters: Mapping[str, Estimate],
+        loss: Loss,
         confidence: float | None,
         misfit: float,
         slope_error: float,
@@ -113,6 +112,7 @@ class PathFit(SavedResult, Value):
             paths=tuple(paths),
             identified_law=identified_law,
             parameters=dict(parameters),
+            loss=loss,
             confidence=confidence,
             misfit=float(misfit),
             slope_error=float(slope_error),
@@ -156,24 +156,6 @@ class PathFit(SavedResult, Value):
         squares = sum(len(path.time) * path.rms**2 for path in self.paths)
         return float(np.sqrt(squares / self.points))
 
-    def save_law(
-        self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
-    ) -> Path:
-        """Write the law, its parameters and their covariance to a readable TOML file.
-
-        ``FrictionLaw.load`` reads the law in it, `IdentifiedLaw.load` all of it.
-
-        Args:
-            path: of the file; it is complete or not there.
-            provenance: where the measurement comes from, to keep with the law.
-
-        Returns:
-            The path.
-        """
-        law = self.identified_law
-        (law if provenance is None else law.replace(provenance=provenance)).save(path)
-        return Path(path)
-
     def launch_columns(self) -> dict[str, Any]:
         """Return the launches as columns by title, a row per path."""
         columns: dict[str, Any] = {"path": [path.name for path in self.paths]}
@@ -185,49 +167,45 @@ class PathFit(SavedResult, Value):
         columns["rms [m]"] = np.array([path.rms for path in self.paths])
         return columns
 
-    def summary(self) -> str:
-        """Return the models, their parameters with confidence intervals, launches, and limits."""
-        level = "" if self.confidence is None else f" with {self.confidence:.0%} intervals"
+    @property
+    def identified_law(self) -> IdentifiedLaw:
+        """The law with the values of its parameters and their covariance, to sample and to save.
+
+        In it, the scatter between paths takes the place of that between turns, and the error of the
+        length scale that of the calibration.
+        """
+        given: IdentifiedLaw = self._parameters["identified_law"]
+        return given
+
+    @property
+    def covariance(self) -> Covariance | None:
+        """Covariance of the coordinates by its causes; None without confidence intervals."""
+        law = self.identified_law
+        return None if law.turns is None else law.covariances
+
+    def _words(self) -> tuple[str, str, str]:
+        what = f"{counted(self.points, 'point')} of {counted(len(self), 'path')}"
         speeds = [path.launch_speed.value for path in self.paths]
-        lines = [
-            f"The models {self.reservoir_model} for C and {self.direction_model} for D are fitted "
-            f"to {counted(self.points, 'point')} of {counted(len(self), 'path')}; simulated paths "
-            f"are {1e3 * self.rms:.4g} mm from them (root mean square), {self.misfit:.3g} times "
-            "what their standard errors say.",
-            f"The parameters{level} are",
-            *(
-                f"{name}{' in rad' if name.endswith('.angle') else ''}: {_text(one)}."
-                for name, one in self.parameters.items()
-            ),
-            f"Launch speeds are {min(speeds):.4g} to {max(speeds):.4g} m/s.",
-        ]
+        lines = [f"Launch speeds are {min(speeds):.4g} to {max(speeds):.4g} m/s."]
         if np.isfinite(self.degrees_of_freedom):
             lines.append(
                 "Confidence intervals follow from the scatter between paths, with "
                 f"{self.degrees_of_freedom:.2g} degrees of freedom or more: more paths narrow them."
             )
-        sentences = [*self.limits, *self.warnings]
-        return "\n".join([*lines, *(f"{one[0].upper()}{one[1:]}." for one in sentences)])
-
-    def __repr__(self) -> str:
+        lines += [f"{one[0].upper()}{one[1:]}." for one in self.limits]
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
-        text = f"{models}, {counted(self.points, 'point')} of {counted(len(self), 'path')}"
-        return f"<PathFit: {'; '.join([text, *self.warnings])}>"
-
-    def _table(self) -> Table:
-        return table_of(self.parameters, rms=self.rms)
-
-
-def _text(one: Estimate) -> str:
-    """Return an estimate with its interval, if it has one."""
-    if one.identifiable and (one.low == one.high or np.isnan(one.low)):
-        return f"{one.value:.6g} ({'fixed' if one.low == one.high else 'no interval'})"
-    return str(one)
+        return (
+            f"The models {self.reservoir_model} for C and {self.direction_model} for D are fitted "
+            f"to {what}; simulated paths are {1e3 * self.rms:.4g} mm from them (root mean square), "
+            f"{self.misfit:.3g} times what their standard errors say.",
+            "\n".join(lines),
+            f"{models}, {what}",
+        )
 
 
 _KNOWN: stored.Kinds = {
     **stored.classes(sets, law),
     **RESERVOIR_KINDS,
     **DIRECTION_KINDS,
-    **{one.__name__: one for one in (PathFit, FittedPath, Estimate, IdentifiedLaw, dict)},
+    **{one.__name__: one for one in (PathFit, FittedPath, Estimate, IdentifiedLaw, Loss, dict)},
 }

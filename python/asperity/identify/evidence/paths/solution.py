@@ -13,10 +13,11 @@ from asperity._base.arrays import Array
 from asperity.errors import FitError
 from asperity.identify.estimator.covariance import Covariance
 from asperity.identify.estimator.leverage import Leverage, leverage_of
+from asperity.identify.estimator.loss import Loss
 from asperity.identify.evidence.paths.misfits import Misfits
 from asperity.identify.evidence.paths.motions import Motions
 from asperity.identify.models.coordinates import Coordinate, at_bounds
-from asperity.identify.models.structure import Structure
+from asperity.identify.models.structure import PlanarStructure
 
 # A logarithm with a larger standard error is not known.
 _UNKNOWN = 1.0
@@ -33,14 +34,16 @@ class Solution:
         held: coordinates that are known, NaN of the others.
         misfits: of the paths.
         motions: simulates them.
+        loss: of the residuals.
         z: the unknowns.
         others: free coordinates of other minima that are about as good.
     """
 
-    structure: Structure
+    structure: PlanarStructure
     held: Array
     misfits: Misfits
     motions: Motions
+    loss: Loss
     z: Array
     others: tuple[Array, ...]
 
@@ -76,16 +79,26 @@ class Solution:
 
     @cached_property
     def misfit(self) -> float:
-        """Root mean square of the residuals, corrected for what was fitted."""
+        """Root mean square of the residuals, corrected for what was fitted, or a loss's scale."""
+        if not self.loss.is_linear:
+            return self.loss.scale
         left = self.misfits.rows - self.misfits.count
         return math.sqrt(float(self.residuals @ self.residuals) / left)
+
+    @cached_property
+    def weights(self) -> tuple[Array, Array]:
+        """Factors of the derivatives and of the residuals, with which both are of least squares."""
+        _, weight, bend = self.loss.at(self.residuals**2)
+        root = np.sqrt(weight * bend.mean() / weight.mean())
+        return root, weight / root
 
     @cached_property
     def parts(self) -> list[Array]:
         """Derivatives by the law that changes of the launch do not mimic, path by path."""
         parts = []
+        weighted = self.jacobian * self.weights[0][:, None]
         for k in range(len(self.misfits.paths)):
-            rows = self.jacobian[self.misfits.of(k)]
+            rows = weighted[self.misfits.of(k)]
             shared, own = rows[:, : self.misfits.size], rows[:, self.misfits.unknowns_of(k)]
             scale = np.linalg.norm(own, axis=0)
             basis = np.linalg.qr(own / np.where(scale > 0.0, scale, 1.0))[0]
@@ -140,7 +153,7 @@ class Solution:
     @cached_property
     def remedy(self) -> str:
         """What would tell more, in words."""
-        symmetric = all(model.is_symmetric for model in self.structure)
+        symmetric = all(model.is_symmetric for _, model, _ in self.structure.models)
         turn = 180.0 if symmetric else 360.0
         phi = np.sort(self._sliding % turn)
         if not len(phi):
@@ -168,7 +181,7 @@ class Solution:
 
     def response(self, change: Array) -> Array:
         """Return by how much the free coordinates move if residuals change by this, `(k,)`."""
-        return -self.leverage.inverse @ self._pulls(change).sum(axis=0)
+        return -self.leverage.inverse @ self._pulls(self.weights[0] * change).sum(axis=0)
 
     def covariance(self, shared: Array | None) -> Covariance:
         """Return the covariance of all coordinates; those that are known do not scatter.
@@ -180,7 +193,7 @@ class Solution:
             shared: what all paths share moves the free coordinates by, per standard error.
         """
         unit = np.eye(len(self.held))[:, self.free]
-        scatter = self.leverage.covariance(self._pulls(self.residuals))
+        scatter = self.leverage.covariance(self._pulls(self.weights[1] * self.residuals))
         whole = replace(self.leverage, root=unit @ self.leverage.root)
         known = np.where(whole.compares(unit.T), whole.degrees(unit.T), 0.0)
         degrees = float(known.min())

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from asperity.identify.estimator.covariance import estimates, known_angles
+from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.evidence.paths.launch import QUANTITIES
 from asperity.identify.evidence.paths.limits import (
     SCALE,
@@ -17,7 +18,6 @@ from asperity.identify.evidence.paths.limits import (
 )
 from asperity.identify.evidence.paths.result import FittedPath, PathFit
 from asperity.identify.evidence.paths.solution import Solution
-from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.models.coordinates import Estimate, at_bounds
 
 
@@ -69,6 +69,7 @@ def verdict(solution: Solution, *, confidence: float | None, length_error: float
             half_widths=widths,
             standard_errors=deviations,
         ),
+        loss=solution.loss,
         confidence=confidence,
         misfit=solution.misfit,
         slope_error=solution.slope_error,
@@ -83,7 +84,7 @@ def _fitted_paths(solution: Solution, confidence: float | None) -> tuple[FittedP
     from scipy.stats import norm
 
     misfits = solution.misfits
-    columns = solution.jacobian
+    columns = solution.jacobian * solution.weights[0][:, None]
     scale = np.linalg.norm(columns, axis=0)
     inverse = np.linalg.pinv(columns / scale)
     errors = np.zeros((len(misfits.paths), len(QUANTITIES)))

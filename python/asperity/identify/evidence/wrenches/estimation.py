@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
-from asperity.identify.evidence.wrenches.comparison import PatchComparison
+from asperity.identify.estimator.comparison import Comparison
+from asperity.identify.estimator.covariance import level_of
+from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.wrenches.pairs import Pairs, in_ground
 from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
-from asperity.identify.evidence.wrenches.solving import Labels, LossName, fitted, starts_of
+from asperity.identify.evidence.wrenches.solving import Labels, fitted, starts_of
 from asperity.identify.models.patches import (
     SPOT,
     EllipsoidPatch,
@@ -51,7 +53,7 @@ def fit_patch(
     length: float = 1.0,
     loss: LossName = "soft_l1",
     blocks: int | ArrayLike = 20,
-    confidence: float = 0.95,
+    confidence: float | None = 0.95,
 ) -> PatchFit:
     """Fit the law of a whole contact patch to pairs of wrench and twist.
 
@@ -81,9 +83,10 @@ def fit_patch(
         angle: of the body's axes from those of the ground in rad, ``(n,)``.
         normal_force: in N; the law is per unit of it.
         length: ℓ in m, by which torques are divided and ω is multiplied; 1 if they are already.
-        loss: ``"soft_l1"``, which bounds the weight of outliers, or ``"linear"``: least squares.
+        loss: of the components, ``"soft_l1"``, ``"huber"`` or ``"cauchy"``, which bound the weight
+            of outliers, or ``"linear"``: least squares.
         blocks: number of blocks of pairs, or the number of the block of each pair, ``(n,)``.
-        confidence: level of the confidence intervals.
+        confidence: level of the confidence intervals; None for none.
 
     Raises:
         FitError: if there are too few pairs, or wrenches have the other sign.
@@ -129,8 +132,8 @@ def fit_patch(
     )
     pairs = Pairs(forces / normal, motions, angle=turned)
     labels = _labels(blocks, len(pairs))
-    level = arrays.fraction(confidence, "confidence")
-    arrays.choice(loss, "loss", ("soft_l1", "linear"))
+    level = level_of(confidence)
+    measure = Loss(loss, components=1)
     pairs.check(model.size)
     found = fitted(model, pairs, starts_of(model, pairs, loss), loss)
     if isinstance(model, PointsPatch):
@@ -139,7 +142,7 @@ def fit_patch(
         pairs,
         model=model,
         found=found,
-        loss=loss,
+        loss=measure.replace(scale=found.scale or 1.0),
         blocks=labels,
         folds=_folds(labels),
         length=lever,
@@ -205,7 +208,7 @@ def compare_patches(
     *,
     models: Mapping[str, Mapping[str, Any]] | None = None,
     **options: Any,
-) -> PatchComparison:
+) -> Comparison:
     """Compare models of a patch by BIC, and by parts of the pairs that are left out in turn.
 
     Args:
@@ -287,7 +290,7 @@ def fit_supports(
     loss: LossName = "soft_l1",
     scale: float | None = None,
     blocks: int | ArrayLike = 20,
-    confidence: float = 0.95,
+    confidence: float | None = 0.95,
 ) -> SupportsFit:
     """Fit the friction law of a body's support points to quasi-static pushes of it.
 
@@ -315,7 +318,7 @@ def fit_supports(
         scale: of a robust loss in N; by default it is that of the residuals.
         blocks: as for `fit_patch`; the pushes are those of all logs in turn. Blocks that hold
             pushes of several logs are left out as a whole, and then logs are not.
-        confidence: level of the confidence intervals.
+        confidence: level of the confidence intervals; None for none.
 
     Raises:
         FitError: if there are too few pushes, or the applied forces have the other sign.
@@ -342,7 +345,7 @@ def fit_supports(
         raise ParameterError("weight", "must be given, or loads instead")
     arrays.choice(friction, "friction", ("isotropic", "ellipse"))
     frame = arrays.choice(frame, "frame", ("body", "ground"))
-    arrays.choice(loss, "loss", ("soft_l1", "linear"))
+    measure = Loss(loss, components=1)
     if direction is not None:
         arrays.choice(direction, "direction", ("ellipse",))
     normal = [_statics(one, heavy) if known is None else known for one in at]
@@ -381,7 +384,7 @@ def fit_supports(
     else:
         model = ExtendedPoints(frame=frame)
     labels = _labels(blocks, len(pairs))
-    level = arrays.fraction(confidence, "confidence")
+    level = level_of(confidence)
     given = None if scale is None else arrays.positive(scale, "scale")
     pairs.check(model.size)
     starts = starts_of(model, pairs, loss, given)
@@ -395,7 +398,7 @@ def fit_supports(
         pairs,
         model=model,
         found=found,
-        loss=loss,
+        loss=measure.replace(scale=found.scale or 1.0),
         blocks=labels,
         folds=folds,
         length=lever,

@@ -9,9 +9,10 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.errors import FitError
-from asperity.identify.evidence.forces.mistakes import Mistake
+from asperity.identify.estimator.loss import LossName
+from asperity.identify.estimator.mistakes import Mistake
 from asperity.identify.evidence.wrenches.pairs import MOST_AGAINST, Pairs
-from asperity.identify.evidence.wrenches.solving import LossName, fitted, starts_of
+from asperity.identify.evidence.wrenches.solving import fitted, starts_of
 from asperity.identify.models.patches import OffsetPatch, PatchModel
 
 # A mistake explains a misfit that it makes smaller than this part; of those that explain the same,

@@ -5,31 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Table, counted
+from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value, View
-from asperity.identify.evidence.forces.mistakes import Mistake
-from asperity.identify.evidence.wrenches.comparison import PatchComparison, compared
+from asperity._base.value import View
+from asperity.identify.estimator.comparison import Comparison
+from asperity.identify.estimator.covariance import Covariance, level_of
+from asperity.identify.estimator.descent import Sums
+from asperity.identify.estimator.leverage import Leverage, leverage_of
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.mistakes import Mistake
+from asperity.identify.estimator.result import LawFit
+from asperity.identify.evidence.wrenches.comparison import compare
 from asperity.identify.evidence.wrenches.mistakes import mistake
 from asperity.identify.evidence.wrenches.pairs import Pairs
-from asperity.identify.evidence.wrenches.solving import (
-    Found,
-    Labels,
-    LossName,
-    Spread,
-    covariance_of,
-    scores,
-)
-from asperity.identify.models.coordinates import Estimate, Scale, table_of
+from asperity.identify.evidence.wrenches.solving import Found, Labels, sums
+from asperity.identify.models.coordinates import Estimate, Scale
 from asperity.identify.models.patches import (
+    PATCH_KINDS,
     SPOT,
     EllipsoidPatch,
     ExtendedPatch,
@@ -38,6 +37,7 @@ from asperity.identify.models.patches import (
     PointsPatch,
     Reported,
 )
+from asperity.identify.models.structure import PatchStructure
 from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
@@ -56,22 +56,6 @@ _FAR = 4.0
 _LIGHT = 1e-3
 
 
-class _Interval(NamedTuple):
-    """A parameter with the half-width of its confidence interval.
-
-    Attributes:
-        reported: the parameter.
-        error: its standard error, on the scale in which it is nearly symmetric.
-        half: half-width of the interval there.
-        untold: whether the data do not tell it.
-    """
-
-    reported: Reported
-    error: float
-    half: float
-    untold: bool
-
-
 def _says_nothing(one: Reported) -> float:
     """Return the half-width of an interval that holds all that a parameter may be."""
     if one.scale is Scale.LOG:
@@ -80,7 +64,7 @@ def _says_nothing(one: Reported) -> float:
     return 1.0 if one.scale is Scale.PLAIN and not one.is_length else math.inf
 
 
-class BlockFit(SavedResult, Value):
+class BlockFit(LawFit):
     """What fits of wrenches have in common.
 
     What `save` writes holds the pairs, the model and where its coordinates ended: intervals and
@@ -90,18 +74,18 @@ class BlockFit(SavedResult, Value):
         pairs: wrenches and twists.
         model: the law's family.
         found: where its coordinates ended.
-        loss: of the components of the wrench.
+        loss: of the components of the wrench, with the scale of those that are no outliers.
         blocks: which block each pair is in.
         folds: which part each pair is in, of those that are left out in turn.
         length: ℓ in m, or in whatever unit places are in.
-        confidence: level of the confidence intervals.
+        confidence: level of the confidence intervals; None for none.
     """
 
     pairs: Pairs
     model: PatchModel
-    loss: LossName
+    loss: Loss
     length: float
-    confidence: float
+    confidence: float | None
     coordinates: Array
     blocks: Labels
     folds: Labels
@@ -115,11 +99,11 @@ class BlockFit(SavedResult, Value):
         *,
         model: PatchModel,
         found: Found,
-        loss: LossName,
+        loss: Loss,
         blocks: Labels,
         folds: Labels,
         length: float,
-        confidence: float,
+        confidence: float | None,
     ) -> None:
         self._set(
             pairs=pairs,
@@ -129,7 +113,7 @@ class BlockFit(SavedResult, Value):
             blocks=arrays.array(blocks, "blocks", (len(pairs),)).astype(np.intp),
             folds=arrays.array(folds, "folds", (len(pairs),)).astype(np.intp),
             length=arrays.positive(length, "length"),
-            confidence=arrays.fraction(confidence, "confidence"),
+            confidence=level_of(confidence),
         )
         self._keep(coordinates=found.p)
 
@@ -159,19 +143,35 @@ class BlockFit(SavedResult, Value):
         """How often wrenches were computed."""
         return self.found.evaluations
 
-    @property
-    def scale(self) -> float:
-        """Deviation from which a robust loss counts residuals as outliers; 0 for least squares."""
-        return self.found.scale
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """The friction law; in the axes of the ground or of the body, as the fit was told.
+
+        A law of a patch in the ground's axes is that of a body with the angle 0. That of known
+        support points is the law of one point in the plane, per unit of its normal force.
+        """
+        return self.model.law(self.coordinates)
 
     @cached_property
-    def _errors(self) -> Spread:
-        return covariance_of(scores(self.model, self.pairs, self.found, self.blocks))
+    def _sums(self) -> Sums:
+        return sums(self.model, self.pairs, self.found, self.loss, self.blocks)[0]
 
-    @property
-    def covariance(self) -> Array:
-        """Covariance of the coordinates from the scatter of the blocks, ``(k, k)``."""
-        return self._errors.covariance
+    @cached_property
+    def _leverage(self) -> Leverage:
+        matrices = self._sums.matrix
+        return leverage_of(matrices.sum(axis=0), matrices, without_single=True)
+
+    @cached_property
+    def covariance(self) -> Covariance | None:
+        """Covariance of the coordinates from blocks that are left out in turn.
+
+        It has one degree of freedom less than there are blocks. Combinations of coordinates that
+        the pairs do not tell have no part in it.
+        """
+        if self.confidence is None:
+            return None
+        scatter = self._leverage.jackknife(self._sums.gradient)
+        return Covariance(scatter, None, None, (float(self.blocks.max()), math.inf, math.inf))
 
     @cached_property
     def mistake(self) -> Mistake | None:
@@ -182,7 +182,7 @@ class BlockFit(SavedResult, Value):
             self.model,
             self.coordinates,
             self.pairs,
-            self.loss,
+            self.loss.kind,
             length=self.length,
             in_ground=self._in_ground,
         )
@@ -195,21 +195,21 @@ class BlockFit(SavedResult, Value):
         axes and their angle are identifiable if the friction differs from isotropic friction at
         the level 0.01.
         """
-        return View(
-            {
-                one.name: self._estimate(one, error, half, untold)
-                for one, error, half, untold in self._intervals
-            }
-        )
+        reported, by, untold = self._reported
+        half, error = np.full((2, len(reported)), np.nan)
+        if self.covariance is not None and self.confidence is not None:
+            half = self.covariance.half_widths(by, self.confidence)
+            error = np.sqrt(self.covariance.variances(by))
+        values = zip(reported, error.tolist(), half.tolist(), untold.tolist(), strict=True)
+        return View({one.name: self._estimate(one, *rest) for one, *rest in values})
 
     @cached_property
-    def _intervals(self) -> list[_Interval]:
-        from scipy.stats import t
-
+    def _reported(self) -> tuple[list[Reported], Array, NDArray[np.bool_]]:
+        """Parameters, their derivatives by the coordinates, and which the data do not tell."""
         p, reported = self.coordinates, self.model.reported(self.coordinates)
         # Entries of matrices are in the unit of forces: no step changes wrenches by a larger part.
         whole = float(np.linalg.norm(self.pairs.wrench))
-        steps = _STEP * np.minimum(np.maximum(1.0, np.abs(p)), whole / self._errors.sizes)
+        steps = _STEP * np.minimum(np.maximum(1.0, np.abs(p)), whole / self._leverage.scale)
         by = np.empty((len(reported), p.size))
         for k, step in enumerate(steps):
             away = np.zeros_like(p)
@@ -218,17 +218,11 @@ class BlockFit(SavedResult, Value):
             by[:, k] = [
                 _difference(one, other) / (2.0 * step) for one, other in zip(*ends, strict=True)
             ]
-        quantile = float(t.ppf(0.5 + 0.5 * self.confidence, int(self.blocks.max())))
-        errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", by, self.covariance, by), 0.0))
-        return [
-            _Interval(
-                one,
-                error,
-                quantile * error,
-                not self._errors.tells(row) or quantile * error > _says_nothing(one),
-            )
-            for one, error, row in zip(reported, errors.tolist(), by, strict=True)
-        ]
+        untold = np.array([not self._leverage.tells(row) for row in by])
+        if self.covariance is not None and self.confidence is not None:
+            half = self.covariance.half_widths(by, self.confidence)
+            untold |= half > [_says_nothing(one) for one in reported]
+        return reported, by, untold
 
     def _estimate(self, one: Reported, error: float, half: float, untold: bool) -> Estimate:
         # The interval of what the data do not tell may reach beyond the range of numbers.
@@ -247,15 +241,21 @@ class BlockFit(SavedResult, Value):
         return Estimate(unit * value, unit * low, unit * high, unit * error, identifiable=told)
 
     def _is_anisotropic(self, at: tuple[int, ...]) -> bool:
-        """Return whether coordinates that vanish for isotropic friction do not, by Wald's test."""
+        """Return whether coordinates that vanish for isotropic friction do not, by Wald's test.
+
+        Unlike intervals of each, it does not depend on the axes.
+        """
         from scipy.stats import f
 
-        q, spread = self.coordinates[list(at)], self.covariance[np.ix_(at, at)]
+        q = self.coordinates[list(at)]
+        if self.covariance is None:
+            return bool(q.any())
+        spread = self.covariance.scatter[np.ix_(at, at)]
+        if not spread.any():
+            return bool(q.any())
         count, degrees = len(at), int(self.blocks.max())
         left = degrees - count + 1
         statistic = float(q @ np.linalg.lstsq(spread, q, rcond=None)[0])
-        if not spread.any():
-            return bool(q.any())
         return bool(statistic * left / (count * degrees) > f.ppf(1.0 - _LEVEL, count, left))
 
     @property
@@ -267,7 +267,8 @@ class BlockFit(SavedResult, Value):
                 "The search has ended at its longest: parameters that hardly change the wrench "
                 "are not at their best values"
             )
-        vague = [one.reported.name for one in self._intervals if one.untold]
+        reported, _, untold = self._reported
+        vague = [one.name for one, lost in zip(reported, untold, strict=True) if lost]
         if vague:
             found.append(f"The data do not tell {', '.join(vague)}")
         if self.mistake is not None:
@@ -282,45 +283,39 @@ class BlockFit(SavedResult, Value):
             )
         return tuple(found)
 
-    def compare(self, models: dict[str, PatchModel]) -> PatchComparison:
+    def compare(self, models: dict[str, PatchModel]) -> Comparison:
         """Return models of the same pairs side by side, by BIC and by parts left out.
 
         Args:
             models: by the names they shall have.
         """
-        return compared(
+        return compare(
             models,
             self.pairs,
-            loss=self.loss,
-            scale=None,
+            loss=self.loss.kind,
             blocks=self.blocks,
             folds=self.folds,
-            confidence=self.confidence,
+            confidence=0.95 if self.confidence is None else self.confidence,
             known={self.model: self.found},
         )
 
-    def summary(self) -> str:
-        """Return the model, its parameters with confidence intervals, and warnings."""
-        lines = [
-            f"The law of {self.model.words} is fitted to {counted(len(self.pairs), 'pair')} of "
-            f"wrench and twist; the wrench differs from it by {self.rms:.2%} (root mean square, "
-            "relative).",
-            f"The parameters with {self.confidence:.0%} intervals from "
-            f"{int(self.blocks.max()) + 1} blocks are",
-            *(f"{name}: {one}." for name, one in self.parameters.items()),
-        ]
-        return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
+    def _models(self) -> dict[str, Any]:
+        values = PatchStructure(self.model).values(self.coordinates)
+        return {"reservoir_model": self.model, "values": values}
 
-    def __repr__(self) -> str:
-        text = f"{self.model.words}, {len(self.pairs)} pairs, rms {self.rms:.3g}"
-        return f"<{type(self).__name__}: {'; '.join([text, *self.warnings])}>"
+    def _words(self) -> tuple[str, str, str]:
+        pairs, blocks = counted(len(self.pairs), "pair"), int(self.blocks.max()) + 1
+        scatter = f"Confidence intervals follow from the scatter of {blocks} blocks."
+        return (
+            f"The law of {self.model.words} is fitted to {pairs} of wrench and twist; the wrench "
+            f"differs from it by {self.rms:.2%} (root mean square, relative).",
+            scatter if self.confidence is not None else "",
+            f"{self.model.words}, {pairs}, rms {self.rms:.3g}",
+        )
 
     @classmethod
     def _known(cls) -> stored.Kinds:
         return _KNOWN
-
-    def _table(self) -> Table:
-        return table_of(self.parameters, rms=self.rms)
 
 
 class PatchFit(BlockFit):
@@ -334,11 +329,6 @@ class PatchFit(BlockFit):
     def reservoir(self) -> StarSet:
         """The force reservoir C; of a law in the ground's axes, for a body that has the angle 0."""
         return self.model.reservoir(self.coordinates)
-
-    @cached_property
-    def law(self) -> FrictionLaw:
-        """The friction law; of one in the ground's axes, for a body that has the angle 0."""
-        return self.model.law(self.coordinates)
 
     def wrench(self, twist: ArrayLike, *, angle: ArrayLike | None = None) -> Array:
         """Return the wrench (F₁, F₂, τ/ℓ) = −λ of twists (v₁, v₂, ω ℓ), ``(n, 3)``.
@@ -373,7 +363,7 @@ class PatchFit(BlockFit):
         return tuple(found)
 
     @cached_property
-    def comparison(self) -> PatchComparison:
+    def comparison(self) -> Comparison:
         """The model beside ellipsoids, a round area and support points.
 
         ``"ellipsoid"`` and ``"ellipsoids C and D"`` are the associated and the extended law, and
@@ -398,16 +388,7 @@ class SupportsFit(BlockFit):
     _in_ground = True
 
     @cached_property
-    def law(self) -> FrictionLaw:
-        """The friction law of one point, p = 2, per unit of its normal force.
-
-        Its axes are those of the ground or of the body, as the fit was told.
-        """
-        assert isinstance(self.model, PointsPatch | ExtendedPoints)
-        return self.model.plane_law(self.coordinates)
-
-    @cached_property
-    def comparison(self) -> PatchComparison:
+    def comparison(self) -> Comparison:
         """Isotropic friction beside ellipses in the ground's and in the body's axes."""
 
         def points(**options: Any) -> PointsPatch:
@@ -445,15 +426,6 @@ def _difference(one: Reported, other: Reported) -> float:
 
 
 _KNOWN: stored.Kinds = {
-    one.__name__: one
-    for one in (
-        PatchFit,
-        SupportsFit,
-        Pairs,
-        Found,
-        EllipsoidPatch,
-        PointsPatch,
-        ExtendedPatch,
-        ExtendedPoints,
-    )
+    **PATCH_KINDS,
+    **{one.__name__: one for one in (PatchFit, SupportsFit, Pairs, Found, Loss)},
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from typing import Literal, NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity._base.value import Record
 from asperity.errors import FitError, ParameterError
+from asperity.identify.estimator.descent import Sums
+from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.wrenches.pairs import Pairs
 from asperity.identify.models.patches import (
     EllipsoidPatch,
@@ -21,13 +23,10 @@ from asperity.identify.models.patches import (
     PointsPatch,
 )
 
-LossName = Literal["soft_l1", "linear"]
-Labels = NDArray[np.intp]
+Labels: TypeAlias = NDArray[np.intp]
 
 # A first scale of a robust loss, relative to the size of the wrenches, and when it has settled.
 _FIRST_SCALE, _SETTLED, _ROUNDS = 0.15, 0.05, 4
-# A median deviation of a Gaussian variable of deviation 1.
-_MEDIAN = 0.6744897501960817
 # Steps of the searches from several starts, of which the best is followed to its end.
 _TRIAL, _SHORT, _MOST = 10, 30, 200
 # Relative changes of the cost at which a search ends: on the way, and at its end, where steps that
@@ -38,10 +37,6 @@ _ROUGH, _FINE = 1e-3, 1e-6
 _RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
 # Wrenches of which squares can be summed.
 _LARGEST = 1e140
-# Eigenvalues of the scaled normal equations below this share say nothing.
-_RANK = 1e-10
-# A parameter is not told if a larger part of its derivative is in a direction without curvature.
-_PART = 1e-3
 
 
 class Found(Record):
@@ -103,7 +98,7 @@ def descend(
                 first,
                 jac=jacobian,
                 loss=loss,
-                f_scale=scale or 1.0,
+                f_scale=1.0 if loss == "linear" else Loss(loss, scale, components=1).bend,
                 x_scale="jac",
                 max_nfev=most,
                 ftol=tolerance,
@@ -146,7 +141,7 @@ def fitted(
         best = descend(model, pairs, best.p, loss, best.scale, _SHORT, _ROUGH)
         spent += best.evaluations
         residuals = model.both(best.p, pairs)[0] - pairs.wrench
-        now = float(np.median(np.abs(residuals))) / _MEDIAN
+        now = Loss(loss, best.scale, components=1).scaled_by(np.abs(residuals)).scale
         if now <= 1e-12 * size or abs(now - best.scale) <= _SETTLED * now:
             break
         best = best.replace(scale=now)
@@ -220,107 +215,21 @@ def _square(p: Array) -> Array:
     return A @ A.T
 
 
-class Scores(NamedTuple):
-    """Gradient and matrix of the normal equations of each block, and of single components.
-
-    Attributes:
-        gradient: of each block, ``(b, k)``.
-        matrix: of each block, ``(b, k, k)``.
-        single: Σ g gᵀ over components of wrenches, ``(k, k)``.
-    """
-
-    gradient: Array
-    matrix: Array
-    single: Array
-
-
-def scores(model: PatchModel, pairs: Pairs, found: Found, blocks: Labels) -> Scores:
-    """Return what blocks of pairs say of the coordinates."""
+def sums(
+    model: PatchModel, pairs: Pairs, found: Found, loss: Loss, blocks: Labels
+) -> tuple[Sums, Array]:
+    """Return the normal equations of each block, and Σ g gᵀ over single components."""
     f, by = model.both(found.p, pairs)
     residuals = f - pairs.wrench
-    weight = bend = np.ones_like(residuals)
-    if found.scale > 0.0:
-        root = 1.0 / np.sqrt(1.0 + (residuals / found.scale) ** 2)
-        weight, bend = root, root**3
+    value, weight, bend = loss.at(residuals**2)
     each = by * (weight * residuals)[:, :, None]
-    count = int(blocks.max()) + 1
-    gradient = np.zeros((count, model.size))
+    count, size = int(blocks.max()) + 1, model.size
+    cost: Array = np.bincount(blocks, value.sum(axis=1)).astype(np.float64)
+    gradient, matrix = np.zeros((count, size)), np.zeros((count, size, size))
     np.add.at(gradient, blocks, each.sum(axis=1))
-    products = np.einsum("nck,nc,ncl->nkl", by, bend, by, optimize=True)
-    matrix = np.zeros((count, model.size, model.size))
-    np.add.at(matrix, blocks, products)
+    np.add.at(matrix, blocks, np.einsum("nck,nc,ncl->nkl", by, bend, by, optimize=True))
     single = np.einsum("nck,ncl->kl", each, each, optimize=True)
-    return Scores(gradient, matrix, single)
-
-
-class Spread(NamedTuple):
-    """What blocks that are left out in turn say of the errors of coordinates.
-
-    Attributes:
-        covariance: of the coordinates, ``(k, k)``.
-        sizes: of derivatives of the wrench by coordinates, which make these comparable, ``(k,)``.
-        untold: unit directions of scaled coordinates without curvature in all pairs, or in those
-            that are left without some block, ``(k, m)``.
-    """
-
-    covariance: Array
-    sizes: Array
-    untold: Array
-
-    def tells(self, slope: Array) -> bool:
-        """Return whether the data tell a parameter that has this derivative by coordinates."""
-        scaled = slope / self.sizes
-        scaled /= np.abs(scaled).max(initial=0.0) or 1.0
-        return bool((np.abs(scaled @ self.untold) <= _PART * np.linalg.norm(scaled)).all())
-
-
-def covariance_of(known: Scores) -> Spread:
-    """Return the covariance of the coordinates from blocks left out, and what it does not tell.
-
-    Residuals of one push are not independent. Without block b the coordinates would be off by
-    (H − H_b)⁻¹ g_b to first order; the jackknife of these is nearly unbiased with few blocks,
-    where the sandwich of scores is too small. A direction that one block alone tells is lost
-    without it: its jackknife deviation would be 0 where nothing is known, so it is not told.
-    """
-    count = len(known.gradient)
-    H = known.matrix.sum(axis=0)
-    sizes = np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
-    scale = np.outer(sizes, sizes)
-    values, vectors = np.linalg.eigh(H / scale)
-    least = _RANK * values.max(initial=1.0)
-    untold = [vectors[:, values < least]]
-    moved = np.empty_like(known.gradient)
-    for b, (one, g) in enumerate(zip(known.matrix, known.gradient, strict=True)):
-        rest = (H - one) / scale
-        moved[b] = _solved(rest, g / sizes) / sizes
-        values, vectors = np.linalg.eigh(rest)
-        untold.append(vectors[:, values < least])
-    away = moved - moved.mean(axis=0)
-    return Spread((count - 1.0) / count * away.T @ away, sizes, np.concatenate(untold, axis=1))
-
-
-def _solved(matrix: Array, gradient: Array) -> Array:
-    values, vectors = np.linalg.eigh(matrix)
-    told = values > _RANK * values.max(initial=0.0)
-    inverse = np.where(told, 1.0 / np.where(told, values, 1.0), 0.0)
-    result: Array = vectors @ (inverse * (vectors.T @ gradient))
-    return result
-
-
-def inflation(known: Scores) -> float:
-    """Return κ, at least 1: how much more blocks scatter than independent components would."""
-    H = known.matrix.sum(axis=0)
-    sizes = np.sqrt(np.maximum(np.diag(H), np.finfo(float).tiny))
-    both = np.outer(sizes, sizes)
-    count = len(known.gradient)
-    scatter = known.gradient.T @ known.gradient * count / (count - 1.0)
-
-    def trace(matrix: Array) -> float:
-        scaled = matrix / both
-        return sum(float(_solved(H / both, column)[k]) for k, column in enumerate(scaled.T))
-
-    blocks, single = trace(scatter), trace(known.single)
-    return max(float(blocks / single), 1.0) if single > 0.0 else 1.0
+    return Sums(cost, gradient, matrix), single
 
 
 def left_out(model: PatchModel, pairs: Pairs, found: Found, folds: Labels, loss: LossName) -> Array:

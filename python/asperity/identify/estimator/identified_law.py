@@ -28,7 +28,8 @@ from asperity.identify.models.names import (
     reservoir_model,
     short,
 )
-from asperity.identify.models.structure import Structure
+from asperity.identify.models.patches import PATCH_KINDS, PatchModel
+from asperity.identify.models.structure import PatchStructure, PlanarStructure, Structure
 from asperity.law import FrictionLaw, LawFile
 from asperity.law.file import checked
 
@@ -50,8 +51,8 @@ class IdentifiedLaw(LawFile):
 
     Args:
         law: the law of the parameters; it may have a rate factor beside.
-        reservoir_model: model of C, as for `fit_law`.
-        direction_model: model of D, likewise.
+        reservoir_model: model of C, as for `fit_law`; of a law of a patch, the model of both sets.
+        direction_model: model of D, likewise; None of a patch.
         values: the parameters, in the order of `names`.
         turns: covariance of the `coordinates` from what differs between turns, ``(k, k)``; None if
             there are no bands, and then nothing can be drawn.
@@ -83,8 +84,8 @@ class IdentifiedLaw(LawFile):
     10
     """
 
-    reservoir_model: ReservoirName
-    direction_model: DirectionName
+    reservoir_model: ReservoirName | PatchModel
+    direction_model: DirectionName | None
     values: Array
     turns: Array | None
     calibration: Array | None
@@ -97,8 +98,8 @@ class IdentifiedLaw(LawFile):
         self,
         law: FrictionLaw,
         *,
-        reservoir_model: ReservoirName,
-        direction_model: DirectionName,
+        reservoir_model: ReservoirName | PatchModel,
+        direction_model: DirectionName | None = None,
         values: ArrayLike,
         turns: ArrayLike | None = None,
         calibration: ArrayLike | None = None,
@@ -113,10 +114,13 @@ class IdentifiedLaw(LawFile):
             name: None if part is None else _covariance(part, name, count)
             for name, part in zip(_PARTS, (turns, calibration, zeros), strict=True)
         }
+        models: tuple[Any, Any] = reservoir_model, None
+        if isinstance(structure, PlanarStructure):
+            models = short(structure.reservoir), short(structure.direction)
         self._set(
             **checked(law, provenance),
-            reservoir_model=short(structure.reservoir),
-            direction_model=short(structure.direction),
+            reservoir_model=models[0],
+            direction_model=models[1],
             values=arrays.read_only(numbers),
             **parts,
             degrees_of_freedom=_degrees(degrees_of_freedom),
@@ -146,7 +150,7 @@ class IdentifiedLaw(LawFile):
         Raises:
             ParameterError: if none is known.
         """
-        return self._known().total
+        return self.covariances.total
 
     @property
     def standard_errors(self) -> Array:
@@ -211,7 +215,7 @@ class IdentifiedLaw(LawFile):
     def _draw(self, n: int, seed: int) -> tuple[Array, tuple[FrictionLaw, ...]]:
         count = arrays.count(n, "n")
         random = np.random.default_rng(arrays.count(seed, "seed", least=0))
-        known = self._known()
+        known = self.covariances
         factors = [
             (_root(part), degrees)
             for part, degrees in zip(known.parts, known.degrees, strict=True)
@@ -241,7 +245,13 @@ class IdentifiedLaw(LawFile):
             "does not tell the parameters, choose models with fewer of them or record more turns"
         )
 
-    def _known(self) -> Covariance:
+    @property
+    def covariances(self) -> Covariance:
+        """The covariances by their causes.
+
+        Raises:
+            ParameterError: if none is known.
+        """
         if self.turns is None:
             raise ParameterError(
                 "covariance", "is not known: fit with bands, which take two turns or more"
@@ -255,13 +265,15 @@ class IdentifiedLaw(LawFile):
             if part is not None:
                 known = {"degrees_of_freedom": degrees} if math.isfinite(degrees) else {}
                 covariance[name] = {**known, "matrix": part}
+        parts: tuple[tuple[str, Any, data.Kinds], ...] = (
+            ("reservoir_model", self.reservoir_model, RESERVOIR_KINDS),
+            ("direction_model", self.direction_model, DIRECTION_KINDS),
+        )
+        if self.direction_model is None:
+            parts = (("model", self.reservoir_model, PATCH_KINDS),)
         models = {
-            "reservoir_model": _model_table(
-                self.reservoir_model, "reservoir_model", RESERVOIR_KINDS
-            ),
-            "direction_model": _model_table(
-                self.direction_model, "direction_model", DIRECTION_KINDS
-            ),
+            key: model if isinstance(model, str) else data.typed(model, f"parameters.{key}", kinds)
+            for key, model, kinds in parts
         }
         table = {
             **{key: model for key, model in models.items() if isinstance(model, str)},
@@ -299,17 +311,19 @@ class IdentifiedLaw(LawFile):
                 "FrictionLaw.load reads. Fit.save_law and `asperity identify` write them, "
                 "FrictionLaw.save does not",
             )
-        for name in ("reservoir_model", "direction_model", "names", "values", "coordinates"):
+        parts_of_models: dict[str, tuple[Mapping[str, Any], data.Kinds]] = {
+            "reservoir_model": (RESERVOIRS, RESERVOIR_KINDS),
+            "direction_model": (DIRECTIONS, DIRECTION_KINDS),
+        }
+        if "model" in parameters:
+            parts_of_models = {"model": ({}, PATCH_KINDS)}
+        for name in (*parts_of_models, "names", "values", "coordinates"):
             if name not in parameters:
                 raise ParameterError(f"{key}.{name}", "is missing")
-        models = (
-            _model(
-                parameters["reservoir_model"], f"{key}.reservoir_model", RESERVOIRS, RESERVOIR_KINDS
-            ),
-            _model(
-                parameters["direction_model"], f"{key}.direction_model", DIRECTIONS, DIRECTION_KINDS
-            ),
-        )
+        models = [
+            _model(parameters[name], f"{key}.{name}", *known)
+            for name, known in parts_of_models.items()
+        ]
         structure = _structure(*models)
         for name, known in (
             ("names", structure.names),
@@ -333,7 +347,7 @@ class IdentifiedLaw(LawFile):
             return cls(
                 law,
                 reservoir_model=models[0],
-                direction_model=models[1],
+                direction_model=models[1] if len(models) > 1 else None,
                 values=parameters["values"],
                 **dict(zip(_PARTS, parts, strict=True)),
                 degrees_of_freedom=(degrees[0], degrees[1], degrees[2]),
@@ -347,8 +361,12 @@ class IdentifiedLaw(LawFile):
             raise type(error)(at, error.message) from None
 
 
-def _structure(reservoir: Any, direction: Any) -> Structure:
-    models = []
+def _structure(reservoir: Any, direction: Any = None) -> PlanarStructure | PatchStructure:
+    if isinstance(reservoir, PatchModel):
+        if direction is not None:
+            raise ParameterError("direction_model", "must be None: a patch has one model")
+        return PatchStructure(reservoir)
+    models: list[Any] = []
     for name, model, made in (
         ("reservoir_model", reservoir, reservoir_model),
         ("direction_model", direction, direction_model),
@@ -357,11 +375,7 @@ def _structure(reservoir: Any, direction: Any) -> Structure:
             models.append(made(model))
         except ParameterError as error:
             raise ParameterError(name, error.message) from None
-    return Structure(*models)
-
-
-def _model_table(model: Any, name: str, kinds: data.Kinds) -> Any:
-    return model if isinstance(model, str) else data.typed(model, f"parameters.{name}", kinds)
+    return PlanarStructure(*models)
 
 
 def _model(given: Any, key: str, names: Mapping[str, Any], kinds: data.Kinds) -> Any:
@@ -401,14 +415,19 @@ def _degrees(given: Any) -> tuple[float, float, float]:
 
 def _check_same(law: FrictionLaw, own: FrictionLaw) -> None:
     """Refuse a law that is not the one of the parameters."""
-    if law.dimension != 2:
-        raise ParameterError("law", f"must be of the plane, has p = {law.dimension}")
+    if law.dimension != own.dimension:
+        raise ParameterError("law", f"must have p = {own.dimension}, has p = {law.dimension}")
     theta = 2.0 * math.pi * np.arange(_DIRECTIONS_COMPARED) / _DIRECTIONS_COMPARED
     for name, one, other in (
         ("reservoir", law.reservoir, own.reservoir),
         ("direction", law.direction, own.direction),
     ):
-        off = float(np.abs(one.radius(theta) / other.radius(theta) - 1.0).max())
+        if law.dimension == 2:
+            sizes = one.radius(theta), other.radius(theta)
+        else:
+            normals = np.random.default_rng(0).normal(size=(_DIRECTIONS_COMPARED, law.dimension))
+            sizes = one.support(normals), other.support(normals)
+        off = float(np.abs(sizes[0] / sizes[1] - 1.0).max())
         if not off <= _SAME:
             raise ParameterError(
                 f"law.{name}",
