@@ -274,7 +274,7 @@ def test_the_command_writes_law_parameters_and_provenance(tmp_path, capsys):
     with (tmp_path / "A" / "parameters.csv").open() as file:
         table = {row["parameter"]: row for row in csv.DictReader(file)}
     for name, value, error in zip(found.names, found.values, found.standard_errors, strict=True):
-        assert float(table[name]["estimate"]) == pytest.approx(value)
+        assert float(table[name]["value"]) == pytest.approx(value)
         assert float(table[name]["standard error"]) == pytest.approx(error)
     origin = found.provenance
     assert origin.made_by.startswith("asperity identify --reservoir superellipse --direction ell")

@@ -144,19 +144,14 @@ class Identification:
         figures = report_figures(self.fit)
         for name, figure in zip(_PICTURES, figures.values(), strict=True):
             save_figure(figure, folder / name)
-        header = ("parameter", "unit", "estimate", "low", "high", "standard error", "identifiable")
-        estimates = (
-            (
-                name,
-                "rad" if name.endswith(".angle") else "-",
-                *(one.value, one.low, one.high, one.standard_error, one.identifiable),
-            )
-            for name, one in self.fit.parameters.items()
-        )
-        write_csv(folder / "parameters.csv", header, estimates)
+        self.fit.to_csv(folder / "parameters.csv")
         write_columns(folder / "directions.csv", self._directions())
         write_csv(folder / "turns.csv", _TURN_COLUMNS, self._turns())
-        write_csv(folder / "models.csv", _MODEL_COLUMNS, self._models())
+        if self.fit.turns > 1:
+            self.fit.comparison.to_csv(folder / "models.csv")
+        else:
+            # A single turn cannot be left out.
+            write_csv(folder / "models.csv", ("model",), ())
         write_report(self.fit, folder / "report.html", title, figures)
 
     def _directions(self) -> dict[str, Any]:
@@ -182,25 +177,6 @@ class Identification:
             "D_2": points[:, 1],
         }
 
-    def _models(self) -> list[tuple[object, ...]]:
-        """Return the compared models; none where a single turn cannot be left out."""
-        if self.fit.turns < 2:
-            return []
-        fitted = self.fit.reservoir_model, self.fit.direction_model
-        return [
-            (
-                one.reservoir,
-                one.direction,
-                one.parameters,
-                one.rms,
-                one.bic,
-                one.behind,
-                one.behind_error,
-                (one.reservoir, one.direction) == fitted,
-            )
-            for one in self.fit.comparison.candidates
-        ]
-
     def _turns(self) -> list[tuple[object, ...]]:
         """Return the mean of each channel over each turn, its offset from all turns, and the drift.
 
@@ -222,16 +198,6 @@ class Identification:
 
 
 _TURN_COLUMNS = ("channel", "turn", "mean", "low", "high", "offset", "drift per turn")
-_MODEL_COLUMNS = (
-    "reservoir",
-    "direction",
-    "parameters",
-    "residual rms [N]",
-    "BIC minus best",
-    "left out minus best",
-    "left out error",
-    "fitted",
-)
 
 
 def identify_campaign(

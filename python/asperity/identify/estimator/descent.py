@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from asperity._base.arrays import Array
 from asperity._base.value import Record
+from asperity.identify.estimator.loss import Loss
 from asperity.identify.models.coordinates import Coordinate
 
 _MOST = 100
@@ -37,6 +38,47 @@ class Descent(NamedTuple):
     sums: Sums
     cost: float
     converged: bool
+
+
+def search(
+    residuals: Callable[[Array], Array],
+    slopes: Callable[[Array], Array],
+    start: Array,
+    *,
+    loss: Loss,
+    close: float,
+    most: int,
+    bounds: tuple[Array | float, Array | float] = (-np.inf, np.inf),
+    shortest: float = 1e-8,
+) -> Any:
+    """Return what SciPy's least squares find, for residuals by which all samples can be kept.
+
+    Args:
+        residuals: of coordinates.
+        slopes: their derivatives by these.
+        start: coordinates to start from.
+        loss: of the residuals, one by one.
+        close: relative change of the cost at which the search ends.
+        most: evaluations.
+        bounds: of the coordinates.
+        shortest: relative step at which the search ends.
+    """
+    from scipy.optimize import least_squares
+
+    return least_squares(
+        residuals,
+        start,
+        jac=slopes,
+        bounds=bounds,
+        loss=loss.kind,
+        f_scale=1.0 if loss.is_linear else loss.bend,
+        x_scale="jac",
+        ftol=close,
+        xtol=shortest,
+        # The size of a gradient depends on the unit of forces.
+        gtol=None,
+        max_nfev=most,
+    )
 
 
 def descend(

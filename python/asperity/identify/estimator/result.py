@@ -18,6 +18,9 @@ from asperity.law import Provenance
 class LawFit(SavedResult, Value):
     """A law that was fitted to measurements, with its uncertainty."""
 
+    _unit = "-"
+    """Of parameters that are no angles."""
+
     # The kinds of evidence give what follows, as attributes or properties.
     if TYPE_CHECKING:
         confidence: Any
@@ -89,6 +92,7 @@ class LawFit(SavedResult, Value):
 
     def _table(self) -> Table:
         words = {
+            "unit": "of the estimate",
             "value": "estimate, angles in rad",
             "low": "lower end of the confidence interval",
             "high": "upper end of the confidence interval",
@@ -96,8 +100,12 @@ class LawFit(SavedResult, Value):
             "identifiable": "whether the data determine it",
         }
         listed = list(self.parameters.values())
+        columns = {name: [getattr(one, name) for one in listed] for name in words if name != "unit"}
+        columns["unit"] = [
+            "rad" if name.endswith(".angle") else self._unit for name in self.parameters
+        ]
         series = {
-            name: Series(np.array([getattr(one, name) for one in listed]), ("parameter",), "", text)
+            name: Series(np.array(columns[name]), ("parameter",), "", text)
             for name, text in words.items()
         }
         axis = Axis(tuple(self.parameters), "", "parameter")

@@ -179,15 +179,19 @@ def _recordings(samples: Samples, data: Any) -> NDArray[np.intp]:
     return first - 1
 
 
-def _counted_turns(phi: Array) -> NDArray[np.intp]:
+def _counted_turns(phi: Array) -> NDArray[Any]:
     """Return numbers of the turns of an unwrapped direction; −1 in an incomplete last one."""
     if phi.size < 2 or np.ptp(phi) <= 2.0 * np.pi:
         return np.zeros(phi.size, dtype=np.intp)
-    progress = (phi - phi[0]) * np.sign(phi[-1] - phi[0]) / (2.0 * np.pi)
-    turn: NDArray[np.intp] = np.floor(progress + 1e-9).astype(np.intp)
+    per_turn = np.sign(phi[-1] - phi[0]) / (2.0 * np.pi)
     # One step is missing from the last turn when it ends just before its start.
-    complete = int(np.floor(progress[-1] + 1.5 * abs(progress[-1] - progress[-2])))
-    turn[(turn < 0) | (turn >= complete)] = -1
+    last, before = (phi[-1] - phi[0]) * per_turn, (phi[-2] - phi[0]) * per_turn
+    complete = int(np.floor(last + 1.5 * abs(last - before)))
+    turn = np.empty(phi.size, dtype=np.int32)
+    for start in range(0, phi.size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        number = np.floor((phi[part] - phi[0]) * per_turn + 1e-9)
+        turn[part] = np.where((number < 0.0) | (number >= complete), -1.0, number)
     return turn
 
 
@@ -202,8 +206,11 @@ def is_wrapped(samples: Samples) -> bool:
 
 
 def _runs(turn: NDArray[Any]) -> tuple[NDArray[np.intp], int]:
-    edges = np.flatnonzero(turn[1:] != turn[:-1]) + 1
-    first = np.concatenate([[0], edges]).astype(np.intp)[: turn.size]
+    edges = [
+        np.flatnonzero(np.diff(turn[start : start + _CHUNK + 1])) + start + 1
+        for start in range(0, turn.size, _CHUNK)
+    ]
+    first = np.concatenate([[0], *edges]).astype(np.intp)[: turn.size]
     end = np.append(first[1:], turn.size)
     inside = turn[first] >= 0
     labels, number = np.unique(turn[first[inside]], return_inverse=True)

@@ -16,6 +16,7 @@ from asperity._base.log import log
 from asperity._base.storage.toml import advice_on
 from asperity.errors import DimensionError, FitError, ParameterError
 from asperity.identify.estimator.covariance import level_of
+from asperity.identify.estimator.descent import search
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.paths.launch import DIRECTION, Launch, known_of
 from asperity.identify.evidence.paths.misfits import Misfits
@@ -336,7 +337,6 @@ class _Search:
         self, misfits: Misfits, z: Array, close: float, *, bounded: bool = True
     ) -> _Descent:
         """Descend with differences to one side: their errors hardly move the minimum."""
-        from scipy.optimize import least_squares
 
         def slopes(at: Array) -> Array:
             return misfits.jacobian(at, central=False)
@@ -349,17 +349,14 @@ class _Search:
             z = np.clip(z, low + 1e-6, high - 1e-6)
         if not np.isfinite(misfits.residuals(z)).all():
             return _Descent(z, np.inf, converged=False)
-        found = least_squares(
+        found = search(
             misfits.residuals,
+            slopes,
             z,
-            jac=slopes,
-            loss=self._loss.kind,
-            f_scale=1.0 if self._loss.is_linear else self._loss.bend,
+            loss=self._loss,
+            close=close,
+            most=_MOST_TRIALS,
             bounds=(low, high),
-            x_scale="jac",
-            ftol=close,
-            xtol=1e-10,
-            gtol=None,
-            max_nfev=_MOST_TRIALS,
+            shortest=1e-10,
         )
         return _Descent(np.asarray(found.x), 2.0 * float(found.cost), found.status > 0)

@@ -90,6 +90,8 @@ class BlockFit(LawFit):
     blocks: Labels
     folds: Labels
     found: Found
+    # Those of forces, loads and lengths are the user's.
+    _unit = ""
     _in_ground = False
     """Whether wrenches and twists were given in the axes of the ground."""
 

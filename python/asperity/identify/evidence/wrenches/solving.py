@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity._base.value import Record
 from asperity.errors import FitError, ParameterError
-from asperity.identify.estimator.descent import Sums
+from asperity.identify.estimator.descent import Sums, search
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.wrenches.pairs import Pairs
 from asperity.identify.models.patches import (
@@ -67,8 +67,6 @@ def descend(
     tolerance: float,
 ) -> Found:
     """Descend from given coordinates with a loss of given scale."""
-    from scipy.optimize import least_squares
-
     last: list[tuple[Array, Array, Array]] = []
 
     def both(p: Array) -> tuple[Array, Array]:
@@ -85,25 +83,15 @@ def descend(
             last[:] = [(p.copy(), (f - pairs.wrench).ravel(), by.reshape(-1, model.size))]
         return last[0][1], last[0][2]
 
-    def residuals(p: Array) -> Array:
-        return both(p)[0]
-
-    def jacobian(p: Array) -> Array:
-        return both(p)[1]
-
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         try:
-            found = least_squares(
-                residuals,
+            found = search(
+                lambda p: both(p)[0],
+                lambda p: both(p)[1],
                 first,
-                jac=jacobian,
-                loss=loss,
-                f_scale=1.0 if loss == "linear" else Loss(loss, scale, components=1).bend,
-                x_scale="jac",
-                max_nfev=most,
-                ftol=tolerance,
-                # The size of a gradient depends on the unit of forces.
-                gtol=None,
+                loss=Loss(loss, scale or 1.0, components=1),
+                close=tolerance,
+                most=most,
             )
         except (ValueError, np.linalg.LinAlgError):
             raise FitError(
