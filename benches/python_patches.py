@@ -16,7 +16,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 from asperity.identify import fit_patch
-from asperity.identify.patches.solving import starts_of
+from asperity.identify.evidence.wrenches.solving import starts_of
 from report import ratio
 from scipy.optimize import least_squares
 
@@ -72,7 +72,7 @@ def main(folder: str | None = None) -> None:
                 starts = [np.concatenate([one, [0.0, 0.0]]) for one in plain]
             peers = [
                 timed(
-                    lambda p=start, m=model, q=pairs, s=fit.scale: least_squares(
+                    lambda p=start, m=model, q=pairs, s=fit.loss.scale: least_squares(
                         lambda x: (m.both(x, q)[0] - q.wrench).ravel(),
                         p,
                         jac=lambda x: m.both(x, q)[1].reshape(-1, m.size),

@@ -449,8 +449,6 @@ RESULTS = {
     "Fit",
     "FittedPath",
     "PathFit",
-    "PatchCandidate",
-    "PatchComparison",
     "PatchFit",
     "SupportsFit",
     "Track",

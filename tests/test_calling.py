@@ -62,7 +62,7 @@ RESULTS = {
     "Stability", "Stage", "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
-    "identify.IdentifiedLaw", "identify.PatchCandidate", "identify.PatchComparison",
+    "identify.IdentifiedLaw",
     "identify.PatchFit", "identify.PathFit", "identify.SupportsFit", "track.Track",
     "track.TrackConfig",
 }  # fmt: skip

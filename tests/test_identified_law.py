@@ -175,7 +175,7 @@ def test_draws_that_are_no_law_are_repeated_or_said_to_be_too_many():
         ({"degrees_of_freedom": (1.0, 1.0)}, "degrees_of_freedom: must hold 3 numbers"),
         ({"reservoir_model": "elipse"}, "reservoir_model: must be 'circle', 'ellipse'"),
         ({"law": 0.3}, "law: must be a FrictionLaw, got 0.3"),
-        ({"law": asp.FrictionLaw.isotropic(0.3, dimension=3)}, "law: must be of the plane"),
+        ({"law": asp.FrictionLaw.isotropic(0.3, dimension=3)}, "law: must have p = 2"),
         ({"provenance": "dry"}, "provenance: must be a Provenance or None"),
     ],
 )
@@ -274,7 +274,7 @@ def test_the_command_writes_law_parameters_and_provenance(tmp_path, capsys):
     with (tmp_path / "A" / "parameters.csv").open() as file:
         table = {row["parameter"]: row for row in csv.DictReader(file)}
     for name, value, error in zip(found.names, found.values, found.standard_errors, strict=True):
-        assert float(table[name]["estimate"]) == pytest.approx(value)
+        assert float(table[name]["value"]) == pytest.approx(value)
         assert float(table[name]["standard error"]) == pytest.approx(error)
     origin = found.provenance
     assert origin.made_by.startswith("asperity identify --reservoir superellipse --direction ell")

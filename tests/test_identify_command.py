@@ -52,7 +52,7 @@ def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
         ("direction.ratio", 1.84 / 1.19),
         ("direction.exponent", 2.51),
     ):
-        assert float(found[name]["estimate"]) == pytest.approx(value, rel=0.03)
+        assert float(found[name]["value"]) == pytest.approx(value, rel=0.03)
     assert found["direction.scale"]["identifiable"] == "False"
     assert (out / "report.html").read_text().count("data:image/png;base64") == 3
 
@@ -73,9 +73,8 @@ def test_the_best_models_are_fitted_and_listed(campaign, tmp_path, capsys):
     assert identify(tmp_path, "run_1.csv", out=tmp_path / "out", options=options) == 0
     assert "(smallest BIC) is ellipse for C and circle for D\n" in capsys.readouterr().out
     with (tmp_path / "out" / "models.csv").open() as file:
-        fitted = [row for row in csv.DictReader(file) if row["fitted"] == "True"]
-    assert [(row["reservoir"], row["direction"]) for row in fitted] == [("ellipse", "circle")]
-    assert float(fitted[0]["BIC minus best"]) == 0.0
+        best = [row for row in csv.DictReader(file) if float(row["bic"]) == 0.0]
+    assert [row["model"] for row in best] == ["ellipse, circle"]
     with (tmp_path / "out" / "turns.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["channel"] for row in rows] == ["tangential"] * 4 + ["radial"] * 4 + ["normal"] * 4

@@ -20,10 +20,10 @@ from asperity.identify import (
     fit_law,
     process,
 )
-from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import by_axes
-from asperity.identify.fitting.least_squares.normal_equations import Family
-from asperity.identify.fitting.uncertainty.covariance import _pulls
+from asperity.identify.evidence.forces.bins import grouped
+from asperity.identify.evidence.forces.errors import _pulls
+from asperity.identify.evidence.forces.normal_equations import Family
+from asperity.identify.evidence.forces.samples import by_axes
 from profiles import counts, every
 from scipy.optimize import least_squares
 from table_1 import TABLE_1, TRUTH, sampled, turned_law

@@ -8,14 +8,14 @@ import pytest
 from asperity import identify
 from asperity.errors import FitError
 from asperity.identify import PatchFit, compare_patches, fit_patch, fit_supports
-from asperity.identify.patches.models import (
+from asperity.identify.evidence.wrenches.pairs import Pairs, in_ground
+from asperity.identify.evidence.wrenches.solving import descend
+from asperity.identify.models.patches import (
     EllipsoidPatch,
     ExtendedPatch,
     ExtendedPoints,
     PointsPatch,
 )
-from asperity.identify.patches.pairs import Pairs, in_ground
-from asperity.identify.patches.solving import descend
 from profiles import counts
 
 PHI = 2.0 * np.pi * np.arange(5) / 5 + 0.2
@@ -123,7 +123,7 @@ def test_steps_that_go_too_far_are_taken_back(model):
 
     class Far(type(model)):
         def __init__(self, of):
-            self._keep(_of=of, size=of.size)
+            self._keep(_of=of, coordinates=of.coordinates)
 
         def both(self, p, pairs):
             asked.append(p)
@@ -822,4 +822,4 @@ def test_load_and_centre_are_told_by_pure_translation():
 
 
 def test_public_names_are_in_the_room():
-    assert {"PatchFit", "SupportsFit", "PatchComparison"} <= set(identify.__all__)
+    assert {"PatchFit", "SupportsFit", "Comparison"} <= set(identify.__all__)

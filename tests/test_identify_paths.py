@@ -13,12 +13,16 @@ from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
 from asperity.identify import FourierReservoir, IdentifiedLaw, Launch, PathFit, fit_paths
-from asperity.identify.paths.campaign import FILES
-from asperity.identify.paths.launch import known_of
-from asperity.identify.paths.misfits import Misfits
-from asperity.identify.paths.motions import Motions
-from asperity.identify.paths.observed import observed, read_path
-from asperity.identify.paths.spread import spread
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.evidence.paths.campaign import FILES
+from asperity.identify.evidence.paths.launch import known_of
+from asperity.identify.evidence.paths.misfits import Misfits
+from asperity.identify.evidence.paths.motions import Motions
+from asperity.identify.evidence.paths.observed import observed, read_path
+from asperity.identify.evidence.paths.solution import Solution
+from asperity.identify.models.directions import CircleDirection
+from asperity.identify.models.reservoirs import SuperellipseReservoir
+from asperity.identify.models.structure import PlanarStructure
 from asperity.runs.comparison import hermite
 from asperity.track import MeasuredPath
 from profiles import counts
@@ -302,11 +306,25 @@ class Linear:
     def unknowns_of(self, k):
         return slice(self.size + k * self._own, self.size + (k + 1) * self._own)
 
+    def names_of_launches(self):
+        return ["launch"] * (len(self.paths) * self._own)
+
+    def covariance(self, residuals):
+        solution = Solution(
+            structure=PlanarStructure(SuperellipseReservoir(2.0), CircleDirection()),
+            held=np.full(self.size, np.nan),
+            misfits=self,
+            motions=None,
+            loss=Loss(components=1),
+            z=np.zeros(self.jacobian.shape[1]),
+            others=(),
+        )
+        vars(solution).update(jacobian=self.jacobian, residuals=residuals)
+        return solution.covariance(None)
+
 
 @pytest.mark.parametrize("count", [3, 6, 12])
 def test_scatter_between_paths_is_unbiased_and_its_intervals_hold(count):
-    from scipy.stats import t
-
     random = np.random.default_rng(count)
     model = Linear(count, random)
     draws = 1000
@@ -315,14 +333,13 @@ def test_scatter_between_paths_is_unbiased_and_its_intervals_hold(count):
     covariances, held = np.zeros((3, 3)), np.zeros(3)
     inverse = np.linalg.pinv(model.jacobian)[:3]
     for one in noise:
-        found = spread(model, one - hat @ one, model.jacobian)
-        covariances += found.covariance / draws
-        degrees = [found.degrees(unit) for unit in np.eye(3)]
-        widths = t.ppf(0.975, degrees) * np.sqrt(np.diag(found.covariance))
+        found = model.covariance(one - hat @ one)
+        covariances += found.scatter / draws
+        widths = found.half_widths(np.eye(3), 0.95)
         held += np.abs(inverse @ one) <= widths
-    np.testing.assert_allclose(found.stated, inverse @ inverse.T, rtol=1e-9)
-    scale = np.sqrt(np.diag(found.stated))
-    assert np.abs(covariances - found.stated).max() < 0.12 * np.max(scale) ** 2
+    np.testing.assert_allclose(found.leverage.inverse, inverse @ inverse.T, rtol=1e-9)
+    scale = np.sqrt(np.diag(found.leverage.inverse))
+    assert np.abs(covariances - found.leverage.inverse).max() < 0.12 * np.max(scale) ** 2
     # Satterthwaite's approximation is a little off for few paths that tell unlike amounts.
     assert (held / draws > 0.92).all()
     assert (held / draws < 0.99).all()

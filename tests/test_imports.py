@@ -32,9 +32,9 @@ ROOMS = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Rooms and files within a room; what else stands at its door may use them all.
 ROOMS_WITHIN = {
-    "identify": ["records", "forces", "fitting", "identified_law", "paths", "patches"],
+    "identify": ["records", "forces", "models", "estimator", "evidence"],
     "identify/records": ["tables", "calibration", "record", "magnitudes", "sliding"],
-    "identify/fitting": ["models", "data", "least_squares", "uncertainty"],
+    "identify/evidence": ["forces", "wrenches", "paths"],
     "steady_sliding": ["critical", "linearised"],
     "track": ["film", "image", "following"],
 }

@@ -30,7 +30,7 @@ comparison = identify.compare_models(data, pairs=pairs)
 for name, candidate in zip(names, comparison.candidates, strict=True):
     print(
         f"{name:18} {candidate.parameters:2} parameters, BIC {candidate.bic:9.1f}, "
-        f"left-out turns: {candidate.left_out:.1e} above the best mean square"
+        f"left-out turns missed by {candidate.left_out:.2%}"
     )
 best = comparison.best
 print(f"the best has {best.parameters} parameters")

@@ -69,10 +69,10 @@ def add(commands: Commands) -> argparse.ArgumentParser:
     add_models(parser, "best")
     parser.add_argument(
         "--loss",
-        choices=("linear", "huber", "cauchy"),
+        choices=("linear", "soft_l1", "huber", "cauchy"),
         default="linear",
-        help="how forces far from the law count: linear fully, by least squares; huber and cauchy "
-        "less and less, for records with outliers. Default linear",
+        help="how forces far from the law count: linear fully, by least squares; soft_l1, huber "
+        "and cauchy less and less, for records with outliers. Default linear",
     )
     return parser
 

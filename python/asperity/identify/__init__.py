@@ -12,34 +12,34 @@ Reference: [WL19] §5.2.
 
 from asperity.identify.associativity import Associativity
 from asperity.identify.estimation import fit_law
+from asperity.identify.estimator.comparison import Candidate, Comparison
+from asperity.identify.estimator.covariance import Bands
+from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.evidence.forces.selection import compare_models
+from asperity.identify.evidence.paths.estimation import fit_paths
+from asperity.identify.evidence.paths.launch import Launch
+from asperity.identify.evidence.paths.result import FittedPath, PathFit
+from asperity.identify.evidence.wrenches.estimation import compare_patches, fit_patch, fit_supports
+from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
 from asperity.identify.fit import Fit
-from asperity.identify.fitting.models.coordinates import Estimate
-from asperity.identify.fitting.models.directions import (
-    CircleDirection,
-    FourierDirection,
-    SuperellipseDirection,
-)
-from asperity.identify.fitting.models.reservoirs import (
-    CircleReservoir,
-    FourierReservoir,
-    SuperellipseReservoir,
-)
-from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
-from asperity.identify.fitting.uncertainty.covariance import Bands
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.dependence import Dependence, load_dependence, speed_dependence
 from asperity.identify.forces.filters import low_pass
 from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
 from asperity.identify.forces.processing import ProcessedData, process
 from asperity.identify.forces.turns import TurnAverage, average_turns
-from asperity.identify.identified_law import IdentifiedLaw
 from asperity.identify.loading import load
-from asperity.identify.patches.comparison import PatchCandidate, PatchComparison
-from asperity.identify.patches.estimation import compare_patches, fit_patch, fit_supports
-from asperity.identify.patches.result import PatchFit, SupportsFit
-from asperity.identify.paths.estimation import fit_paths
-from asperity.identify.paths.launch import Launch
-from asperity.identify.paths.result import FittedPath, PathFit
+from asperity.identify.models.coordinates import Estimate
+from asperity.identify.models.directions import (
+    CircleDirection,
+    FourierDirection,
+    SuperellipseDirection,
+)
+from asperity.identify.models.reservoirs import (
+    CircleReservoir,
+    FourierReservoir,
+    SuperellipseReservoir,
+)
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
 from asperity.identify.records.inspection import Column, Inspection, inspect_file
@@ -70,8 +70,6 @@ __all__ = [
     "Inspection",
     "Launch",
     "MeasuredSets",
-    "PatchCandidate",
-    "PatchComparison",
     "PatchFit",
     "PathFit",
     "ProcessedData",

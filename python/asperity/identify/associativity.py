@@ -20,8 +20,8 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity._base.value import Record
-from asperity.identify.fitting.models.coordinates import Estimate
-from asperity.identify.fitting.uncertainty.covariance import Covariance
+from asperity.identify.estimator.covariance import Covariance
+from asperity.identify.models.coordinates import Estimate
 
 Forces: TypeAlias = Callable[[Array, Array], Array]
 """Forces −λ/λ_N ``(n, p)`` while sliding along unit vectors ``(n, p)``, for coordinates."""

@@ -17,6 +17,7 @@ from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
 from asperity.identify.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.estimation import fit_law
+from asperity.identify.estimator.loss import LossName
 from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.dependence import several_loads
@@ -143,19 +144,14 @@ class Identification:
         figures = report_figures(self.fit)
         for name, figure in zip(_PICTURES, figures.values(), strict=True):
             save_figure(figure, folder / name)
-        header = ("parameter", "unit", "estimate", "low", "high", "standard error", "identifiable")
-        estimates = (
-            (
-                name,
-                "rad" if name.endswith(".angle") else "-",
-                *(one.value, one.low, one.high, one.standard_error, one.identifiable),
-            )
-            for name, one in self.fit.parameters.items()
-        )
-        write_csv(folder / "parameters.csv", header, estimates)
+        self.fit.to_csv(folder / "parameters.csv")
         write_columns(folder / "directions.csv", self._directions())
         write_csv(folder / "turns.csv", _TURN_COLUMNS, self._turns())
-        write_csv(folder / "models.csv", _MODEL_COLUMNS, self._models())
+        if self.fit.turns > 1:
+            self.fit.comparison.to_csv(folder / "models.csv")
+        else:
+            # A single turn cannot be left out.
+            write_csv(folder / "models.csv", ("model",), ())
         write_report(self.fit, folder / "report.html", title, figures)
 
     def _directions(self) -> dict[str, Any]:
@@ -181,25 +177,6 @@ class Identification:
             "D_2": points[:, 1],
         }
 
-    def _models(self) -> list[tuple[object, ...]]:
-        """Return the compared models; none where a single turn cannot be left out."""
-        if self.fit.turns < 2:
-            return []
-        fitted = self.fit.reservoir_model, self.fit.direction_model
-        return [
-            (
-                one.reservoir,
-                one.direction,
-                one.parameters,
-                one.rms,
-                one.bic,
-                one.left_out,
-                one.left_out_error,
-                (one.reservoir, one.direction) == fitted,
-            )
-            for one in self.fit.comparison.candidates
-        ]
-
     def _turns(self) -> list[tuple[object, ...]]:
         """Return the mean of each channel over each turn, its offset from all turns, and the drift.
 
@@ -221,16 +198,6 @@ class Identification:
 
 
 _TURN_COLUMNS = ("channel", "turn", "mean", "low", "high", "offset", "drift per turn")
-_MODEL_COLUMNS = (
-    "reservoir",
-    "direction",
-    "parameters",
-    "residual rms [N]",
-    "BIC minus best",
-    "left out minus best",
-    "left out error",
-    "fitted",
-)
 
 
 def identify_campaign(
@@ -240,7 +207,7 @@ def identify_campaign(
     *,
     reservoir: str = "superellipse",
     direction: str = "superellipse",
-    loss: str = "linear",
+    loss: LossName = "linear",
     confidence: float = 0.95,
     progress: Progress = None,
     announce: Callable[[str], object] = lambda _: None,
@@ -254,7 +221,7 @@ def identify_campaign(
         reservoir: model of C, ``"circle"``, ``"ellipse"``, ``"superellipse"``,
             ``"fourier"`` or ``"best"`` of those compared, by BIC.
         direction: model of D, likewise.
-        loss: ``"linear"``, ``"huber"`` or ``"cauchy"``.
+        loss: ``"linear"``, ``"soft_l1"``, ``"huber"`` or ``"cauchy"``.
         confidence: of the bands.
         progress: ``True`` for a bar of tqdm, or a function of (stages done, all stages); while
             files are read, of which each is a share of the first stage.

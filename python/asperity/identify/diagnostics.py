@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity._base.arrays import Array
-from asperity.identify.fitting.data.samples import WRAPPED, is_wrapped
-from asperity.identify.fitting.models.coordinates import Scale
+from asperity.identify.evidence.forces.samples import WRAPPED, is_wrapped
 from asperity.identify.forces.dependence import load_dependence, several_loads
+from asperity.identify.models.coordinates import Scale
 
 if TYPE_CHECKING:
     from asperity.identify.fit import Fit
@@ -126,6 +126,7 @@ def _unlike_noise(fit: Fit) -> list[str]:
     far, kind = fit.outliers, fit.loss.kind
     follows = {
         "linear": far.matters,
+        "soft_l1": far.one_sided,
         "huber": far.one_sided,
         "cauchy": far.one_sided and far.share > _MUCH,
     }
@@ -208,9 +209,10 @@ def _records_missing(fit: Fit) -> list[str]:
 def _changes(fit: Fit, moved: Array) -> str:
     """Return by how much steps of the coordinates change the parameters that are known."""
     changes = []
-    for (name, estimate), scale, x, step in zip(
-        fit.parameters.items(), fit.scales, fit.coordinates, moved.tolist(), strict=False
+    for (name, one), x, step in zip(
+        fit._structure.coordinates, fit.coordinates, moved.tolist(), strict=True
     ):
+        estimate, scale = fit.parameters[name], one.scale
         if not estimate.identifiable:
             continue
         change = step * float(scale.slope(np.asarray(x)))

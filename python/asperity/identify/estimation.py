@@ -4,29 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.log import log
 from asperity._base.progress import Progress
-from asperity.errors import FitError, ParameterError
-from asperity.identify.fit import Fit
-from asperity.identify.fitting.data.bins import grouped
-from asperity.identify.fitting.data.samples import Measured, Samples, frozen, inside, samples_of
-from asperity.identify.fitting.least_squares.descent import Descent, refine
-from asperity.identify.fitting.least_squares.loss import Loss
-from asperity.identify.fitting.least_squares.mistakes import sense_explained
-from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
-from asperity.identify.fitting.least_squares.outliers import check_sense, without_outliers
-from asperity.identify.fitting.least_squares.starts import check_directions, fit_bins, start
-from asperity.identify.fitting.models.names import (
-    DirectionName,
-    ReservoirName,
-    direction_model,
-    name_of,
-    reservoir_model,
-)
-from asperity.identify.fitting.selection import BEST, compare_models, matching_pairs
-from asperity.identify.fitting.uncertainty.flat_sides import (
+from asperity.errors import FitError
+from asperity.identify.estimator.covariance import level_of
+from asperity.identify.estimator.descent import Descent, Sums, refine
+from asperity.identify.estimator.loss import Loss, LossName
+from asperity.identify.evidence.forces.bins import grouped
+from asperity.identify.evidence.forces.flat_sides import (
     DECISIVE,
     Clear,
     clear_of_axes,
@@ -34,6 +20,20 @@ from asperity.identify.fitting.uncertainty.flat_sides import (
     is_singular,
     round_quarters,
     shared_axes,
+)
+from asperity.identify.evidence.forces.mistakes import sense_explained
+from asperity.identify.evidence.forces.normal_equations import Family
+from asperity.identify.evidence.forces.outliers import check_sense, without_outliers
+from asperity.identify.evidence.forces.samples import Measured, Samples, frozen, inside, samples_of
+from asperity.identify.evidence.forces.selection import BEST, compare_models, matching_pairs
+from asperity.identify.evidence.forces.starts import check_directions, fit_bins, start
+from asperity.identify.fit import Fit
+from asperity.identify.models.names import (
+    DirectionName,
+    ReservoirName,
+    direction_model,
+    name_of,
+    reservoir_model,
 )
 
 _COARSE_WIDTH = 5
@@ -51,7 +51,7 @@ def fit_law(
     reservoir: ReservoirName = "superellipse",
     direction: DirectionName = "superellipse",
     joint: bool = True,
-    loss: str = "linear",
+    loss: LossName = "linear",
     confidence: float | None = 0.95,
     progress: Progress = None,
 ) -> Fit:
@@ -71,7 +71,7 @@ def fit_law(
         direction: model of D, likewise; with both ``"best"``, the best pair.
         joint: fit C and D together to the forces; else C to their magnitudes over their
             directions and D to their directions over the sliding directions.
-        loss: ``"linear"``, or ``"huber"`` or ``"cauchy"`` against outliers.
+        loss: ``"linear"``, or ``"soft_l1"``, ``"huber"`` or ``"cauchy"`` against outliers.
         confidence: level of the confidence intervals; None for a fit without them, for which one
             turn is enough.
 
@@ -95,10 +95,7 @@ def fit_law(
     >>> fit.parameters["direction.scale"].identifiable
     False
     """
-    if confidence is not None:
-        confidence = arrays.fraction(confidence, "confidence")
-        if not 0.0 < confidence < 1.0:
-            raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
+    confidence = level_of(confidence)
     measure = Loss(loss)
     comparison = None
     if BEST in (reservoir, direction):
@@ -108,10 +105,10 @@ def fit_law(
         log.info(
             "fit_law: the best of %d pairs of models is %s, %s",
             len(comparison.candidates),
-            name_of(best.reservoir_model),
-            name_of(best.direction_model),
+            best.reservoir,
+            best.direction,
         )
-        reservoir, direction = best.reservoir_model, best.direction_model
+        reservoir, direction = best.models
     family = Family(reservoir_model(reservoir), direction_model(direction), joint=bool(joint))
     data = frozen(data)
     samples = samples_of(data)

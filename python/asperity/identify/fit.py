@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from functools import cached_property
@@ -14,18 +13,28 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.result import Table, counted
+from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value, View
+from asperity._base.value import View
 from asperity.identify.associativity import Associativity, associativity_of
 from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
-from asperity.identify.fitting.data import defects
-from asperity.identify.fitting.data.bins import Bins, grouped
-from asperity.identify.fitting.data.coverage import Coverage, coverage
-from asperity.identify.fitting.data.defects import Defect
-from asperity.identify.fitting.data.drift import Drift, drift
-from asperity.identify.fitting.data.samples import (
+from asperity.identify.estimator.comparison import Candidate, Comparison
+from asperity.identify.estimator.covariance import Bands, Covariance, estimates, known_angles
+from asperity.identify.estimator.descent import Descent, Sums
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.mistakes import Mistake
+from asperity.identify.estimator.result import LawFit
+from asperity.identify.evidence.forces import defects
+from asperity.identify.evidence.forces.bins import Bins, grouped
+from asperity.identify.evidence.forces.causes import Causes, means_of, weighty
+from asperity.identify.evidence.forces.coverage import Coverage, coverage
+from asperity.identify.evidence.forces.defects import Defect
+from asperity.identify.evidence.forces.drift import Drift, drift
+from asperity.identify.evidence.forces.mistakes import mistake
+from asperity.identify.evidence.forces.mountings import Mountings
+from asperity.identify.evidence.forces.normal_equations import Family
+from asperity.identify.evidence.forces.outliers import Outliers, outliers
+from asperity.identify.evidence.forces.samples import (
     Samples,
     channels_turn,
     frozen,
@@ -33,33 +42,23 @@ from asperity.identify.fitting.data.samples import (
     runs_of,
     samples_of,
 )
-from asperity.identify.fitting.least_squares.descent import Descent
-from asperity.identify.fitting.least_squares.loss import Loss
-from asperity.identify.fitting.least_squares.mistakes import Mistake, mistake
-from asperity.identify.fitting.least_squares.normal_equations import Family, Sums
-from asperity.identify.fitting.least_squares.outliers import Outliers, outliers
-from asperity.identify.fitting.models.coordinates import Estimate, Scale, at_bounds, table_of
-from asperity.identify.fitting.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
-from asperity.identify.fitting.selection import Candidate, Comparison, compare_models
-from asperity.identify.fitting.uncertainty.causes import Causes, means_of, weighty
-from asperity.identify.fitting.uncertainty.covariance import Bands, Covariance, estimate, has_angle
-from asperity.identify.fitting.uncertainty.mountings import Mountings
+from asperity.identify.evidence.forces.selection import compare_models
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
-from asperity.identify.identified_law import IdentifiedLaw
+from asperity.identify.models.coordinates import Estimate, at_bounds
+from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
+from asperity.identify.models.structure import PlanarStructure
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
-from asperity.law import FrictionLaw, Provenance
+from asperity.law import FrictionLaw
 from asperity.sets import StarSet
 
 # Means for figures are taken over half a degree.
 _WIDTH = 5
-# Without bands, a set counts as round if its combinations of coordinates are below this.
-_ROUND = 1e-9
 
 
-class Fit(SavedResult, Value):
+class Fit(LawFit):
     """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
 
     What `save` writes holds all readings of the measurement with calibration and records without
@@ -84,11 +83,11 @@ class Fit(SavedResult, Value):
     confidence: float | None
     held: bool
     coordinates: Array
-    covariance: Covariance | None
     _samples: Samples
     _family: Family
     _descent: Descent
     _causes: Causes
+    _covariance: Covariance | None
 
     _picture = "plot_fitted_sets"
 
@@ -124,36 +123,27 @@ class Fit(SavedResult, Value):
         bins = means_of(self._samples, loss) if bins is None else bins
         causes = Causes(family, descent, loss, self.data, self._samples, bins)
         covariance = None if confidence is None else causes.covariance(held=held)
-        self._keep(covariance=covariance, _causes=causes)
+        self._keep(_covariance=covariance, _causes=causes)
 
-    def summary(self) -> str:
-        """Return the models, their parameters with confidence intervals, and warnings."""
-        level = "" if self.confidence is None else f" with {self.confidence:.0%} intervals"
-        lines = [
+    @property
+    def covariance(self) -> Covariance | None:
+        """Covariance of the coordinates by its causes; None without confidence intervals."""
+        return self._covariance
+
+    def _words(self) -> tuple[str, str, str]:
+        models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
+        return (
             f"The models {self.reservoir_model} for C and {self.direction_model} for D are fitted "
             f"to {counted(self.samples, 'sample')} in {counted(self.turns, 'turn')}; forces differ "
             f"from the model by {self.rms:.4g} N (root mean square). There are forces in "
             f"{self.coverage}.",
-            f"The parameters{level} are",
-            *(
-                f"{name}{' in rad' if name.endswith('.angle') else ''}: {one}."
-                for name, one in self.parameters.items()
-            ),
             UNITS_AND_SCALE,
-        ]
-        return "\n".join([*lines, *(f"{sentence}." for sentence in self.warnings)])
-
-    def _table(self) -> Table:
-        return table_of(self.parameters, rms=self.rms)
+            f"{models}, {self.samples} samples, {self.turns} turns",
+        )
 
     @classmethod
     def _known(cls) -> stored.Kinds:
         return _KNOWN
-
-    def __repr__(self) -> str:
-        models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
-        text = "; ".join([f"{models}, {self.samples} samples, {self.turns} turns", *self.warnings])
-        return f"<Fit: {text}>"
 
     @property
     def samples(self) -> int:
@@ -174,6 +164,10 @@ class Fit(SavedResult, Value):
     def direction_model(self) -> str:
         """Name of the model of D."""
         return name_of(self._family.direction)
+
+    @property
+    def _structure(self) -> PlanarStructure:
+        return PlanarStructure(self._family.reservoir, self._family.direction)
 
     @cached_property
     def reservoir(self) -> StarSet:
@@ -197,55 +191,12 @@ class Fit(SavedResult, Value):
         """
         return FrictionLaw(self.reservoir, self.direction)
 
-    @cached_property
-    def identified_law(self) -> IdentifiedLaw:
-        """The law with the values of its parameters and their covariance, to sample and to save.
-
-        Raises:
-            FitError: if the fitted D is not convex.
-        """
-        return self._identified(None)
-
-    def save_law(
-        self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
-    ) -> Path:
-        """Write the law, its parameters and their covariance to a readable TOML file.
-
-        ``FrictionLaw.load`` reads the law in it, `IdentifiedLaw.load` all of it; the same file is
-        written by ``asperity identify`` as ``law.toml``.
-
-        Args:
-            path: of the file; it is complete or not there.
-            provenance: where the measurement comes from, to keep with the law.
-
-        Returns:
-            The path.
-
-        Raises:
-            FitError: if the fitted D is not convex.
-        """
-        self._identified(provenance).save(path)
-        return Path(path)
-
-    def _identified(self, provenance: Provenance | None) -> IdentifiedLaw:
-        known = None if self.covariance is None else self.covariance.merged()
-        family = self._family
-        parts = (None,) * 3 if known is None else known.parts
-        degrees = (math.inf,) * 3 if known is None else known.degrees
-        values = [
-            float(scale.natural(x)) for x, scale in zip(self.coordinates, self.scales, strict=True)
-        ]
-        return IdentifiedLaw(
-            self.law,
-            reservoir_model=family.reservoir,
-            direction_model=family.direction,
-            values=values,
-            turns=parts[0],
-            calibration=parts[1],
-            zeros=parts[2],
-            degrees_of_freedom=degrees,
-            provenance=provenance,
-        )
+    def _models(self) -> dict[str, Any]:
+        return {
+            "reservoir_model": self._structure.reservoir,
+            "direction_model": self._structure.direction,
+            "values": self._structure.values(self.coordinates),
+        }
 
     @cached_property
     def parameters(self) -> Mapping[str, Estimate]:
@@ -256,24 +207,25 @@ class Fit(SavedResult, Value):
         what ended at a bound of its model or strokes in few directions leave open, nor the shape of
         C where forces leap over 30° and more of their directions; `warnings` says so.
         """
-        family = self._family
-        result: dict[str, Estimate] = {}
-        stuck, blind = self.at_bounds | self.undetermined, bool(self.gaps)
-        for start, model, part in (
-            (0, family.reservoir, "reservoir"),
-            (family.split, family.direction, "direction"),
-        ):
-            for at, coordinate in enumerate(model.coordinates, start):
-                last = at == start + len(model.coordinates) - 1
-                told = not last or self._has_angle(slice(start, at + 1), model.roundness())
-                told = told and not stuck[at] and not (blind and part == "reservoir")
-                unit = np.eye(family.size)[at]
-                width, deviation = self._width(unit[None])[0], self._deviation(unit)
-                result[f"{part}.{coordinate.name}"] = estimate(
-                    self.coordinates[at], coordinate, width, deviation, told
-                )
-        result["direction.scale"] = Estimate(np.nan, 0.0, np.inf, np.inf, identifiable=False)
-        return View(result)
+        structure = self._structure
+        told = ~(self.at_bounds | self.undetermined)
+        if self.gaps:
+            told[: self._family.split] = False
+        angles = known_angles(structure, self.coordinates, self.covariance)
+        told &= [angles.get(name, True) for name in structure.names]
+        units = np.eye(len(told))
+        deviations = np.full(len(told), np.nan)
+        if self.covariance is not None:
+            deviations = np.sqrt(np.maximum(np.diag(self.covariance.total), 0.0))
+        return View(
+            estimates(
+                structure,
+                self.coordinates,
+                told,
+                half_widths=self._width(units),
+                standard_errors=deviations,
+            )
+        )
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -289,11 +241,6 @@ class Fit(SavedResult, Value):
         where forces are given as arrays: what is known of their errors is not known here.
         """
         return View(self._causes.missing())
-
-    @property
-    def scales(self) -> tuple[Scale, ...]:
-        """How the reported parameters follow from the coordinates."""
-        return tuple(coordinate.scale for coordinate in self._family.coordinates)
 
     @cached_property
     def at_bounds(self) -> NDArray[np.bool_]:
@@ -475,19 +422,6 @@ class Fit(SavedResult, Value):
         if self.covariance is None or self.confidence is None:
             return np.full(len(directions), np.nan)
         return self.covariance.half_widths(directions, self.confidence)
-
-    def _deviation(self, direction: Array) -> float:
-        if self.covariance is None:
-            return float("nan")
-        return math.sqrt(max(float(direction @ self.covariance.total @ direction), 0.0))
-
-    def _has_angle(self, part: slice, roundness: Any) -> bool:
-        if roundness is None:
-            return True
-        p = self.coordinates[part]
-        if self.covariance is None:
-            return bool(np.abs(roundness.matrix @ p - roundness.offset).max() > _ROUND)
-        return has_angle(p, roundness, self.covariance.of(part))
 
 
 _KNOWN: stored.Kinds = {

@@ -12,9 +12,9 @@ from asperity._base import report
 from asperity._base.report import Block, Facts, Grid, Picture, Section, Text
 from asperity.errors import FitError, ParameterError
 from asperity.identify.diagnostics import SETS
-from asperity.identify.fitting.models.coordinates import Estimate
 from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.processing import ProcessedData
+from asperity.identify.models.coordinates import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -175,7 +175,7 @@ def _comparison(fit: Fit) -> list[Section]:
             str(one.parameters),
             f"{one.rms:.4g}",
             f"{one.bic:.1f}",
-            f"{one.left_out:.2g} ± {one.left_out_error:.2g}",
+            f"{one.behind:.2g} ± {one.behind_error:.2g}",
         )
         for one in comparison.candidates
     ]

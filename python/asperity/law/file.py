@@ -30,6 +30,7 @@ SCHEMA: Schema = {
     **HEAD_SCHEMA,
     "law": {"reservoir": TABLE, "direction": TABLE, "rate": TABLE, "report": TABLE},
     "parameters": {
+        "model": _MODEL,
         "reservoir_model": _MODEL,
         "direction_model": _MODEL,
         "names": TEXTS,

@@ -1,0 +1,1 @@
+"""The estimator: descent, losses, covariance from what differs between clusters."""

@@ -1,0 +1,112 @@
+"""What all fits have in common: parameters, covariance, warnings, a law to save, text, a table."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from asperity._base.result import Axis, Series, Table
+from asperity._base.storage.result_file import SavedResult
+from asperity._base.value import Value
+from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.law import Provenance
+
+
+class LawFit(SavedResult, Value):
+    """A law that was fitted to measurements, with its uncertainty."""
+
+    _unit = "-"
+    """Of parameters that are no angles."""
+
+    # The kinds of evidence give what follows, as attributes or properties.
+    if TYPE_CHECKING:
+        confidence: Any
+        law: Any
+        parameters: Any
+        covariance: Any
+        rms: Any
+        warnings: Any
+
+    def _models(self) -> dict[str, Any]:
+        """Return the models and values of the parameters, as `IdentifiedLaw` takes them."""
+        raise NotImplementedError
+
+    def _words(self) -> tuple[str, str, str]:
+        """Return what is fitted to what and how well, what follows the parameters, a short name."""
+        raise NotImplementedError
+
+    @property
+    def identified_law(self) -> IdentifiedLaw:
+        """The law with the values of its parameters and their covariance, to sample and to save.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        known = None if self.covariance is None else self.covariance.merged()
+        uncertain: dict[str, Any] = {}
+        if known is not None:
+            names = ("turns", "calibration", "zeros")
+            uncertain = dict(zip(names, known.parts, strict=True))
+            uncertain["degrees_of_freedom"] = known.degrees
+        return IdentifiedLaw(self.law, **self._models(), **uncertain)
+
+    def save_law(
+        self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
+    ) -> Path:
+        """Write the law, its parameters and their covariance to a readable TOML file.
+
+        ``FrictionLaw.load`` reads the law in it, `IdentifiedLaw.load` all of it, and
+        ``asperity simulate --bands`` takes it.
+
+        Args:
+            path: of the file; it is complete or not there.
+            provenance: where the measurement comes from, to keep with the law.
+
+        Returns:
+            The path.
+
+        Raises:
+            FitError: if the fitted D is not convex.
+        """
+        law = self.identified_law
+        (law if provenance is None else law.replace(provenance=provenance)).save(path)
+        return Path(path)
+
+    def summary(self) -> str:
+        """Return the models, their parameters with confidence intervals, and warnings."""
+        fitted, more, _ = self._words()
+        level = "" if self.confidence is None else f" with {self.confidence:.0%} intervals"
+        lines = [fitted, f"The parameters{level} are"]
+        lines += [
+            f"{name}{' in rad' if name.endswith('.angle') else ''}: {one}."
+            for name, one in self.parameters.items()
+        ]
+        sentences = [f"{one[0].upper()}{one[1:]}." for one in self.warnings]
+        return "\n".join([*lines, *([more] if more else []), *sentences])
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {'; '.join([self._words()[2], *self.warnings])}>"
+
+    def _table(self) -> Table:
+        words = {
+            "unit": "of the estimate",
+            "value": "estimate, angles in rad",
+            "low": "lower end of the confidence interval",
+            "high": "upper end of the confidence interval",
+            "standard_error": "standard deviation of the estimate",
+            "identifiable": "whether the data determine it",
+        }
+        listed = list(self.parameters.values())
+        columns = {name: [getattr(one, name) for one in listed] for name in words if name != "unit"}
+        columns["unit"] = [
+            "rad" if name.endswith(".angle") else self._unit for name in self.parameters
+        ]
+        series = {
+            name: Series(np.array(columns[name]), ("parameter",), "", text)
+            for name, text in words.items()
+        }
+        axis = Axis(tuple(self.parameters), "", "parameter")
+        return Table({"parameter": axis}, series, {"rms": self.rms})

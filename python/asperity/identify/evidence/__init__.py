@@ -1,0 +1,1 @@
+"""What a law follows from: forces over sliding directions, wrenches and twists, paths."""

@@ -1,0 +1,1 @@
+"""Forces over sliding directions: samples, their means, starts, defects, errors they share."""

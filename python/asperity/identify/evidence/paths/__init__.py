@@ -1,0 +1,1 @@
+"""Paths of sliding bodies: how they are launched, read and simulated."""

@@ -1,0 +1,1 @@
+"""Wrenches and twists of contact patches."""

@@ -1,1 +1,0 @@
-"""From forces to sets: models, least squares, uncertainty, comparison of models."""

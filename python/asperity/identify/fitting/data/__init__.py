@@ -1,1 +1,0 @@
-"""Samples of the force as fits take them, their means over directions, drift and defects."""

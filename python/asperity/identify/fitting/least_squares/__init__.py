@@ -1,1 +1,0 @@
-"""Losses, normal equations summed over the samples, Levenberg and Marquardt's descent, starts."""

@@ -1,1 +1,0 @@
-"""Families of sets C and D, with the coordinates in which they are fitted."""

@@ -1,1 +1,0 @@
-"""Covariance of what was fitted, the causes of its errors, confidence bands."""

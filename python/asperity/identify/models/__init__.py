@@ -1,0 +1,1 @@
+"""Models of reservoirs, direction sets and contact patches, and their coordinates."""

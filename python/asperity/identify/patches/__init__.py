@@ -1,1 +1,0 @@
-"""Laws of contact patches from pairs of wrench and twist."""

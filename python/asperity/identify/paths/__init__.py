@@ -1,1 +1,0 @@
-"""Measured paths of sliding bodies: how they are launched, read and simulated."""
