@@ -9,7 +9,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
-from samples import public_of
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 # Those of measurements take data that are not included: tests/test_measured_pushes.py runs them.
