@@ -98,6 +98,9 @@ def integrate(
     problems of accelerations and of impacts decide what comes next, by the rule of selection of
     `simulate`. What `simulate` converges to for Δt → 0.
 
+    Parts of a `RigidBodies` or `LinearSystem` that no contact, spring or matrix entry can connect
+    are integrated one by one, each as it would move alone.
+
     Args:
         system: a system with as many coordinates as velocities but for ``rotations``; the
             direction sets of its laws must be strictly convex.
@@ -119,7 +122,8 @@ def integrate(
             1e-14 and 1e-2. Functions of the user are asked at the start how large they become up
             to ``t_end``.
         sample_every: time between samples in s. Default: every step of the method, before and after
-            events.
+            events. Parts of the system that nothing connects have steps of their own; between
+            events there are then as many samples as each part has steps on average.
         max_step: longest step in s. Default: as the error allows. Functions of time of the user are
             seen at five times of a step: set this to the length of pulses, else they are missed.
             At least 1e-10 of all the time. A `Signal` needs none: steps end where it is not smooth.

@@ -178,6 +178,14 @@ impl Samples {
         self.phase.extend_from_slice(&of.phase[phases]);
     }
 
+    /// Appends a sample once more.
+    pub(crate) fn repeat(&mut self, sample: usize) {
+        for (column, width) in self.columns_mut() {
+            column.extend_from_within(sample * width..(sample + 1) * width);
+        }
+        self.phase.extend_from_within(sample * self.contacts..(sample + 1) * self.contacts);
+    }
+
     /// Appends samples that there are not: NaN, and phases unknown.
     pub(crate) fn leave_out(&mut self, samples: usize) {
         for (to, width) in self.columns_mut() {

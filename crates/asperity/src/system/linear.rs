@@ -5,10 +5,11 @@ use std::sync::{Mutex, PoisonError};
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::{
-    Blocks, Configuration, Constancy, ContactLaw, MotionBounds, System, SystemError, TimeDependence,
+    Blocks, Configuration, Constancy, ContactLaw, MotionBounds, System, SystemError, SystemPart,
+    TimeDependence,
 };
 use crate::argument::{ArgumentError, entries, finite, refuse};
-use crate::contact::NormalForce;
+use crate::contact::{Components, NormalForce};
 use crate::law::Law;
 use crate::vectors::{dot, unrolled};
 
@@ -223,6 +224,42 @@ impl LinearSystem {
         Some(Matrices { mass: &self.mass, stiffness, damping, held })
     }
 
+    /// The system of some of its velocities alone, ascending, with the contacts that touch no others.
+    fn of_velocities(&self, velocities: &[usize], contacts: &[usize]) -> Self {
+        let n = velocities.len();
+        let place = |k: usize| velocities.binary_search(&k).ok();
+        let internal: Vec<Internal> = (self.internal.iter())
+            .filter_map(|entry| {
+                let (row, column) = (place(entry.row)?, place(entry.column)?);
+                Some(Internal { row, column, ..*entry })
+            })
+            .collect();
+        let few = |value: fn(&Internal) -> f64| {
+            let mut matrix = vec![0.0; if n > FEW { 0 } else { n * n }];
+            if n <= FEW {
+                internal.iter().for_each(|e| matrix[n * e.column + e.row] = value(e));
+            }
+            matrix
+        };
+        let contact = |&i: &usize| {
+            let LinearContact { rows, velocity, gap } = &self.contacts[i];
+            let rows = rows.chunks_exact(self.force.len());
+            let rows = rows.flat_map(|row| velocities.iter().map(|&k| row[k])).collect();
+            LinearContact { rows, velocity: velocity.clone(), gap: *gap }
+        };
+        Self {
+            blocks: Blocks::one(n),
+            mass: DMatrix::from_fn(n, n, |i, j| self.mass[(velocities[i], velocities[j])]),
+            stiffness: few(|entry| entry.stiffness),
+            damping: few(|entry| entry.damping),
+            internal,
+            force: velocities.iter().map(|&k| self.force[k]).collect(),
+            contacts: contacts.iter().map(contact).collect(),
+            laws: contacts.iter().map(|&i| self.laws[i].clone()).collect(),
+            longest_step: LongestStep::default(),
+        }
+    }
+
     /// The longest step if one of a length is too long, as it is found unless it is known.
     pub(crate) fn longest_step(&self, dt: f64, find: impl FnOnce() -> Option<f64>) -> Option<f64> {
         let mut known = self.longest_step.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -302,6 +339,43 @@ impl System for LinearSystem {
 
     fn as_linear(&self) -> Option<&LinearSystem> {
         Some(self)
+    }
+
+    /// Velocities that no entry of the matrices and no row of a contact connects are of different parts.
+    fn parts(&self) -> Vec<SystemPart> {
+        let n = self.force.len();
+        let mut connected = Components::default();
+        connected.separate(n);
+        for (k, _) in self.mass.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+            connected.join(k / n, k % n);
+        }
+        self.internal.iter().for_each(|entry| connected.join(entry.row, entry.column));
+        let mut touched = Vec::new();
+        for contact in &self.contacts {
+            let entries = contact.rows.iter().enumerate().filter(|(_, entry)| **entry != 0.0);
+            let all: Vec<usize> = entries.map(|(k, _)| k % n).collect();
+            // A direction that moves nothing is refused by its number in the whole.
+            if contact.rows.chunks_exact(n).any(|row| row.iter().all(|entry| *entry == 0.0)) {
+                return Vec::new();
+            }
+            all.iter().for_each(|&k| connected.join(all[0], k));
+            touched.push(all[0]);
+        }
+        let of = connected.numbers();
+        let count = of.iter().max().map_or(0, |last| last + 1);
+        if count < 2 {
+            return Vec::new();
+        }
+        let (mut velocities, mut contacts) = (vec![Vec::new(); count], vec![Vec::new(); count]);
+        of.iter().enumerate().for_each(|(k, &part)| velocities[part].push(k));
+        touched.iter().enumerate().for_each(|(i, &k)| contacts[of[k]].push(i));
+        let part = |(velocities, contacts): (Vec<usize>, Vec<usize>)| SystemPart {
+            system: Box::new(self.of_velocities(&velocities, &contacts)),
+            coordinates: velocities.clone(),
+            velocities,
+            contacts,
+        };
+        velocities.into_iter().zip(contacts).map(part).collect()
     }
 
     fn mass(&self, _q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {

@@ -234,6 +234,19 @@ pub struct InitialState {
     pub u: Vec<f64>,
 }
 
+/// A part of a system that nothing connects with the rest, with the places of what it has in the whole, ascending.
+#[derive(Debug)]
+pub struct SystemPart {
+    /// The part as a system.
+    pub system: Box<dyn System>,
+    /// Its coordinates.
+    pub coordinates: Vec<usize>,
+    /// Its velocities.
+    pub velocities: Vec<usize>,
+    /// Its contacts.
+    pub contacts: Vec<usize>,
+}
+
 /// How large that becomes which depends on time, see [`System::time_dependence`].
 ///
 /// A function of time may be the small difference of large parts, such as 1 − cos t near zero. Rounding leaves a share of
@@ -369,6 +382,12 @@ pub trait System: Debug + Sync {
     /// What never changes.
     fn constancy(&self) -> Constancy {
         Constancy::default()
+    }
+
+    /// The parts that nothing ever connects, neither forces nor contacts that may close, as systems of their own; none, as
+    /// by default, if all is one part. Event-driven integration gives each its own steps.
+    fn parts(&self) -> Vec<SystemPart> {
+        Vec::new()
     }
 
     /// The system by its matrices, if it is linear and made of them, so that steps need not ask for these.

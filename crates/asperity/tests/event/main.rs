@@ -6,6 +6,7 @@ mod common;
 mod arguments;
 mod belt;
 mod impacts;
+mod parts;
 mod sliding;
 mod spatial;
 mod stepping;

@@ -50,7 +50,7 @@ pub struct Run {
 /// Integrates `system` from event to event.
 ///
 /// Bodies that turn in space are integrated with rotation vectors in place of their quaternions, see
-/// [`System::rotations`].
+/// [`System::rotations`]. Each of the [`System::parts`] has steps of its own and moves as it would alone.
 ///
 /// ```
 /// use asperity::event::{EventKind, Options, Outcome, integrate};

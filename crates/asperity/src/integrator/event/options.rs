@@ -49,7 +49,8 @@ pub struct Options {
     pub start: Option<InitialState>,
     /// Error that is aimed at, relative to the largest coordinate and the largest velocity; 1e-10.
     pub tolerance: f64,
-    /// Time between samples in s; none, as by default, keeps every step, before and after events.
+    /// Time between samples in s; none, as by default, keeps every step, before and after events, and between the events of
+    /// several parts as many as each has steps on average.
     pub sample: Option<f64>,
     /// Longest step in s; any by default. Forces that depend on time are seen at five times of a step: what is shorter than a
     /// fifth of it may be missed. At least a ten billionth of the whole time.

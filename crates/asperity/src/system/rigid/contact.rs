@@ -76,6 +76,22 @@ impl Contact {
         if self.bodies[0] == self.body { (0, 1) } else { (1, 0) }
     }
 
+    /// The same between bodies with other numbers in the same order; nothing where a body has none.
+    pub(super) fn renumbered(&self, number: impl Fn(usize) -> Option<usize>) -> Option<Self> {
+        let other = self.other.map(&number);
+        let [a, b] = self.bodies.map(&number);
+        let (body, bodies) = (number(self.body)?, [a?, b?]);
+        Some(Self { body, other: other.flatten(), bodies, ..self.clone() })
+    }
+
+    /// What of its plane depends on time.
+    pub(super) fn timed(&self) -> Option<&Arc<Timed>> {
+        match &self.touching {
+            Touching::Plane { timed, .. } => timed.as_ref(),
+            Touching::Spheres { .. } => None,
+        }
+    }
+
     /// The poses of its bodies.
     #[inline]
     pub(super) fn poses(&self, pose: impl Fn(usize) -> Pose) -> Poses {

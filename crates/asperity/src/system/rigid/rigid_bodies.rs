@@ -1,5 +1,7 @@
 //! A system of rigid bodies, as it is put together.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::body::{Bodies, Inertial, Parts, TimedLoad};
@@ -39,7 +41,7 @@ pub struct RigidBodies {
     /// Bodies of unequal moments, whose angular momenta are what is stepped.
     pub(super) unequal: Vec<usize>,
     pub(super) timed_loads: Vec<TimedLoad>,
-    pub(super) timed_planes: Vec<Timed>,
+    pub(super) timed_planes: Vec<Arc<Timed>>,
     pub(super) gravity: Vector3<f64>,
     pub(super) springs: Vec<Spring>,
     pub(super) contacts: Vec<Contact>,
@@ -103,7 +105,7 @@ impl RigidBodies {
                 labels.push(ContactLabel { pair: i, number: k });
             }
         }
-        let timed_planes = pairs.iter().filter_map(|pair| pair.shape.timed()).collect();
+        let timed_planes = timed_planes(&contacts);
         let given = |&contact: &usize| !laws[contact].normal_force().is_unilateral();
         let prescribed = (0..laws.len()).filter(given).collect();
         let unequal = (0..inertial.len()).filter(|&body| !inertial[body].isotropic).collect();
@@ -116,6 +118,44 @@ impl RigidBodies {
         let bodies =
             Self { planar, size, rotations, blocks, inertial, unequal, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
+    }
+
+    /// The system of some of the bodies alone, ascending, with these contacts and springs, which touch no others.
+    pub(super) fn of_bodies(&self, bodies: &[usize], contacts: &[usize]) -> Self {
+        let place = |body: &usize| bodies.binary_search(body).ok();
+        let count = bodies.len();
+        let size = if self.planar { 3 } else { 7 };
+        let part = |of: &[f64], size: usize| -> Vec<f64> {
+            bodies.iter().flat_map(|body| &of[size * body..size * (body + 1)]).copied().collect()
+        };
+        let loads = self.timed_loads.iter();
+        let loads = loads.filter_map(|l| Some(TimedLoad { body: place(&l.body)?, ..l.clone() }));
+        let springs = self.springs.iter().filter_map(|spring| {
+            let other = spring.other.as_ref().and_then(place);
+            Some(Spring { body: place(&spring.body)?, other, ..spring.clone() })
+        });
+        let moved = |&contact: &usize| self.contacts[contact].renumbered(|body| place(&body));
+        let own: Vec<Contact> = contacts.iter().filter_map(moved).collect();
+        let given = |i: &usize| !self.laws[contacts[*i]].normal_force().is_unilateral();
+        let inertial: Vec<_> = bodies.iter().map(|&body| self.inertial[body]).collect();
+        Self {
+            planar: self.planar,
+            size: self.size,
+            rotations: self.rotations[..count.min(self.rotations.len())].to_vec(),
+            blocks: Blocks::new(std::iter::repeat_n(self.size, count)),
+            unequal: (0..count).filter(|&body| !inertial[body].isotropic).collect(),
+            inertial,
+            timed_loads: loads.collect(),
+            timed_planes: timed_planes(&own),
+            gravity: self.gravity,
+            springs: springs.collect(),
+            contacts: own,
+            laws: contacts.iter().map(|&contact| self.laws[contact].clone()).collect(),
+            labels: contacts.iter().map(|&contact| self.labels[contact]).collect(),
+            prescribed: (0..contacts.len()).filter(given).collect(),
+            q0: part(&self.q0, size),
+            u0: part(&self.u0, self.size),
+        }
     }
 
     /// Whether the bodies move in the plane `z = 0`.
@@ -184,4 +224,11 @@ impl RigidBodies {
         let springs = self.springs.iter().any(|spring| spring.length.constant().is_none());
         springs || !self.timed_loads.is_empty() || !self.timed_planes.is_empty()
     }
+}
+
+/// What depends on time of the planes of contacts; those of one pair share it.
+fn timed_planes(contacts: &[Contact]) -> Vec<Arc<Timed>> {
+    let mut planes: Vec<Arc<Timed>> = contacts.iter().filter_map(Contact::timed).cloned().collect();
+    planes.dedup_by(|a, b| Arc::ptr_eq(a, b));
+    planes
 }

@@ -4,9 +4,10 @@ use nalgebra::Vector3;
 
 use super::pose::{Speeds, Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
+use crate::contact::Components;
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, MotionBounds,
-    Rotation, Step, System, SystemError, TimeDependence,
+    Rotation, Step, System, SystemError, SystemPart, TimeDependence,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -45,6 +46,39 @@ impl System for RigidBodies {
 
     fn constancy(&self) -> Constancy {
         Constancy { mass: true, contacts: false }
+    }
+
+    /// Bodies between which there are contacts or springs are of one part, however far they are from each other.
+    fn parts(&self) -> Vec<SystemPart> {
+        let mut connected = Components::default();
+        connected.separate(self.bodies());
+        for contact in &self.contacts {
+            connected.join(contact.bodies[0], contact.bodies[1]);
+        }
+        for spring in &self.springs {
+            connected.join(spring.body, spring.other.unwrap_or(spring.body));
+        }
+        let of = connected.numbers();
+        let count = of.iter().max().map_or(0, |last| last + 1);
+        if count < 2 {
+            return Vec::new();
+        }
+        let (mut bodies, mut contacts) = (vec![Vec::new(); count], vec![Vec::new(); count]);
+        of.iter().enumerate().for_each(|(body, &part)| bodies[part].push(body));
+        for (i, contact) in self.contacts.iter().enumerate() {
+            contacts[of[contact.body]].push(i);
+        }
+        let places = |bodies: &[usize], size: usize| -> Vec<usize> {
+            bodies.iter().flat_map(|body| size * body..size * (body + 1)).collect()
+        };
+        let coordinates = self.coordinates() / self.bodies();
+        let part = |(bodies, contacts): (Vec<usize>, Vec<usize>)| SystemPart {
+            system: Box::new(self.of_bodies(&bodies, &contacts)),
+            coordinates: places(&bodies, coordinates),
+            velocities: places(&bodies, self.size),
+            contacts,
+        };
+        bodies.into_iter().zip(contacts).map(part).collect()
     }
 
     fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {

@@ -51,7 +51,7 @@ impl Integration<'_> {
         let (t, own) = (self.state.t + Tableau::radau().c[stage] * self.step.h, stage * n..);
         let (q, u) = (&self.step.q[own.clone()][..n], &self.step.u[own][..n]);
         self.step.points.apply(&mut self.dynamics, stage);
-        let solving = Solving { memory: &self.memory, observer: &self.observer, t };
+        let solving = Solving { memory: &self.memory, observer: self.observer, t };
         let updated = SlidingForces::Updated;
         let evaluated = redundancy::evaluate(&mut self.dynamics, q, u, updated, &solving);
         self.dynamics.direction_points.clear();
@@ -71,7 +71,7 @@ impl Integration<'_> {
         let (q, u) = (self.probe.end(&self.probe.q), self.probe.end(&self.probe.u));
         let sliding_forces =
             if h == 0.0 && self.starting { SlidingForces::Kept } else { SlidingForces::Updated };
-        let solving = Solving { memory: &self.memory, observer: &self.observer, t };
+        let solving = Solving { memory: &self.memory, observer: self.observer, t };
         let evaluated = redundancy::evaluate(&mut self.dynamics, q, u, sliding_forces, &solving);
         self.dynamics.direction_points.clear();
         Ok(evaluated?)

@@ -47,7 +47,7 @@ impl Integration<'_> {
     pub(crate) fn decide_modes_at(&mut self, at: &State, before: &[Option<Phase>]) -> Ending {
         let contacts = &self.dynamics.contacts;
         let undecided: Vec<bool> = contacts.iter().map(|contact| contact.undecided).collect();
-        let solving = Solving { memory: &self.memory, observer: &self.observer, t: at.t };
+        let solving = Solving { memory: &self.memory, observer: self.observer, t: at.t };
         let ambiguous =
             match accelerations::decide(&mut self.dynamics, at, Question::WhatNext, &solving)? {
                 Decision::Made { ambiguous } => ambiguous,

@@ -39,8 +39,7 @@ impl Integration<'_> {
                 if law != ImpactLaw::Closing {
                     self.state.clone_from(&start);
                 }
-                let solving =
-                    Solving { memory: &self.memory, observer: &self.observer, t: start.t };
+                let solving = Solving { memory: &self.memory, observer: self.observer, t: start.t };
                 let (dynamics, state) = (&mut self.dynamics, &mut self.state);
                 let impact =
                     impacts::collide(dynamics, state, &involved, law, &mut after, &solving)?;

@@ -7,7 +7,7 @@ use crate::integrator::event::event_function::root::{self, Value};
 use crate::integrator::event::event_function::rounded_excess;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
-use crate::integrator::event::integration::variables::Integration;
+use crate::integrator::event::integration::variables::{Integration, Located};
 use crate::integrator::event::state::{CLOSED_GAP, EvaluationError};
 
 /// Share of the first step in which events are not located: rounding of its length would be large beside their time.
@@ -19,9 +19,7 @@ const MOST_SHORTENED: u8 = 5;
 
 /// What became of an event that was to be located.
 pub(crate) enum Location {
-    /// It is the event of this contact, or of the section, whose number is that of the contacts. The present state is
-    /// the one at the event.
-    Found(usize),
+    Found(Located),
     /// It is so early in the step, at this time from its start, that the step does not tell the time well.
     Early(f64),
 }
@@ -37,7 +35,7 @@ struct Crossing {
 }
 
 impl Integration<'_> {
-    /// Goes to the first of the events.
+    /// Finds the first of the events.
     pub(crate) fn locate_event(&mut self, bracket: &Bracket) -> Result<Location, StateError> {
         let width = (1e-14 * bracket.high).max(2.0 * f64::EPSILON * self.state.t);
         let mut first: Option<(usize, Crossing)> = None;
@@ -62,18 +60,29 @@ impl Integration<'_> {
                 first = Some((number, crossing));
             }
         }
-        let Some((number, Crossing { at: h, carried, .. })) = first else {
+        let Some((number, Crossing { at, carried, .. })) = first else {
             return Err(StateError::Diverged);
         };
         let early =
-            self.motion.steps == 0 && h < EARLY_EVENT * self.step.h && !self.is_at_limit(number);
+            self.motion.steps == 0 && at < EARLY_EVENT * self.step.h && !self.is_at_limit(number);
         if early && self.shortened < MOST_SHORTENED {
             self.shortened += 1;
-            return Ok(Location::Early(h));
+            return Ok(Location::Early(at));
         }
-        self.sample_before(self.state.t + h)?;
+        // Whether the state at the event is found.
+        self.solve_to(at)?;
+        Ok(Location::Found(Located { number, at, width, carried }))
+    }
+
+    /// Goes to an event.
+    pub(crate) fn take_event(
+        &mut self,
+        Located { at: h, width, carried, .. }: Located,
+    ) -> Result<(), StateError> {
         let recorded = self.options.sample.is_none() && h > 0.0;
-        self.solve_to(h)?;
+        if self.sample_before(self.state.t + h)? || self.interpolated {
+            self.solve_to(h)?;
+        }
         let mut before = Vec::new();
         if recorded && self.dynamics.is_indeterminate() {
             let shortly_before = self.solve_to(h * (1.0 - SHORTLY));
@@ -101,13 +110,13 @@ impl Integration<'_> {
         if recorded {
             self.record_event_state(&before)?;
         }
-        Ok(Location::Found(number))
+        Ok(())
     }
 
     /// Keeps the state at the event, with forces that the contacts can carry; `before` are the last ones, if any.
     fn record_event_state(&mut self, before: &[ContactVariables]) -> Result<(), EvaluationError> {
         let contacts = self.dynamics.contacts.clone();
-        let solving = Solving { memory: &self.memory, observer: &self.observer, t: self.state.t };
+        let solving = Solving { memory: &self.memory, observer: self.observer, t: self.state.t };
         redundancy::share_at_event(&mut self.dynamics, &self.state, before, &solving)?;
         self.record();
         self.dynamics.contacts = contacts;

@@ -11,7 +11,8 @@
 //! | `release.rs`, `impact.rs`, `transition.rs` | stick that ends, impacts, all other events |
 //! | `breaks.rs` | times at which functions of time are not smooth |
 //! | `start.rs` | the beginning of the motion |
-//! | `time_loop.rs` | the loop over steps |
+//! | `time_loop.rs` | steps one after another |
+//! | `parts.rs` | parts of a system that nothing connects, each with steps of its own, as one motion |
 
 mod attempt;
 mod breaks;
@@ -20,6 +21,7 @@ mod decision;
 mod detection;
 mod impact;
 mod location;
+mod parts;
 mod release;
 mod sampling;
 mod start;
@@ -27,4 +29,4 @@ mod time_loop;
 mod transition;
 mod variables;
 
-pub(crate) use time_loop::run;
+pub(crate) use parts::run;

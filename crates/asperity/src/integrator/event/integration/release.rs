@@ -114,7 +114,7 @@ impl Integration<'_> {
         let decided = self.dynamics.contacts.clone();
         self.dynamics.contacts.copy_from_slice(contacts);
         self.dynamics.leave_stick_undecided();
-        let solving = Solving { memory: &self.memory, observer: &self.observer, t: ahead.t };
+        let solving = Solving { memory: &self.memory, observer: self.observer, t: ahead.t };
         let decision =
             accelerations::decide(&mut self.dynamics, ahead, Question::WhatNext, &solving)?;
         let twice = difference(&self.dynamics.acceleration, stuck);

@@ -4,16 +4,16 @@ use crate::integrator::event::collocation::PLACES;
 use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
-use crate::integrator::event::integration::variables::Integration;
+use crate::integrator::event::integration::variables::{Integration, Located, Next};
 use crate::integrator::event::state::{EvaluationError, State};
 
 /// Samples between two readings of the clock.
 const RARELY: usize = 256;
 
 impl Integration<'_> {
-    /// Samples between the present state and `t`, a time inside the attempt.
-    pub(crate) fn sample_before(&mut self, t: f64) -> Result<(), EvaluationError> {
-        self.sample(t, t - self.state.t, false).map(|_| ())
+    /// Samples between the present state and `t`, a time inside the attempt; whether there were any.
+    pub(crate) fn sample_before(&mut self, t: f64) -> Result<bool, EvaluationError> {
+        self.sample(t, t - self.state.t, false)
     }
 
     /// Samples between the present state and `t`, the end of the attempt; whether there were any.
@@ -42,18 +42,62 @@ impl Integration<'_> {
         self.interpolate(h, whole)?;
         while due(self.samples) && !self.observer.has_asked_to_stop() {
             self.dense_output.at(time(self.samples), &mut self.sampled);
-            // Between the ends of steps constraints hold to the tolerance only.
-            self.dynamics.project(&mut self.sampled)?;
-            let State { t, q, u } = &self.sampled;
-            let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
-            redundancy::evaluate(&mut self.dynamics, q, u, SlidingForces::Updated, &solving)?;
-            self.motion.record(&mut self.dynamics, &self.sampled);
+            self.record_sampled()?;
             self.samples += 1;
             if self.samples.is_multiple_of(RARELY) {
                 self.observer.asks_to_stop(self.state.t);
             }
         }
         Ok(true)
+    }
+
+    /// Keeps the samples that are due before a time of another part of the system, not after what comes next, and one there.
+    pub(crate) fn end_beside(&mut self, t: f64) -> Result<(), EvaluationError> {
+        let sampled = match self.next {
+            Some(Next::Step(_)) => self.sample(t, self.step.h, true)?,
+            Some(Next::Event(Located { at, .. })) if at > 0.0 => self.sample(t, at, false)?,
+            _ => false,
+        };
+        self.interpolated |= sampled;
+        if self.motion.samples.t.last() == Some(&t) { Ok(()) } else { self.sample_beside(t) }
+    }
+
+    /// Keeps the state at a time of another part of the system, not after what comes next.
+    pub(crate) fn sample_beside(&mut self, t: f64) -> Result<(), EvaluationError> {
+        if self.motion.samples.t.last() == Some(&t) {
+            let last = self.motion.samples.len() - 1;
+            self.motion.samples.repeat(last);
+            return Ok(());
+        }
+        let contacts = self.dynamics.contacts.clone();
+        let within = match &self.next {
+            Some(Next::Step(_)) => Some((self.step.h, true)),
+            Some(Next::Event(Located { at, .. })) if *at > 0.0 => Some((*at, false)),
+            _ => None,
+        };
+        if let Some((h, whole)) = within.filter(|_| t > self.state.t) {
+            if !self.interpolated {
+                self.interpolate(h, whole)?;
+            }
+            self.dense_output.at(t, &mut self.sampled);
+        } else {
+            self.sampled.extrapolate(&self.state, &self.a0, t - self.state.t);
+        }
+        self.interpolated = true;
+        self.record_sampled()?;
+        self.dynamics.contacts = contacts;
+        Ok(())
+    }
+
+    /// Keeps the state that has been interpolated.
+    fn record_sampled(&mut self) -> Result<(), EvaluationError> {
+        // Between the ends of steps constraints hold to the tolerance only.
+        self.dynamics.project(&mut self.sampled)?;
+        let State { t, q, u } = &self.sampled;
+        let solving = Solving { memory: &self.memory, observer: self.observer, t: *t };
+        redundancy::evaluate(&mut self.dynamics, q, u, SlidingForces::Updated, &solving)?;
+        self.motion.record(&mut self.dynamics, &self.sampled);
+        Ok(())
     }
 
     /// The motion over the first `h` of the attempt, or over the `whole` of it.

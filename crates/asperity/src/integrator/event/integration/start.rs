@@ -1,6 +1,5 @@
 //! The beginning of the motion: what is refused, and what the contacts do.
 
-use crate::argument::{ArgumentError, refuse};
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::integration::variables::{Ending, Integration};
@@ -9,8 +8,8 @@ use crate::system::{Break, Smoothness};
 use crate::vectors::{largest, norm};
 
 impl Integration<'_> {
-    /// Refuses contacts that overlap at the beginning.
-    pub(crate) fn check_overlap(&mut self) -> Result<Result<(), ArgumentError>, EvaluationError> {
+    /// A contact that overlaps at the beginning, and how deep.
+    pub(crate) fn overlap(&mut self) -> Result<Option<(usize, f64)>, EvaluationError> {
         // Functions of time begin with what holds from there on.
         self.enter_piece();
         let State { t, q, u } = &self.state;
@@ -27,12 +26,8 @@ impl Integration<'_> {
         self.negligible = Negligible::of(largest(u), acceleration, duration);
         let overlaps = |c: &ContactVariables| c.prescribed.is_none() && c.gap < -self.closed_gap(c);
         let contacts = &self.dynamics.contacts;
-        Ok(contacts.iter().position(overlaps).map_or(Ok(()), |contact| {
-            let depth = -contacts[contact].gap;
-            let message =
-                format!("must not let contacts overlap, contact {contact} does by {depth:.3e}");
-            refuse("q0", message)
-        }))
+        let overlapping = contacts.iter().position(overlaps);
+        Ok(overlapping.map(|contact| (contact, -contacts[contact].gap)))
     }
 
     /// Decides what the contacts do at the beginning.

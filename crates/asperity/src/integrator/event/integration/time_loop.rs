@@ -1,20 +1,14 @@
-//! The loop over steps.
+//! Steps one after another: what comes next, and going on to it.
 
-use std::ops::ControlFlow;
-
-use crate::argument::ArgumentError;
 use crate::contact::Phase;
 use crate::integrator::event::collocation::initial_step;
 use crate::integrator::event::dynamics::SlidingForces;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Detection;
 use crate::integrator::event::integration::location::Location;
-use crate::integrator::event::integration::variables::{Ending, Integration};
-use crate::integrator::event::motion::Motion;
-use crate::integrator::event::options::Options;
+use crate::integrator::event::integration::variables::{Ending, Integration, Next, Progress};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::state::{EvaluationError, ROUNDING, shortest_step};
-use crate::system::{InitialState, System};
 use crate::vectors::{add, largest, norm};
 
 /// Attempts among which the rejected ones are counted, and how many of them are too many.
@@ -33,34 +27,9 @@ const LENGTH_OVER_EVENT: f64 = 4.0;
 /// How much longer steps may become before the Jacobian is computed anew: rounding in it grows with their square.
 const LENGTHENING: f64 = 4.0;
 
-/// The numbers of steps at one time, with which those at a later time are compared.
-#[derive(Default)]
-struct Progress {
-    steps: usize,
-    rejected_steps: usize,
-    t: f64,
-}
-
-/// Integrates a system; the motion, and why the integration has ended.
-pub(crate) fn run(
-    system: &dyn System,
-    start: &InitialState,
-    options: &Options,
-    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
-) -> Result<(Motion, Outcome), ArgumentError> {
-    let mut integration = Integration::new(system, start, options, observer);
-    let outcome = match integration.check_overlap() {
-        Ok(checked) => {
-            checked?;
-            integration.integrate().unwrap_or_else(Outcome::Error)
-        }
-        Err(error) => Outcome::Error(error),
-    };
-    Ok((integration.motion, outcome))
-}
-
 impl Integration<'_> {
-    fn integrate(&mut self) -> Result<Outcome, EvaluationError> {
+    /// Begins the motion, and chooses the length of the first step.
+    pub(crate) fn begin(&mut self) -> Ending {
         let mut outcome = self.initialise()?;
         if self.motion.samples.is_empty() {
             self.record();
@@ -77,49 +46,117 @@ impl Integration<'_> {
             self.step_size.h = first.max(shortest_step(self.state.t));
             self.stale = true;
         }
-        let mut progress = Progress { t: self.state.t, ..Progress::default() };
-        loop {
-            if let Some(outcome) = outcome {
-                if self.motion.samples.t.last() != Some(&self.state.t) {
-                    self.record();
+        self.progress.t = self.state.t;
+        Ok(outcome)
+    }
+
+    /// Finds out what comes next.
+    pub(crate) fn look_ahead(&mut self) -> Result<(), EvaluationError> {
+        if self.next.is_some() {
+            return Ok(());
+        }
+        self.stale |= self.interpolated;
+        self.interpolated = false;
+        self.next = self.ending.take();
+        while self.next.is_none() {
+            self.next = if self.observer.asks_to_stop(self.state.t) {
+                Some(Next::Ended(Outcome::Interrupted))
+            } else {
+                self.attempt()?
+            };
+        }
+        Ok(())
+    }
+
+    /// The time of what comes next.
+    pub(crate) fn time_of_next(&self) -> f64 {
+        match &self.next {
+            Some(Next::Step(end) | Next::EndOfPiece(end)) => *end,
+            Some(Next::Event(event)) => self.state.t + event.at,
+            Some(Next::EndOfSlips { after, .. }) => self.state.t + after,
+            _ => self.state.t,
+        }
+    }
+
+    /// Whether all that is left is the end of the motion.
+    pub(crate) fn is_over(&self) -> bool {
+        matches!(self.next, Some(Next::EndOfPiece(end)) if end == self.options.t_end)
+    }
+
+    /// Goes on to what comes next.
+    pub(crate) fn go_on(&mut self) -> Ending {
+        let Some(next) = self.next.take() else { return Ok(None) };
+        // Samples have left the dynamics elsewhere.
+        self.stale |= self.interpolated;
+        match next {
+            Next::Ended(outcome) => Ok(Some(outcome)),
+            Next::EndOfPiece(end) => {
+                self.extrapolate_to(end);
+                if end == self.options.t_end {
+                    return Ok(Some(Outcome::Finished));
                 }
-                return Ok(outcome);
+                self.pass_break()
             }
-            outcome = self.advance(&mut progress)?;
-            if outcome.is_none() && self.observer.asks_to_stop(self.state.t) {
-                outcome = Some(Outcome::Interrupted);
+            Next::Paradox(contact) => {
+                if self.interpolated {
+                    self.evaluate_at_start()?;
+                }
+                self.resolve_paradox(contact)
+            }
+            Next::Step(end) => {
+                let (h, wanted) = (self.step.h, self.wanted);
+                self.accept_step(end)?;
+                if h < wanted {
+                    // Not the error has made this step short, but the end of a piece, of a flight or of a slip of one body.
+                    self.step_size.h = self.step_size.h.max(wanted);
+                }
+                self.ending = self.ending_slips();
+                Ok(None)
+            }
+            Next::EndOfSlips { contacts, after } => self.end_slips(&contacts, after),
+            Next::Event(event) => {
+                let number = event.number;
+                match self.take_event(event) {
+                    Ok(()) => self.handle_event(number),
+                    Err(StateError::Diverged) => Ok(self.reject(0.5 * self.step.h)),
+                    Err(StateError::Evaluation(error)) => Err(error),
+                }
             }
         }
     }
 
-    /// One attempt of a step, and the event in it if there is one.
-    fn advance(&mut self, progress: &mut Progress) -> Ending {
+    /// Evaluates the dynamics at the present state, where an attempt or samples have left them elsewhere.
+    pub(crate) fn evaluate_at_start(&mut self) -> Result<(), EvaluationError> {
+        let forces = if self.starting { SlidingForces::Kept } else { SlidingForces::Updated };
+        self.dynamics.evaluate(self.state.t, &self.state.q, &self.state.u, forces)?;
+        // A stencil that has been narrowed for the end of an attempt must not widen for its start.
+        self.dynamics.drift_of_all(&self.state)
+    }
+
+    /// One attempt of a step, and what it leads to unless it is rejected.
+    fn attempt(&mut self) -> Result<Option<Next>, EvaluationError> {
         let end = self.end_of_piece();
         let left = end - self.state.t;
         if left <= UNRESOLVED_END * self.options.t_end {
-            self.extrapolate_to(end);
-            let over = end == self.options.t_end;
-            return if over { Ok(Some(Outcome::Finished)) } else { self.pass_break() };
+            return Ok(Some(Next::EndOfPiece(end)));
         }
         // Where a slip begins, its first step is made in the chart in which its direction is known.
         if !self.starting && self.dynamics.chart.recentre(&mut self.state, &mut self.a0) {
             (self.smooth, self.linearised, self.stale) = (false, None, true);
         }
         if self.stale {
-            let sliding_forces =
-                if self.starting { SlidingForces::Kept } else { SlidingForces::Updated };
-            self.dynamics.evaluate(self.state.t, &self.state.q, &self.state.u, sliding_forces)?;
-            // A stencil that has been narrowed for the end of an attempt must not widen for its start.
-            self.dynamics.drift_of_all(&self.state)?;
+            self.evaluate_at_start()?;
             self.stale = false;
         }
         self.slowest_slip = self.dynamics.slowest_slip();
-        let (h, wanted) = (self.length_of_attempt(left), self.step_size.h);
-        if let Some(cause) = self.stagnation(h, progress) {
-            return Ok(Some(Outcome::Stagnated { cause, contact: self.blocking_contact(cause) }));
+        let h = self.length_of_attempt(left);
+        self.wanted = self.step_size.h;
+        if let Some(cause) = self.stagnation(h) {
+            let contact = self.blocking_contact(cause);
+            return Ok(Some(Next::Ended(Outcome::Stagnated { cause, contact })));
         }
         if let Some(contact) = self.singular_contact() {
-            return self.resolve_paradox(contact);
+            return Ok(Some(Next::Paradox(contact)));
         }
         self.dynamics.creep = ROUNDING * self.dynamics.load * h * h;
         if self.linearised.is_none_or(|length| h > LENGTHENING * length) {
@@ -127,32 +164,27 @@ impl Integration<'_> {
             self.dynamics.linearise(&self.state, h, scale)?;
             self.linearised = Some(h);
         }
-        if !self.attempt_step(h)? {
-            return Ok(self.reject(0.25 * h));
-        }
-        if !self.is_accurate(h) {
-            return Ok(self.reject(self.step_size.h));
-        }
-        match self.detect_events()? {
-            Detection::TooLong => Ok(self.reject(0.5 * h)),
-            Detection::None if self.dynamics.narrow_stencil(self.step.end(&self.step.u)) => {
-                Ok(self.reject(h))
-            }
-            Detection::None => {
-                self.accept_step(if h == left { end } else { self.state.t + h })?;
-                if h < wanted {
-                    // Not the error has made this step short, but the end of a piece, of a flight or of a slip of one body.
-                    self.step_size.h = self.step_size.h.max(wanted);
+        let shorter = if !self.attempt_step(h)? {
+            0.25 * h
+        } else if !self.is_accurate(h) {
+            self.step_size.h
+        } else {
+            match self.detect_events()? {
+                Detection::TooLong => 0.5 * h,
+                Detection::None if self.dynamics.narrow_stencil(self.step.end(&self.step.u)) => h,
+                Detection::None => {
+                    return Ok(Some(Next::Step(if h == left { end } else { self.state.t + h })));
                 }
-                self.end_slips()
+                Detection::Events(bracket) => match self.locate_event(&bracket) {
+                    Ok(Location::Found(event)) => return Ok(Some(Next::Event(event))),
+                    Ok(Location::Early(at)) => LENGTH_OVER_EVENT * at,
+                    Err(StateError::Diverged) => 0.5 * h,
+                    Err(StateError::Evaluation(error)) => return Err(error),
+                },
             }
-            Detection::Events(bracket) => match self.locate_event(&bracket) {
-                Ok(Location::Found(number)) => self.handle_event(number),
-                Ok(Location::Early(at)) => Ok(self.reject(LENGTH_OVER_EVENT * at)),
-                Err(StateError::Diverged) => Ok(self.reject(0.5 * h)),
-                Err(StateError::Evaluation(error)) => Err(error),
-            },
-        }
+        };
+        self.reject(shorter);
+        Ok(None)
     }
 
     /// How long the next attempt is, where `left` is what is left of the whole time.
@@ -192,7 +224,8 @@ impl Integration<'_> {
     }
 
     /// Why there is no hope to get on with a step of length `h`, if there is none.
-    fn stagnation(&self, h: f64, progress: &mut Progress) -> Option<Stagnation> {
+    fn stagnation(&mut self, h: f64) -> Option<Stagnation> {
+        let progress = &mut self.progress;
         if self.state.t + h == self.state.t {
             return Some(Stagnation::Step);
         }

@@ -3,7 +3,7 @@
 use crate::contact::{ContactState, Phase};
 use crate::integrator::event::collocation::{STAGES, slip_rate};
 use crate::integrator::event::dynamics::ROWS;
-use crate::integrator::event::integration::variables::{Ending, Integration};
+use crate::integrator::event::integration::variables::{Ending, Integration, Next};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
@@ -21,7 +21,7 @@ const TURNED: f64 = 0.03;
 impl Integration<'_> {
     /// Takes the attempt, which ends at `t`.
     pub(crate) fn accept_step(&mut self, t: f64) -> Result<(), EvaluationError> {
-        if self.sample_attempt(t)? {
+        if self.sample_attempt(t)? || self.interpolated {
             self.evaluate_stage(STAGES - 1)?;
         }
         self.take_end(t, true)?;
@@ -88,30 +88,30 @@ impl Integration<'_> {
         velocity > self.zero_velocity() && velocity * velocity > -2.0 * rate * FAR_HIGHER * overlap
     }
 
-    /// Slips that come to an end with a step.
-    pub(crate) fn end_slips(&mut self) -> Ending {
-        let ended: Vec<usize> = (0..self.memory.len()).filter(|&i| self.slip_ends(i)).collect();
-        if ended.is_empty() {
-            return Ok(None);
-        }
+    /// Slips that come to an end with the last step, and after what time they do.
+    pub(crate) fn ending_slips(&self) -> Option<Next> {
+        let contacts: Vec<usize> = (0..self.memory.len()).filter(|&i| self.slip_ends(i)).collect();
+        let rate = |i: usize| slip_rate(&self.dynamics, i, &self.a0);
+        let braked = contacts.iter().filter(|&&i| rate(i) < 0.0);
+        let times = braked.map(|&i| -norm(&self.dynamics.contacts[i].slip) / rate(i));
+        let left = times.fold(0.0, f64::max);
+        // Where the deceleration is rounding, too, the slip ends here: the projection takes it out.
+        let unchanging = left * largest(&self.a0) <= UNCHANGING * self.step_size.speed();
+        let after =
+            if unchanging && self.state.t + left <= self.end_of_piece() { left } else { 0.0 };
+        (!contacts.is_empty()).then_some(Next::EndOfSlips { contacts, after })
+    }
+
+    /// Ends slips after a time in which accelerations do not change.
+    pub(crate) fn end_slips(&mut self, contacts: &[usize], after: f64) -> Ending {
         let mut before = self.modes();
-        let mut left = 0.0;
-        for &i in &ended {
-            let slip = self.dynamics.contacts[i].slip;
-            let rate = slip_rate(&self.dynamics, i, &self.a0);
-            if rate < 0.0 {
-                left = f64::max(left, -norm(&slip) / rate);
-            }
-            self.memory[i] = ContactState::new(Phase::Stick, slip);
+        for &i in contacts {
+            self.memory[i] = ContactState::new(Phase::Stick, self.dynamics.contacts[i].slip);
             self.dynamics.contacts[i].mode = Phase::Stick;
             before[i] = Some(Phase::Unknown);
         }
-        // Where the deceleration is rounding, too, the slip ends here: the projection takes it out.
-        let unchanging = left * largest(&self.a0) <= UNCHANGING * self.step_size.speed();
-        if unchanging && self.state.t + left <= self.end_of_piece() {
-            let start = self.state.clone();
-            self.state.extrapolate(&start, &self.a0, left);
-        }
+        let start = self.state.clone();
+        self.state.extrapolate(&start, &self.a0, after);
         self.decide_modes(&before)
     }
 

@@ -1,11 +1,9 @@
 //! Everything that changes during an integration.
 
-use std::ops::ControlFlow;
-
 use crate::contact::{ContactState, Phase};
 use crate::integrator::event::collocation::{Accuracy, DenseOutput, NewtonGoal, Step, StepSize};
 use crate::integrator::event::contact_problem::{Solving, redundancy};
-use crate::integrator::event::dynamics::{Chart, Dynamics, ROWS, SlidingForces};
+use crate::integrator::event::dynamics::{Chart, ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::event_function::{NODES, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::options::Options;
@@ -17,6 +15,41 @@ use crate::vectors::largest;
 
 /// Why the integration ends here, if it does.
 pub(crate) type Ending = Result<Option<Outcome>, EvaluationError>;
+
+/// What an integration does next, found before it is done.
+pub(crate) enum Next {
+    /// The attempt is taken, up to this time.
+    Step(f64),
+    /// An event in the attempt.
+    Event(Located),
+    /// Slips of these contacts end, after a time from the present state.
+    EndOfSlips { contacts: Vec<usize>, after: f64 },
+    /// A slipping contact that no longer resists.
+    Paradox(usize),
+    /// The end of a smooth piece of functions of time, or of the motion.
+    EndOfPiece(f64),
+    /// The motion does not get on, or is interrupted.
+    Ended(Outcome),
+}
+
+/// An event whose time is known.
+pub(crate) struct Located {
+    /// The contact, or for the section the number of contacts.
+    pub(crate) number: usize,
+    /// Time from the start of the step, and how well it is known.
+    pub(crate) at: f64,
+    pub(crate) width: f64,
+    /// Where all steps are kept, the contacts with the last forces before it that all of them could carry, if any were found.
+    pub(crate) carried: Vec<ContactVariables>,
+}
+
+/// The numbers of steps at one time, with which those at a later time are compared.
+#[derive(Default)]
+pub(crate) struct Progress {
+    pub(crate) steps: usize,
+    pub(crate) rejected_steps: usize,
+    pub(crate) t: f64,
+}
 
 /// An integration and all its buffers.
 pub(crate) struct Integration<'a> {
@@ -63,7 +96,15 @@ pub(crate) struct Integration<'a> {
     pub(crate) samples: usize,
     pub(crate) dense_output: DenseOutput,
     pub(crate) sampled: State,
-    pub(crate) observer: Observer<'a, f64>,
+    pub(crate) observer: &'a Observer<'a, f64>,
+    /// What comes next, and whether samples within have been asked for.
+    pub(crate) next: Option<Next>,
+    pub(crate) interpolated: bool,
+    /// The end of slips that the last step has shown.
+    pub(crate) ending: Option<Next>,
+    pub(crate) progress: Progress,
+    /// The length of the attempt by the errors alone.
+    pub(crate) wanted: f64,
 }
 
 impl<'a> Integration<'a> {
@@ -71,7 +112,7 @@ impl<'a> Integration<'a> {
         system: &'a dyn System,
         start: &InitialState,
         options: &'a Options,
-        observer: &'a mut dyn FnMut(f64) -> ControlFlow<()>,
+        observer: &'a Observer<'a, f64>,
     ) -> Self {
         let (n, contacts) = (system.dof(), system.contacts().len());
         let (chart, mut state) = Chart::new(system, &start.q, &start.u);
@@ -105,7 +146,12 @@ impl<'a> Integration<'a> {
             samples: 1,
             dense_output: DenseOutput::new(n),
             sampled: State { t: 0.0, q: vec![0.0; n], u: vec![0.0; n] },
-            observer: Observer::new(observer),
+            observer,
+            next: None,
+            interpolated: false,
+            ending: None,
+            progress: Progress::default(),
+            wanted: 0.0,
         }
     }
 
@@ -115,7 +161,7 @@ impl<'a> Integration<'a> {
         sliding_forces: SlidingForces,
     ) -> Result<(), EvaluationError> {
         let State { t, q, u } = &self.state;
-        let solving = Solving { memory: &self.memory, observer: &self.observer, t: *t };
+        let solving = Solving { memory: &self.memory, observer: self.observer, t: *t };
         redundancy::evaluate(&mut self.dynamics, q, u, sliding_forces, &solving)
     }
 

@@ -1,0 +1,300 @@
+//! Parts of a system that nothing connects, each with steps, events and scales of its own, told as one motion.
+//!
+//! The part whose next step or event ends first goes on. At that time the others lie within their next steps, where their
+//! states are interpolated, so that a sample holds all parts at one time.
+
+use std::ops::ControlFlow;
+
+use crate::argument::{ArgumentError, refuse};
+use crate::integrator::event::integration::variables::{Ending, Integration, Next};
+use crate::integrator::event::motion::{Event, EventKind, Motion};
+use crate::integrator::event::options::{Options, Section};
+use crate::integrator::event::outcome::Outcome;
+use crate::integrator::event::state::EvaluationError;
+use crate::integrator::observer::Observer;
+use crate::integrator::samples::Samples;
+use crate::system::{InitialState, System, SystemPart};
+
+/// Integrates a system; the motion, and why the integration has ended.
+pub(crate) fn run(
+    system: &dyn System,
+    start: &InitialState,
+    options: &Options,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<(Motion, Outcome), ArgumentError> {
+    // How far the run is, parts of it being at different times.
+    let mut latest = options.t_start;
+    let mut observer = |t: f64| {
+        latest = latest.max(t);
+        observer(latest)
+    };
+    let observer = Observer::new(&mut observer);
+    let parts = parts(system, options);
+    let settings: Vec<(InitialState, Options)> = parts
+        .iter()
+        .map(|part| {
+            let q = part.coordinates.iter().map(|&k| start.q[k]).collect();
+            let u = part.velocities.iter().map(|&k| start.u[k]).collect();
+            (InitialState { q, u }, options_of(part, options, system.coordinates()))
+        })
+        .collect();
+    let integrations = if parts.is_empty() {
+        vec![Integration::new(system, start, options, &observer)]
+    } else {
+        let all = parts.iter().zip(&settings);
+        all.map(|(part, (start, options))| {
+            Integration::new(part.system.as_ref(), start, options, &observer)
+        })
+        .collect()
+    };
+    let told = vec![0; integrations.len()];
+    let mut run = Run { parts: &parts, options, integrations, told, events: Vec::new(), unseen: 0 };
+    if let Err(error) = run.check_overlap()? {
+        return Ok((run.motion(system), Outcome::Error(error)));
+    }
+    let outcome = run.integrate();
+    Ok((run.motion(system), outcome))
+}
+
+/// The parts of a system; none where it is one, or where the height above a section depends on several.
+fn parts(system: &dyn System, options: &Options) -> Vec<SystemPart> {
+    let parts = system.parts();
+    let whole = match &options.section {
+        Some(section) => {
+            let matters = |k: usize| section.normal[k] != 0.0;
+            let concerned = parts.iter().filter(|part| {
+                let velocities = part.velocities.iter().map(|k| system.coordinates() + k);
+                part.coordinates.iter().copied().chain(velocities).any(matters)
+            });
+            concerned.count() != 1
+        }
+        None => false,
+    };
+    if whole { Vec::new() } else { parts }
+}
+
+/// The options of a part, with the section if it depends on it.
+fn options_of(part: &SystemPart, options: &Options, coordinates: usize) -> Options {
+    let section = options.section.as_ref().and_then(|section| {
+        let places = part.coordinates.iter().copied();
+        let places = places.chain(part.velocities.iter().map(|k| coordinates + k));
+        let normal: Vec<f64> = places.map(|k| section.normal[k]).collect();
+        let concerned = normal.iter().any(|entry| *entry != 0.0);
+        concerned.then(|| Section { normal, ..section.clone() })
+    });
+    Options { section, start: None, ..options.clone() }
+}
+
+/// The integrations of all parts.
+struct Run<'r, 'a> {
+    /// None if there is one integration of the whole.
+    parts: &'r [SystemPart],
+    options: &'r Options,
+    integrations: Vec<Integration<'a>>,
+    /// Number of events of each part that are among those of all.
+    told: Vec<usize>,
+    events: Vec<Event>,
+    /// Number of steps since the last sample.
+    unseen: usize,
+}
+
+impl<'a> Run<'_, 'a> {
+    /// The number in the whole of a contact of a part.
+    fn number(&self, part: usize, contact: usize) -> usize {
+        self.parts.get(part).map_or(contact, |part| part.contacts[contact])
+    }
+
+    /// Refuses contacts that overlap at the beginning.
+    fn check_overlap(&mut self) -> Result<Result<(), EvaluationError>, ArgumentError> {
+        let mut first: Option<(usize, f64)> = None;
+        for part in 0..self.integrations.len() {
+            let (contact, depth) = match self.integrations[part].overlap() {
+                Ok(None) => continue,
+                Ok(Some(found)) => found,
+                Err(error) => return Ok(Err(error)),
+            };
+            let contact = self.number(part, contact);
+            if first.is_none_or(|(earlier, _)| contact < earlier) {
+                first = Some((contact, depth));
+            }
+        }
+        first.map_or(Ok(Ok(())), |(contact, depth)| {
+            let message =
+                format!("must not let contacts overlap, contact {contact} does by {depth:.3e}");
+            refuse("q0", message)
+        })
+    }
+
+    fn integrate(&mut self) -> Outcome {
+        let all: Vec<usize> = (0..self.integrations.len()).collect();
+        let mut outcome = self.go_on(&all, Integration::begin);
+        loop {
+            if let Some(outcome) = outcome {
+                return outcome;
+            }
+            let mut earliest = f64::INFINITY;
+            for integration in &mut self.integrations {
+                if let Err(error) = integration.look_ahead() {
+                    integration.next = Some(Next::Ended(Outcome::Error(error)));
+                }
+                if !integration.is_over() {
+                    earliest = earliest.min(integration.time_of_next());
+                }
+            }
+            let next = |part: &usize| {
+                let integration = &self.integrations[*part];
+                !integration.is_over() && integration.time_of_next() == earliest
+            };
+            let mut group: Vec<usize> = all.iter().copied().filter(next).collect();
+            if group.is_empty() {
+                group.clone_from(&all);
+            }
+            outcome = self.go_on(&group, Integration::go_on);
+        }
+    }
+
+    /// Lets some parts do something at one time, and shows the others there.
+    fn go_on(
+        &mut self,
+        group: &[usize],
+        act: impl Fn(&mut Integration<'a>) -> Ending,
+    ) -> Option<Outcome> {
+        let samples = &self.integrations[0].motion.samples;
+        let (kept, known, mut ended) = (samples.len(), self.events.len(), None);
+        for &part in group {
+            match act(&mut self.integrations[part]) {
+                Ok(None) => {}
+                Ok(Some(outcome)) => ended = ended.or(Some((part, outcome))),
+                Err(error) => return Some(Outcome::Error(error)),
+            }
+            self.tell_events(part);
+        }
+        self.unseen += group.len();
+        let needed = self.events.len() > known || self.unseen >= self.integrations.len();
+        let t = self.integrations[group[0]].state.t;
+        let shown = if self.parts.is_empty() { Ok(()) } else { self.show(group, t, kept, needed) };
+        let ended = ended.map(|(part, outcome)| self.in_the_whole(part, outcome));
+        let outcome =
+            ended.or_else(|| self.has_too_many_events().then_some(Outcome::TooManyEvents));
+        let ended = outcome.as_ref().is_some_and(|outcome| !matches!(outcome, Outcome::Error(_)));
+        match shown.and_then(|()| if ended { self.end_at(group, t) } else { Ok(()) }) {
+            Ok(()) => outcome,
+            Err(error) => Some(Outcome::Error(error)),
+        }
+    }
+
+    /// Where all steps are kept, gives all parts as many samples as those have that have gone on. Between events there is one
+    /// whenever the parts have made a step on average.
+    fn show(
+        &mut self,
+        group: &[usize],
+        t: f64,
+        kept: usize,
+        needed: bool,
+    ) -> Result<(), EvaluationError> {
+        if self.options.sample.is_some() {
+            return Ok(());
+        }
+        self.unseen *= usize::from(!needed);
+        let lengths = group.iter().map(|&part| self.integrations[part].motion.samples.len());
+        let count = if needed { lengths.fold(kept, usize::max) } else { kept };
+        for integration in &mut self.integrations {
+            integration.motion.samples.truncate(count);
+            for _ in integration.motion.samples.len()..count {
+                integration.sample_beside(t)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The last sample of all parts, unless they have it.
+    fn end_at(&mut self, group: &[usize], t: f64) -> Result<(), EvaluationError> {
+        for (part, integration) in self.integrations.iter_mut().enumerate() {
+            if !group.contains(&part) {
+                integration.end_beside(t)?;
+            } else if integration.motion.samples.t.last() != Some(&t) {
+                if !self.parts.is_empty() && integration.stale {
+                    integration.evaluate_at_start()?;
+                }
+                integration.record();
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the new events of a part among those of all. Several parts may meet the same kink.
+    fn tell_events(&mut self, part: usize) {
+        if self.parts.is_empty() {
+            return;
+        }
+        let new = self.integrations[part].motion.events[self.told[part]..].to_vec();
+        self.told[part] += new.len();
+        for event in new {
+            let kink = event.kind == EventKind::Kink;
+            let mut others = self.events.iter().rev().take_while(|other| other.time == event.time);
+            if !kink || others.all(|other| other.kind != EventKind::Kink) {
+                let contact = event.contact.map(|contact| self.number(part, contact));
+                self.events.push(Event { contact, ..event });
+            }
+        }
+    }
+
+    /// An outcome with the number of its contact in the whole.
+    fn in_the_whole(&self, part: usize, outcome: Outcome) -> Outcome {
+        match outcome {
+            Outcome::NoSolution { contact, mut unsolvable } => {
+                let contacts = unsolvable.iter_mut().flat_map(|proof| &mut proof.contacts);
+                contacts.for_each(|contact| *contact = self.number(part, *contact));
+                Outcome::NoSolution { contact: self.number(part, contact), unsolvable }
+            }
+            Outcome::Stagnated { cause, contact } => {
+                let contact = contact.map(|contact| self.number(part, contact));
+                Outcome::Stagnated { cause, contact }
+            }
+            outcome => outcome,
+        }
+    }
+
+    fn has_too_many_events(&self) -> bool {
+        let counted = |part: &Integration<'_>| part.motion.events.len() - part.uncounted;
+        let events: usize = self.integrations.iter().map(counted).sum();
+        !self.parts.is_empty() && events >= self.options.max_events
+    }
+
+    /// The motion of all parts, as long as all are known.
+    fn motion(mut self, system: &dyn System) -> Motion {
+        if self.parts.is_empty() {
+            return self.integrations.pop().map(|whole| whole.motion).unwrap_or_default();
+        }
+        let dimensions: Vec<usize> =
+            system.contacts().iter().map(|contact| contact.law().dimension()).collect();
+        let mut all = Samples::new(system.coordinates(), system.dof(), &dimensions);
+        let mut places = vec![(0, 0); dimensions.len()];
+        for (part, SystemPart { contacts, .. }) in self.parts.iter().enumerate() {
+            contacts.iter().enumerate().for_each(|(i, &number)| places[number] = (part, i));
+        }
+        let samples: Vec<&Samples> =
+            self.integrations.iter().map(|part| &part.motion.samples).collect();
+        let (mut q, mut u) = (vec![0.0; all.coordinates], vec![0.0; all.dof]);
+        for (k, &t) in samples[0].t.iter().enumerate() {
+            if samples.iter().any(|part| part.t.get(k) != Some(&t)) {
+                break;
+            }
+            for &(part, i) in &places {
+                all.push_contact(&samples[part].contact(k, i));
+            }
+            for (part, places) in samples.iter().zip(self.parts) {
+                let state = part.state(k);
+                places.coordinates.iter().zip(state.q).for_each(|(&to, &from)| q[to] = from);
+                places.velocities.iter().zip(state.u).for_each(|(&to, &from)| u[to] = from);
+            }
+            all.push_state(t, &q, &u);
+        }
+        let (mut steps, mut rejected_steps) = (0, 0);
+        for Integration { motion, .. } in &self.integrations {
+            steps += motion.steps;
+            rejected_steps += motion.rejected_steps;
+        }
+        Motion { samples: all, events: self.events, steps, rejected_steps }
+    }
+}
