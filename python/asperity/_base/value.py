@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import os
 from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from functools import cache
@@ -257,11 +258,18 @@ def a_text(value: Any, _: str) -> str:
     return str(value)
 
 
+def a_path(value: Any, _: str) -> str:
+    """Return a path as text."""
+    return os.fspath(value)
+
+
 Text: TypeAlias = Annotated[str, a_text]
 AnyArray: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], unchecked]
 """An array that `_complete` checks."""
 AnyArrayOrNone: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array], unchecked]
 """An array that `_complete` checks, or fills in."""
+OptionalArray: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array | None], unchecked]
+"""An array or None that `_complete` checks."""
 Vector: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(None)]
 Vector2: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(2)]
 Vector3: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(3)]
@@ -285,11 +293,14 @@ class Record(Value):
         for name, kind in inspect.get_annotations(cls).items():
             if kind == "KW_ONLY":
                 place = Parameter.KEYWORD_ONLY
-            elif not name.startswith("_") and not kind.startswith("ClassVar"):
+            elif not kind.startswith("ClassVar") and name != "_":
                 default = cls.__dict__.get(name, Parameter.empty)
+                follows = default is _FOLLOWS
+                if name.startswith("_") and not follows:
+                    continue
                 if name in cls.__dict__:
                     delattr(cls, name)
-                if default is not _FOLLOWS:
+                if not follows:
                     parameters.append(Parameter(name, place, default=default, annotation=kind))
         cls.__signature__ = inspect.Signature(parameters)
 
