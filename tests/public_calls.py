@@ -33,7 +33,7 @@ MODULES = (
 _NUMBERS = re.compile(
     r"\bfloat\b|\bint\b|\bArrayLike\b|\bArray\b|\bNDArray\b|\bTimeFunction\b|\bVector[23]?\b"
     r"|\bChanging[123]\b|\bAnyArray(OrNone)?\b|\bPositive\b|\bNonNegative\b|\bNumber\b|\bFraction\b"
-    r"|\bIndex\b|\bCount\b|\b_Length\b"
+    r"|\bIndex\b|\bCount\b|\b_Length\b|\bVector\b|\bOptionalArray\b"
 )
 
 LAW = asp.FrictionLaw(asp.Ellipse(0.6, 0.2, angle=0.5), asp.Ellipse(3.0, 1.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import os
 from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from functools import cache
@@ -247,10 +248,28 @@ def unchecked(value: Any, _: str) -> Any:
     return value
 
 
+def a_tuple(value: Any, _: str) -> Any:
+    """Return the parts of a sequence as a tuple."""
+    return tuple(value)
+
+
+def a_text(value: Any, _: str) -> str:
+    """Return a value as text."""
+    return str(value)
+
+
+def a_path(value: Any, _: str) -> str:
+    """Return a path as text."""
+    return os.fspath(value)
+
+
+Text: TypeAlias = Annotated[str, a_text]
 AnyArray: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], unchecked]
 """An array that `_complete` checks."""
 AnyArrayOrNone: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array], unchecked]
 """An array that `_complete` checks, or fills in."""
+OptionalArray: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array | None], unchecked]
+"""An array or None that `_complete` checks."""
 Vector: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(None)]
 Vector2: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(2)]
 Vector3: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], shaped(3)]
@@ -274,11 +293,14 @@ class Record(Value):
         for name, kind in inspect.get_annotations(cls).items():
             if kind == "KW_ONLY":
                 place = Parameter.KEYWORD_ONLY
-            elif not name.startswith("_") and not kind.startswith("ClassVar"):
+            elif not kind.startswith("ClassVar") and name != "_":
                 default = cls.__dict__.get(name, Parameter.empty)
+                follows = default is _FOLLOWS
+                if name.startswith("_") and not follows:
+                    continue
                 if name in cls.__dict__:
                     delattr(cls, name)
-                if default is not _FOLLOWS:
+                if not follows:
                     parameters.append(Parameter(name, place, default=default, annotation=kind))
         cls.__signature__ = inspect.Signature(parameters)
 
@@ -286,10 +308,21 @@ class Record(Value):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         kind: Any = type(self)
-        bound = kind.__signature__.bind(*args, **kwargs)
-        bound.apply_defaults()
-        checks = _checks_of(kind)
-        given = {name: checks[name](value, name) for name, value in bound.arguments.items()}
+        positional, fields = _fields_of(kind)
+        values = dict(zip(positional, args, strict=False))
+        given, taken = {}, 0
+        for name, check, default in fields:
+            if name in kwargs:
+                value = kwargs[name]
+                taken += 1
+            else:
+                value = values.get(name, default)
+            if value is not Parameter.empty:
+                given[name] = check(value, name)
+        wrong = taken < len(kwargs) or len(args) > len(positional) or len(given) < len(fields)
+        if wrong or values.keys() & kwargs.keys():
+            # Python says what is wrong with the call.
+            kind.__signature__.bind(*args, **kwargs)
         self._complete(given)
         self._set(**given)
         self._derive()
@@ -302,9 +335,13 @@ class Record(Value):
 
 
 @cache
-def _checks_of(kind: type[Any]) -> dict[str, Check]:
+def _fields_of(kind: type[Any]) -> tuple[tuple[str, ...], list[tuple[str, Check, Any]]]:
+    """Return the names of fields by position, and of all fields name, check and default."""
     hints = get_type_hints(kind, include_extras=True)
-    return {name: _check_of(hints[name]) for name in kind.__signature__.parameters}
+    parameters = kind.__signature__.parameters
+    fields = [(name, _check_of(hints[name]), one.default) for name, one in parameters.items()]
+    places = [name for name, one in parameters.items() if one.kind is not Parameter.KEYWORD_ONLY]
+    return tuple(places), fields
 
 
 def _meaning(hint: Any) -> Any:

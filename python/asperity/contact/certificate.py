@@ -5,12 +5,8 @@ from __future__ import annotations
 from dataclasses import KW_ONLY
 from typing import Literal
 
-from numpy.typing import ArrayLike
-
-from asperity._base import arrays
-from asperity._base.arrays import Array
 from asperity._base.tables import aligned
-from asperity._base.value import Record, Value
+from asperity._base.value import Index, NonNegative, Record, Vector
 
 InfeasibilityKind = Literal["closing", "one_contact"]
 
@@ -73,7 +69,7 @@ class Certificate(Record):
         return aligned([*lines, ("contacts", f"{counts}; worst {self.worst_contact}")])
 
 
-class Infeasibility(Value):
+class Infeasibility(Record):
     """The proof that a contact problem has no solution, see `ContactSolution.infeasibility`.
 
     Kind ``"closing"``: weights d ≥ 0 of the normal rows of unilateral contacts with Gᵀd = 0.
@@ -106,25 +102,9 @@ class Infeasibility(Value):
     ([0.5, 0.0, 0.5, 0.0], 0.3)
     """
 
+    _: KW_ONLY
     kind: InfeasibilityKind
-    contact: int
-    direction: Array
-    closing_velocity: float
-    residual: float
-
-    def __init__(
-        self,
-        *,
-        kind: InfeasibilityKind,
-        contact: int,
-        direction: ArrayLike,
-        closing_velocity: float,
-        residual: float,
-    ) -> None:
-        self._set(
-            kind=arrays.choice(kind, "kind", ("closing", "one_contact")),
-            contact=arrays.count(contact, "contact", least=0),
-            direction=arrays.array(direction, "direction", (None,)),
-            closing_velocity=arrays.non_negative(closing_velocity, "closing_velocity"),
-            residual=arrays.non_negative(residual, "residual"),
-        )
+    contact: Index
+    direction: Vector
+    closing_velocity: NonNegative
+    residual: NonNegative

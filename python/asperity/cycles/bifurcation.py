@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +16,7 @@ from asperity._base.progress import Count, Progress, reporter
 from asperity._base.result import Axis, Series, Table, counted
 from asperity._base.storage.data import Kinds
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
+from asperity._base.value import Given, Record, Text, Vector, a_tuple
 from asperity.cycles import orbit
 from asperity.cycles.continuation import Continuation, Found
 from asperity.cycles.orbit import LimitCycle
@@ -27,7 +28,7 @@ from asperity.system.labels import Labels, numbered
 Family = Callable[..., Model]
 
 
-class BifurcationDiagram(SavedResult, Value):
+class BifurcationDiagram(SavedResult, Record):
     """What a family of systems does over a parameter, found by `bifurcation_diagram`.
 
     Attributes:
@@ -39,29 +40,13 @@ class BifurcationDiagram(SavedResult, Value):
             cycles were looked for; empty where all went well.
     """
 
-    parameter: str
-    values: Array
-    stabilities: tuple[Stability | None, ...]
-    cycles: tuple[LimitCycle | None, ...]
-    failures: tuple[str, ...]
+    parameter: Text
+    values: Vector
+    stabilities: Annotated[Given[Sequence[Stability | None], tuple[Stability | None, ...]], a_tuple]
+    cycles: Annotated[Given[Sequence[LimitCycle | None], tuple[LimitCycle | None, ...]], a_tuple]
+    failures: Annotated[Given[Sequence[str], tuple[str, ...]], a_tuple]
 
     _picture = "plot_bifurcation"
-
-    def __init__(
-        self,
-        parameter: str,
-        values: ArrayLike,
-        stabilities: Sequence[Stability | None],
-        cycles: Sequence[LimitCycle | None],
-        failures: Sequence[str],
-    ) -> None:
-        self._set(
-            parameter=str(parameter),
-            values=arrays.read_only(arrays.array(values, "values", (None,))),
-            stabilities=tuple(stabilities),
-            cycles=tuple(cycles),
-            failures=tuple(failures),
-        )
 
     def __len__(self) -> int:
         return len(self.values)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -10,7 +13,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table
 from asperity._base.storage.data import Kinds
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
+from asperity._base.value import Given, Record
 from asperity.errors import ParameterError
 from asperity.runs import origin
 from asperity.runs.event import Event
@@ -24,7 +27,13 @@ _VERBS = {Phase.STICK: "sticks", Phase.SLIP: "slips", Phase.OPEN: "is open"}
 _TOLD = 8
 
 
-class LimitCycle(SavedResult, Value):
+def _complex(value: ArrayLike, argument: str) -> NDArray[np.complex128]:
+    values = np.array(value, dtype=complex)
+    arrays.check_shape(values, argument, (None,))
+    return values
+
+
+class LimitCycle(SavedResult, Record):
     """An isolated periodic motion x(t + T) = x(t), found by `limit_cycle`.
 
     Attributes:
@@ -41,33 +50,12 @@ class LimitCycle(SavedResult, Value):
     period: float
     motion: Motion
     section: Section
-    multipliers: NDArray[np.complex128]
+    multipliers: Annotated[Given[ArrayLike, NDArray[np.complex128]], _complex]
+    _: KW_ONLY
     residual: float
     iterations: int
 
     _picture = "plot_history"
-
-    def __init__(
-        self,
-        period: float,
-        motion: Motion,
-        section: Section,
-        multipliers: ArrayLike,
-        *,
-        residual: float,
-        iterations: int,
-    ) -> None:
-        values = np.array(multipliers, dtype=complex)
-        arrays.check_shape(values, "multipliers", (None,))
-        values.flags.writeable = False
-        self._set(
-            period=float(period),
-            motion=motion,
-            section=section,
-            multipliers=values,
-            residual=float(residual),
-            iterations=int(iterations),
-        )
 
     @property
     def is_stable(self) -> bool:

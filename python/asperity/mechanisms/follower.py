@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Self
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, Self
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import NonNegative, Number, Positive, Record, field, unchecked
 from asperity.law import FrictionLaw
 from asperity.mechanisms.line_law import line_law
 from asperity.system import ContactLaw, System
 from asperity.system.contacts import relawed
 
 
-class FollowerPendulum(Value, System):
+class FollowerPendulum(Record, System):
     """A double pendulum whose tip is pushed by friction along its second rod.
 
     Joints with equal rotational springs c and dampers d carry massless rods of length l with
@@ -57,39 +57,23 @@ class FollowerPendulum(Value, System):
 
     dof = 2
 
-    mu: float
-    law: FrictionLaw | None
-    normal_force: float
-    tip_mass: float
-    length: float
-    stiffness: float
-    damping: float
-    belt_velocity: float
-    contacts: tuple[ContactLaw, ...]
+    mu: Annotated[float, unchecked]
+    _: KW_ONLY
+    law: FrictionLaw | None = None
+    normal_force: NonNegative = 10.0
+    tip_mass: Positive = 1.0
+    length: Positive = 1.0
+    stiffness: Number = 1.0
+    damping: Number = 0.0
+    belt_velocity: Positive = 1.0
+    contacts: tuple[ContactLaw, ...] = field(init=False)
 
-    def __init__(
-        self,
-        mu: float,
-        *,
-        law: FrictionLaw | None = None,
-        normal_force: float = 10.0,
-        tip_mass: float = 1.0,
-        length: float = 1.0,
-        stiffness: float = 1.0,
-        damping: float = 0.0,
-        belt_velocity: float = 1.0,
-    ) -> None:
-        friction = line_law(mu, law)
-        self._set(
-            mu=float(mu),
-            law=law,
-            normal_force=arrays.non_negative(normal_force, "normal_force"),
-            tip_mass=arrays.positive(tip_mass, "tip_mass"),
-            length=arrays.positive(length, "length"),
-            stiffness=arrays.number(stiffness, "stiffness"),
-            damping=arrays.number(damping, "damping"),
-            belt_velocity=arrays.positive(belt_velocity, "belt_velocity"),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        line_law(given["mu"], given["law"])
+        given["mu"] = float(given["mu"])
+
+    def _derive(self) -> None:
+        friction = line_law(self.mu, self.law)
         self._keep(contacts=(ContactLaw(friction, normal_force=self.normal_force),))
 
     def with_law(

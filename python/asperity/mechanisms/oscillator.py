@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Self
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, Self
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Fraction, Positive, Record, Vector2, field, unchecked
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.mechanisms.line_law import line_law
@@ -18,7 +18,7 @@ from asperity.system import Contact, ContactLaw, LinearSystem, System
 from asperity.system.contacts import relawed
 
 
-class FrictionalImpactOscillator(Value, System):
+class FrictionalImpactOscillator(Record, System):
     """A rigid rod with a mass at either end that leans against the motion of a belt.
 
     The upper mass m₁ moves vertically, at the height y, on a spring k_y and a damper d_y; the rod
@@ -62,54 +62,32 @@ class FrictionalImpactOscillator(Value, System):
 
     dof = 2
 
-    mu: float
-    law: FrictionLaw | None
-    angle: float
-    normal_force: float
-    masses: Array
-    length: float
-    stiffness: Array
-    damping: Array
-    belt_velocity: float
-    normal_restitution: float
-    contacts: tuple[ContactLaw, ...]
-    _rest: Array
-    _stretch: Array
+    mu: Annotated[float, unchecked]
+    _: KW_ONLY
+    law: FrictionLaw | None = None
+    angle: Positive = math.radians(30.0)
+    normal_force: Positive = 1.0
+    masses: Vector2 = field(default=(1.0, 1.0))
+    length: Positive = 1.0
+    stiffness: Vector2 = field(default=(1.0, 4.0))
+    damping: Vector2 = field(default=(1.0, 0.1))
+    belt_velocity: Positive = 1.0
+    normal_restitution: Fraction = 0.0
+    contacts: tuple[ContactLaw, ...] = field(init=False)
+    _rest: Array = field(init=False)
+    _stretch: Array = field(init=False)
 
-    def __init__(
-        self,
-        mu: float,
-        *,
-        law: FrictionLaw | None = None,
-        angle: float = math.radians(30.0),
-        normal_force: float = 1.0,
-        masses: tuple[float, float] = (1.0, 1.0),
-        length: float = 1.0,
-        stiffness: tuple[float, float] = (1.0, 4.0),
-        damping: tuple[float, float] = (1.0, 0.1),
-        belt_velocity: float = 1.0,
-        normal_restitution: float = 0.0,
-    ) -> None:
-        angle = arrays.positive(angle, "angle")
-        if angle >= 0.5 * math.pi:
-            raise ParameterError("angle", f"must lie below π/2, got {angle!r}")
-        both = arrays.array(masses, "masses", (2,))
-        if both.min() <= 0.0:
-            raise ParameterError("masses", f"must be positive, got {both.tolist()}")
-        friction = line_law(mu, law)
-        contact = ContactLaw(friction, normal_restitution=normal_restitution)
-        self._set(
-            mu=float(mu),
-            law=law,
-            angle=angle,
-            normal_force=arrays.positive(normal_force, "normal_force"),
-            masses=arrays.read_only(both),
-            length=arrays.positive(length, "length"),
-            stiffness=arrays.read_only(arrays.array(stiffness, "stiffness", (2,))),
-            damping=arrays.read_only(arrays.array(damping, "damping", (2,))),
-            belt_velocity=arrays.positive(belt_velocity, "belt_velocity"),
-            normal_restitution=contact.normal_restitution,
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        if given["angle"] >= 0.5 * math.pi:
+            raise ParameterError("angle", f"must lie below π/2, got {given['angle']!r}")
+        if given["masses"].min() <= 0.0:
+            raise ParameterError("masses", f"must be positive, got {given['masses'].tolist()}")
+        line_law(given["mu"], given["law"])
+        given["mu"] = float(given["mu"])
+
+    def _derive(self) -> None:
+        friction = line_law(self.mu, self.law)
+        contact = ContactLaw(friction, normal_restitution=self.normal_restitution)
         self._keep(contacts=(contact,), _rest=self.equilibrium)
         self._keep(_stretch=self._stretched())
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +12,7 @@ from scipy.sparse import coo_array, csr_array
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Given, Record, Vector, shaped, unchecked
 from asperity.contact import ContactProblem
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
@@ -24,7 +25,7 @@ Laws = FrictionLaw | Sequence[FrictionLaw] | None
 """One law for all contacts, one each, or the default, isotropic with μ = 0.5."""
 
 
-class Scene(Value):
+class Scene(Record):
     """Rigid bodies in space at rest, touching at n points; each body has six degrees of freedom.
 
     Rows of a contact are (normal, t₁, t₂), those of a body (v, ω) in the axes of the world, ω about
@@ -48,42 +49,25 @@ class Scene(Value):
     ((12, 24), (12, 12))
     """
 
-    mass: Array
-    inertia: Array
-    center: Array
-    lower: NDArray[np.int64]
-    upper: NDArray[np.int64]
-    point: Array
-    frame: Array
+    mass: Vector
+    inertia: AnyArray
+    center: AnyArray
+    lower: Annotated[Given[ArrayLike, NDArray[np.int64]], unchecked]
+    upper: Annotated[Given[ArrayLike, NDArray[np.int64]], unchecked]
+    point: Annotated[Given[ArrayLike, Array], shaped(None, 3)]
+    frame: AnyArray
 
-    def __init__(
-        self,
-        mass: ArrayLike,
-        inertia: ArrayLike,
-        center: ArrayLike,
-        lower: ArrayLike,
-        upper: ArrayLike,
-        point: ArrayLike,
-        frame: ArrayLike,
-    ) -> None:
-        masses = arrays.array(mass, "mass", (None,))
-        if masses.size == 0 or masses.min() <= 0.0:
+    def _complete(self, given: dict[str, Any]) -> None:
+        if given["mass"].size == 0 or given["mass"].min() <= 0.0:
             raise ParameterError("mass", "must hold positive numbers, one per body")
-        points = arrays.array(point, "point", (None, 3))
-        bodies, contacts = len(masses), len(points)
-        below = _bodies(lower, "lower", bodies, contacts)
-        above = _bodies(upper, "upper", bodies, contacts)
-        if (below == above).any():
+        bodies, contacts = len(given["mass"]), len(given["point"])
+        for name in ("lower", "upper"):
+            given[name] = _bodies(given[name], name, bodies, contacts)
+        if (given["lower"] == given["upper"]).any():
             raise ParameterError("upper", "must differ from lower: a body cannot touch itself")
-        self._set(
-            mass=masses,
-            inertia=_inertia(inertia, bodies),
-            center=arrays.array(center, "center", (bodies, 3)),
-            lower=below,
-            upper=above,
-            point=points,
-            frame=_frames(frame, contacts),
-        )
+        given["inertia"] = _inertia(given["inertia"], bodies)
+        given["center"] = arrays.array(given["center"], "center", (bodies, 3))
+        given["frame"] = _frames(given["frame"], contacts)
 
     @cached_property
     def mass_matrix(self) -> csr_array:

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from dataclasses import KW_ONLY
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult, counted
-from asperity._base.value import Value
+from asperity._base.value import (
+    AnyArray,
+    Index,
+    OptionalArray,
+    Record,
+    Vector,
+    field,
+)
 from asperity.errors import ParameterError
 from asperity.runs.run import Run
 from asperity.status import Outcome
@@ -32,7 +39,7 @@ class TimedPath(Protocol):
         """Positions in m, shape ``(n, 2)``; NaN where there is none."""
 
 
-class PathComparison(TableResult, Value):
+class PathComparison(TableResult, Record):
     """Differences of a simulated and a measured path at the measured times; arrays are read-only.
 
     Attributes:
@@ -46,36 +53,20 @@ class PathComparison(TableResult, Value):
         left_out: number of measured points without position or outside the simulated time.
     """
 
-    time: Array
-    simulated: Array
-    measured: Array
-    position_error: Array | None
-    deviation: Array
-    left_out: int
+    time: Vector
+    simulated: AnyArray
+    measured: AnyArray
+    _: KW_ONLY
+    position_error: OptionalArray = field(default=None)
+    deviation: AnyArray
+    left_out: Index = 0
 
-    def __init__(
-        self,
-        time: ArrayLike,
-        simulated: ArrayLike,
-        measured: ArrayLike,
-        *,
-        position_error: ArrayLike | None = None,
-        deviation: ArrayLike,
-        left_out: int = 0,
-    ) -> None:
-        t = arrays.array(time, "time", (None,))
-        shape = (len(t), 2)
-        error = position_error
-        if error is not None:
-            error = arrays.read_only(arrays.array(error, "position_error", shape))
-        self._set(
-            time=arrays.read_only(t),
-            simulated=arrays.read_only(arrays.array(simulated, "simulated", shape)),
-            measured=arrays.read_only(arrays.array(measured, "measured", shape)),
-            position_error=error,
-            deviation=arrays.read_only(arrays.array(deviation, "deviation", (len(t),))),
-            left_out=arrays.count(left_out, "left_out", 0),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        count = len(given["time"])
+        for name in ("simulated", "measured", "position_error"):
+            if given[name] is not None:
+                given[name] = arrays.array(given[name], name, (count, 2))
+        given["deviation"] = arrays.array(given["deviation"], "deviation", (count,))
 
     def __len__(self) -> int:
         return len(self.time)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
+from dataclasses import KW_ONLY
+from typing import Any
 
-from asperity._base import arrays
-from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Number, Record, Vector
 from asperity.errors import ParameterError
 
 
-class Section(Value):
+class Section(Record):
     """A hyperplane n·(q, u) = c of states, at which an integration ends when it is crossed upwards.
 
     Args:
@@ -24,18 +23,13 @@ class Section(Value):
     Section([1.0, 0.0], 0.5, after=1.0)
     """
 
-    normal: Array
-    level: float
-    after: float
+    normal: Vector
+    level: Number
+    _: KW_ONLY
+    after: Number = 0.0
 
-    def __init__(self, normal: ArrayLike, level: float, *, after: float = 0.0) -> None:
-        n = arrays.array(normal, "normal", (None,))
-        if len(n) < 2 or not n.any():
+    def _complete(self, given: dict[str, Any]) -> None:
+        if len(given["normal"]) < 2 or not given["normal"].any():
             raise ParameterError(
                 "normal", "must have an entry for every coordinate and velocity, not all zero"
             )
-        self._set(
-            normal=arrays.read_only(n),
-            level=arrays.number(level, "level"),
-            after=arrays.number(after, "after"),
-        )

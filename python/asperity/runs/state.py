@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import (
+    Given,
+    Index,
+    Number,
+    Positive,
+    Record,
+    Vector,
+    field,
+    optional,
+    shaped,
+)
 from asperity.errors import ParameterError
 from asperity.status import Phase
 
 _COLUMNS = 16
 
 
-class State(Value):
+class State(Record):
     """Coordinates and velocities at a time, and what the contacts remember of the last step.
 
     ``trajectory.end`` is one. A run that starts from it continues the one before as if that had
@@ -47,42 +58,22 @@ class State(Value):
     True
     """
 
-    q: Array
-    u: Array
-    t0: float
-    steps: int
-    dt: float | None
-    contacts: Array | None
-    momenta: Array | None
+    q: Vector
+    u: Vector
+    _: KW_ONLY
+    t0: Number = 0.0
+    steps: Index = 0
+    dt: Positive | None = None
+    contacts: Annotated[Given[ArrayLike | None, Array | None], _memory] = field(default=None)
+    momenta: Annotated[Given[ArrayLike | None, Array | None], optional(shaped(None, 3))] = field(
+        default=None
+    )
+
+    def _complete(self, given: dict[str, Any]) -> None:
+        if given["steps"] and given["dt"] is None:
+            raise ParameterError("dt", "must be given with steps")
 
     _is_result = True
-
-    def __init__(
-        self,
-        q: ArrayLike,
-        u: ArrayLike,
-        *,
-        t0: float = 0.0,
-        steps: int = 0,
-        dt: float | None = None,
-        contacts: ArrayLike | None = None,
-        momenta: ArrayLike | None = None,
-    ) -> None:
-        done = arrays.count(steps, "steps", least=0)
-        if done and dt is None:
-            raise ParameterError("dt", "must be given with steps")
-        memory = _table(contacts, "contacts", _COLUMNS)
-        if memory is not None:
-            _check_memory(memory, "contacts")
-        self._set(
-            q=arrays.read_only(arrays.array(q, "q", (None,))),
-            u=arrays.read_only(arrays.array(u, "u", (None,))),
-            t0=arrays.number(t0, "t0"),
-            steps=done,
-            dt=None if dt is None else arrays.positive(dt, "dt"),
-            contacts=memory,
-            momenta=_table(momenta, "momenta", 3),
-        )
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed, and momenta that follow from others left out.
@@ -113,8 +104,11 @@ class State(Value):
         return clock, self.q, self.u, contacts, momenta
 
 
-def _check_memory(contacts: Array, argument: str) -> None:
-    """Refuse what no contact remembers, in the table of a `State`."""
+def _memory(value: ArrayLike | None, argument: str) -> Array | None:
+    """Return the table of a `State`; refuse what no contact remembers."""
+    if value is None:
+        return None
+    contacts = arrays.array(value, argument, (None, _COLUMNS))
     for column, what, allowed in (
         (0, "whether a contact is closed, 0 or 1", (0, 1)),
         (1, "phases, -1, 0, 1 or 2", tuple(Phase)),
@@ -124,9 +118,4 @@ def _check_memory(contacts: Array, argument: str) -> None:
         if wrong.any():
             found = float(contacts[wrong.argmax(), column])
             raise ParameterError(argument, f"must hold {what}, in column {column}, got {found:g}")
-
-
-def _table(values: ArrayLike | None, argument: str, columns: int) -> Array | None:
-    if values is None:
-        return None
-    return arrays.read_only(arrays.array(values, argument, (None, columns)))
+    return contacts

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from dataclasses import KW_ONLY
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Given, NonNegative, Record, optional, shaped
 
 Answer: TypeAlias = tuple[bool, bool, float, float, Array | None]
 
 
-class Verdict(Value):
+def _truth(value: object, argument: str) -> bool:
+    arrays.of_kind(value, argument, bool | np.bool_, "True or False")
+    return bool(value)
+
+
+class Verdict(Record):
     """Whether a property holds; true in a condition if it does.
 
     Args:
@@ -32,29 +38,12 @@ class Verdict(Value):
     False
     """
 
-    holds: bool
-    exact: bool
-    tolerance: float
-    defect: float
-    witness: Array | None
-
-    def __init__(
-        self,
-        holds: bool,
-        *,
-        exact: bool,
-        tolerance: float,
-        defect: float,
-        witness: ArrayLike | None,
-    ) -> None:
-        points = None if witness is None else arrays.array(witness, "witness", (None, None))
-        self._set(
-            holds=_truth(holds, "holds"),
-            exact=_truth(exact, "exact"),
-            tolerance=arrays.non_negative(tolerance, "tolerance"),
-            defect=arrays.non_negative(defect, "defect"),
-            witness=None if points is None else points,
-        )
+    holds: Annotated[bool, _truth]
+    _: KW_ONLY
+    exact: Annotated[bool, _truth]
+    tolerance: NonNegative
+    defect: NonNegative
+    witness: Annotated[Given[ArrayLike | None, Array | None], optional(shaped(None, None))]
 
     def __bool__(self) -> bool:
         return self.holds
@@ -64,8 +53,3 @@ def verdict(answer: Answer) -> Verdict:
     """Return the verdict that the core answers as a tuple."""
     holds, exact, tolerance, defect, witness = answer
     return Verdict(holds, exact=exact, tolerance=tolerance, defect=defect, witness=witness)
-
-
-def _truth(value: object, argument: str) -> bool:
-    arrays.of_kind(value, argument, bool | np.bool_, "True or False")
-    return bool(value)

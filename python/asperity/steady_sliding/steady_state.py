@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import KW_ONLY
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +13,7 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import Result
-from asperity._base.value import Value
+from asperity._base.value import Given, Record, Vector, field
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.runs.model import Model
 from asperity.steady_sliding.linearised.field import STEP, Field, start
@@ -22,7 +24,15 @@ _ITERATIONS = 50
 _EXACT = 1e-15
 
 
-class Equilibrium(Result, Value):
+def _real(value: ArrayLike, _: str) -> Array:
+    return np.asarray(value, dtype=np.float64)
+
+
+def _numbers(value: Sequence[int], _: str) -> tuple[int, ...]:
+    return tuple(int(i) for i in value)
+
+
+class Equilibrium(Result, Record):
     """Steady sliding: u = 0 while the contacts slide with γ = χ, 0 = h + W_N λ_N + W λ.
 
     Args:
@@ -38,31 +48,13 @@ class Equilibrium(Result, Value):
     Reference: [WL19] §4.1, (77).
     """
 
-    q: Array
-    force: Array
-    normal_force: Array
-    slip: Array
-    closed: tuple[int, ...]
-    residual: float
-
-    def __init__(
-        self,
-        q: ArrayLike,
-        force: ArrayLike,
-        normal_force: ArrayLike,
-        slip: ArrayLike,
-        *,
-        closed: Sequence[int] = (),
-        residual: float = 0.0,
-    ) -> None:
-        self._set(
-            q=arrays.read_only(arrays.array(q, "q", (None,))),
-            force=arrays.read_only(np.asarray(force, dtype=np.float64)),
-            normal_force=arrays.read_only(arrays.array(normal_force, "normal_force", (None,))),
-            slip=arrays.read_only(np.asarray(slip, dtype=np.float64)),
-            closed=tuple(int(i) for i in closed),
-            residual=float(residual),
-        )
+    q: Vector
+    force: Annotated[Given[ArrayLike, Array], _real]
+    normal_force: Vector
+    slip: Annotated[Given[ArrayLike, Array], _real]
+    _: KW_ONLY
+    closed: Annotated[Given[Sequence[int], tuple[int, ...]], _numbers] = field(default=())
+    residual: float = 0.0
 
     def summary(self) -> str:
         """Return where the system is and how its contacts slide."""

@@ -12,7 +12,6 @@ from asperity._base.progress import Report
 from asperity.errors import SweepError
 from asperity.sweeps.executors import Workers
 from asperity.sweeps.grid import Block, Grid, block_shape, index_in
-from asperity.sweeps.messenger import Messenger
 from asperity.sweeps.store import Store
 from asperity.sweeps.task import Answer, Call, Failure, compute
 
@@ -53,7 +52,6 @@ class Execution:
     ) -> None:
         self._store, self._grid, self._workers = store, grid, workers
         self._call, self._strict, self._report = workers.packed(call), strict, report
-        self._messenger = Messenger(workers)
         self._running: dict[int, Task] = {}
         # Chunks that came back before it is known what the function returns: the first good result
         # of all says so, in the order of the points, whoever computes it.
@@ -72,9 +70,9 @@ class Execution:
             self._tell()
             self._go_through(tasks)
         except BaseException:
-            self._messenger.abort()
+            self._workers.abort()
             raise
-        self._messenger.end()
+        self._workers.end()
 
     def _go_through(self, tasks: Iterator[Task]) -> None:
         while True:
@@ -98,7 +96,7 @@ class Execution:
 
     def _submit(self, task: Task) -> None:
         self._running[task.number] = task
-        self._messenger.submit(
+        self._workers.submit(
             task.number,
             compute,
             self._call,
@@ -110,7 +108,7 @@ class Execution:
 
     def _collect(self) -> list[Task]:
         """Wait for tasks and commit them; return those whose workers have died."""
-        ready = self._messenger.answers()
+        ready = self._workers.answers()
         return [task for number in sorted(ready) for task in self._taken(number, *ready[number])]
 
     def _taken(self, number: int, answer: Any, error: BaseException | None) -> list[Task]:
@@ -133,11 +131,11 @@ class Execution:
                 "the worker processes of the executor have died; what was done before is kept: "
                 "sweep again with another one, or give a function that returns executors"
             )
-        self._messenger.renew()
+        self._workers.renew()
         self._submit(task)
         if self._collect():
             self._give_up(task, BrokenExecutor("a worker process died at these points, twice"))
-            self._messenger.renew()
+            self._workers.renew()
 
     def _give_up(self, task: Task, error: BaseException) -> None:
         count = math.prod(block_shape(task.block))

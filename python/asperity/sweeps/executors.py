@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import (
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from concurrent.futures.process import BrokenProcessPool
-from typing import Any
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import Any, TypeAlias
 
 from asperity._base.pool import WorkerPool, available_cores
 from asperity.errors import ParameterError
@@ -14,10 +23,16 @@ from asperity.sweeps.task import Call, portable
 # Tasks in flight. Where chunks take a millisecond and the cores have other work, workers wait for
 # the next one: with 2 of them `benches/python_sweep.py` took 1.5 times a bare map, with 8 0.9.
 _PER_WORKER = 8
+Answer: TypeAlias = tuple[Any, BaseException | None]
+"""What a task has returned, or what it or handing it out has raised."""
 
 
 class Workers:
     """Those who compute tasks, and can be replaced when they have died.
+
+    Ctrl-C comes between any two instructions of the main thread, also while that holds the lock of
+    a future or of an executor, which then stays locked for ever. The main thread only meets queues
+    without locks of Python; everything else is done in a thread of its own.
 
     Args:
         executor: None for processes of its own; an executor; a function that returns one, which is
@@ -47,6 +62,11 @@ class Workers:
         if self._make is not None:
             self._executor = self._begun()
         _refuse_forks(self._executor)
+        self._orders: SimpleQueue[Callable[[], object] | None] = SimpleQueue()
+        self._answers: SimpleQueue[tuple[int, Answer]] = SimpleQueue()
+        self._futures: set[Future[Any]] = set()
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
 
     def _begun(self) -> Executor:
         """Make an executor that works."""
@@ -82,27 +102,89 @@ class Workers:
             return call
         return portable(call)
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Hand out a task."""
-        return self._executor.submit(function, *arguments)
+    def submit(self, number: int, function: Callable[..., Any], *arguments: Any) -> None:
+        """Hand out a task, whose answer has this number."""
+        self._orders.put(lambda: self._submit(number, function, arguments))
+
+    def answers(self) -> dict[int, Answer]:
+        """Wait for answers and return those that are there, by number."""
+        number, answer = self._answers.get()
+        answers = {number: answer}
+        with suppress(Empty):
+            while True:
+                number, answer = self._answers.get_nowait()
+                answers[number] = answer
+        return answers
 
     def renew(self) -> None:
         """Replace those who have died; processes of the own pool replace each other."""
-        if not isinstance(self._executor, WorkerPool):
-            self._executor.shutdown(wait=False)
-            self._executor = self._begun()
+        self._ask(self._renew)
 
     def end(self) -> None:
         """End those who were made here; all tasks are done."""
         if self._make is not None:
-            self._executor.shutdown()
+            self._ask(self._executor.shutdown)
+        self._orders.put(None)
+        self._thread.join()
 
     def abort(self) -> None:
-        """End at once those who were made here; what they are at is lost."""
+        """Give up all tasks, and end at once those who were made here."""
+        self._ask(self._give_up)
+        self._orders.put(None)
+
+    def _renew(self) -> None:
+        if not isinstance(self._executor, WorkerPool):
+            self._executor.shutdown(wait=False)
+            self._executor = self._begun()
+
+    def _give_up(self) -> None:
+        for future in list(self._futures):
+            future.cancel()
         if isinstance(self._executor, WorkerPool):
             self._executor.terminate()
         elif self._make is not None:
             self._executor.shutdown(wait=False, cancel_futures=True)
+
+    def _ask(self, order: Callable[[], object]) -> None:
+        """Have something done and wait for its end."""
+        done: SimpleQueue[BaseException | None] = SimpleQueue()
+
+        def call() -> None:
+            try:
+                order()
+            except BaseException as error:
+                done.put(error)
+            else:
+                done.put(None)
+
+        self._orders.put(call)
+        error = done.get()
+        if error is not None:
+            raise error
+
+    def _serve(self) -> None:
+        while (order := self._orders.get()) is not None:
+            order()
+
+    def _submit(
+        self, number: int, function: Callable[..., Any], arguments: tuple[Any, ...]
+    ) -> None:
+        try:
+            future = self._executor.submit(function, *arguments)
+        except BaseException as error:
+            self._answers.put((number, (None, error)))
+            return
+        self._futures.add(future)
+        future.add_done_callback(lambda future: self._bring(number, future))
+
+    def _bring(self, number: int, future: Future[Any]) -> None:
+        """Put the answer of a future that is done into the queue, in whatever thread."""
+        self._futures.discard(future)
+        try:
+            error = future.exception()
+        except CancelledError as cancelled:
+            error = cancelled
+        self._answers.put((number, (future.result() if error is None else None, error)))
 
 
 def _refuse_forks(executor: Executor) -> None:

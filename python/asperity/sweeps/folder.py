@@ -14,8 +14,8 @@ import os
 import shutil
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,10 +26,9 @@ from asperity._base.extras import library
 from asperity._base.log import log
 from asperity._base.storage.files import atomic, replaced
 from asperity.errors import ParameterError
-from asperity.sweeps.failures import Failures
 from asperity.sweeps.grid import Block, Grid
 from asperity.sweeps.outputs import NO_FLAG, Output, Schema
-from asperity.sweeps.store import DONE, FAILED, MISSING, STATUS_ATTRIBUTES, Store
+from asperity.sweeps.store import DONE, FAILED, MISSING, STATUS_ATTRIBUTES, Line, Store
 from asperity.sweeps.task import Answer
 
 if TYPE_CHECKING:
@@ -79,7 +78,6 @@ class Folder(Store):
             self._check(grid, facts)
             status = self._group["status"]
             super().__init__(grid, size=tuple(status.chunks), facts=facts, units=units)
-            self._failures = Failures(path / _MESSAGES)
             self.status = np.array(status[...])
             if not np.isin(self.status, (MISSING, DONE, FAILED)).all():
                 raise ValueError("the status of points is none of those there are")
@@ -170,6 +168,22 @@ class Folder(Store):
                 RuntimeWarning,
                 stacklevel=4,
             )
+
+    def _add_lines(self, lines: Iterable[Line]) -> None:
+        text = "".join(f"{json.dumps(line)}\n" for line in lines)
+        if text:
+            with (self._path / _MESSAGES).open("ab") as file:
+                # What a process that was killed has not finished is a line of its own.
+                file.write(f"\n{text}".encode())
+
+    def _failed_lines(self) -> Iterator[Line]:
+        if (self._path / _MESSAGES).exists():
+            with (self._path / _MESSAGES).open(encoding="utf-8", errors="replace") as file:
+                for text in file:
+                    with suppress(ValueError):
+                        line = json.loads(text)
+                        if isinstance(line, dict) and {"index", "message"} <= line.keys():
+                            yield line
 
     def _make(self, schema: Schema) -> None:
         try:

@@ -7,7 +7,7 @@ status of a chunk, which is the commit.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from asperity._base.extras import library
 from asperity._base.storage.toml import advice_on
 from asperity.errors import ParameterError
-from asperity.sweeps.failures import Failures
 from asperity.sweeps.grid import Block, Chunks, Grid, block_shape, index_in
 from asperity.sweeps.outputs import NO_FLAG, Output, Schema
 from asperity.sweeps.task import Answer
@@ -34,6 +33,8 @@ STATUS_ATTRIBUTES = {
     "long_name": "what is known of the points",
 }
 _NO_WORD = "no_result"
+Line = dict[str, Any]
+"""Of a point that failed: ``index``, ``point`` by name, ``error``, ``message``, ``traceback``."""
 
 
 class Store:
@@ -55,7 +56,7 @@ class Store:
         units: Mapping[str, str],
     ) -> None:
         self._grid, self._facts, self._units = grid, facts, units
-        self._failures = Failures()
+        self._lines: list[Line] = []
         self._arrays: dict[str, Any] = {}
         self.chunks = Chunks(grid.shape, size)
         self.schema: Schema | None = None
@@ -85,7 +86,7 @@ class Store:
             answer = answer.fitted(self.schema)
             for name, values in answer.arrays.items():
                 self._write(name, block, self._laid_out(name, block, values, answer))
-        self._failures.add(
+        self._add_lines(
             {
                 "index": index,
                 "point": self._grid.point(index),
@@ -121,7 +122,7 @@ class Store:
     def dataset(self) -> xarray.Dataset:
         """Return what is known, with the messages of failures."""
         message = np.full(self._grid.shape, "", dtype=object)
-        for line in self._failures:
+        for line in self._failed_lines():
             # A line that is damaged may name any point.
             with suppress(IndexError, TypeError):
                 index = tuple(line["index"])
@@ -129,6 +130,13 @@ class Store:
                     message[index] = str(line["message"])
         words = {"long_name": "why points failed"}
         return self._labelled().assign(message=(self._grid.names, message, words))
+
+    def _add_lines(self, lines: Iterable[Line]) -> None:
+        """Keep why points failed, before the chunk is committed."""
+        self._lines.extend(lines)
+
+    def _failed_lines(self) -> Iterable[Line]:
+        return self._lines
 
     def _make(self, schema: Schema) -> None:
         """Make the arrays of results."""

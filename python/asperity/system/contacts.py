@@ -7,20 +7,17 @@ from dataclasses import KW_ONLY
 from typing import Annotated, Any, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity._base import arrays
-from asperity._base.arrays import Array
 from asperity._base.value import (
     AnyArray,
     AnyArrayOrNone,
     Fraction,
-    Given,
     NonNegative,
     Number,
+    OptionalArray,
     Record,
     field,
-    unchecked,
 )
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
@@ -110,7 +107,7 @@ class Contact(AnyContact):
     _: KW_ONLY
     direction: AnyArray
     normal_force: NonNegative | None = None
-    normal: Annotated[Given[ArrayLike | None, Array | None], unchecked] = field(default=None)
+    normal: OptionalArray = field(default=None)
     gap: Number = 0.0
     velocity: AnyArrayOrNone = field(default=None)
     normal_restitution: Fraction = 0.0

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Self
+from dataclasses import KW_ONLY
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Positive, Record, field
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
-from asperity.system.contacts import Contact, checked_law
+from asperity.system.contacts import Contact
 from asperity.system.labels import Labels
 from asperity.system.linear import LinearSystem
 
 
-class OneContact(Value):
+class OneContact(Record):
     """A linear system with one contact, whose law has the dimension of the motion."""
 
-    law: FrictionLaw
-    linear: LinearSystem
+    law: FrictionLaw = field(init=False)
+    linear: LinearSystem = field(init=False)
 
     def with_law(self, law: FrictionLaw) -> Self:
         """Return the same system with another friction law."""
@@ -65,15 +65,15 @@ class SlidingPoint(OneContact):
     0.101937
     """
 
-    mass: float
-    gravity: float
+    mass: Positive
+    _: KW_ONLY
+    law: FrictionLaw
+    gravity: Positive = 9.81
 
-    def __init__(self, mass: float, *, law: FrictionLaw, gravity: float = 9.81) -> None:
-        mass, gravity = arrays.positive(mass, "mass"), arrays.positive(gravity, "gravity")
-        checked_law(law)
-        self._set(mass=mass, law=law, gravity=gravity)
-        contact = Contact(law, direction=np.eye(law.dimension), normal_force=mass * gravity)
-        self._keep(linear=LinearSystem(mass, contacts=[contact], **_lengths(law.dimension)))
+    def _derive(self) -> None:
+        law, load = self.law, self.mass * self.gravity
+        contact = Contact(law, direction=np.eye(law.dimension), normal_force=load)
+        self._keep(linear=LinearSystem(self.mass, contacts=[contact], **_lengths(law.dimension)))
 
 
 class MassOnBelt(OneContact):
@@ -100,34 +100,24 @@ class MassOnBelt(OneContact):
     [2.5, 0.0]
     """
 
-    mass: float
-    stiffness: Array
-    normal_force: float
-    belt_velocity: Array
+    mass: Positive
+    _: KW_ONLY
+    stiffness: AnyArray
+    law: FrictionLaw
+    normal_force: Positive
+    belt_velocity: AnyArray
 
-    def __init__(
-        self,
-        mass: float,
-        *,
-        stiffness: ArrayLike,
-        law: FrictionLaw,
-        normal_force: float,
-        belt_velocity: ArrayLike,
-    ) -> None:
-        mass = arrays.positive(mass, "mass")
-        p = checked_law(law).dimension
-        belt = arrays.array(belt_velocity, "belt_velocity", (p,))
-        normal_force = arrays.positive(normal_force, "normal_force")
-        springs = arrays.square(stiffness, "stiffness", p)
-        self._set(
-            mass=mass,
-            stiffness=springs,
-            law=law,
-            normal_force=normal_force,
-            belt_velocity=belt,
-        )
-        contact = Contact(law, direction=np.eye(p), normal_force=normal_force, velocity=-belt)
-        self._keep(linear=LinearSystem(mass, stiffness=springs, contacts=[contact], **_lengths(p)))
+    def _complete(self, given: dict[str, Any]) -> None:
+        p = given["law"].dimension
+        given["belt_velocity"] = arrays.array(given["belt_velocity"], "belt_velocity", (p,))
+        given["stiffness"] = arrays.square(given["stiffness"], "stiffness", p)
+
+    def _derive(self) -> None:
+        p, load = self.law.dimension, self.normal_force
+        belt = -self.belt_velocity
+        contact = Contact(self.law, direction=np.eye(p), normal_force=load, velocity=belt)
+        made = LinearSystem(self.mass, stiffness=self.stiffness, contacts=[contact], **_lengths(p))
+        self._keep(linear=made)
 
     @property
     def equilibrium(self) -> Array:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
+from dataclasses import KW_ONLY
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.storage.files import atomic
-from asperity._base.value import Value
+from asperity._base.value import (
+    Given,
+    Index,
+    NonNegative,
+    Number,
+    Positive,
+    Record,
+    field,
+    unchecked,
+)
 from asperity.errors import DimensionError, ParameterError
 from asperity.runs.run import Run
 from asperity.track.config import config_text
@@ -42,7 +52,7 @@ _SURROUNDINGS = 1.0
 _PARTS, _STRIDE, _MOST_PICTURES = 2, 0.5, 64
 
 
-class VirtualCamera(Value):
+class VirtualCamera(Record):
     """Films a disk with a round mark that slides on ground steel.
 
     The picture is that of a pinhole camera: anti-aliased, out of focus, averaged over the
@@ -73,76 +83,41 @@ class VirtualCamera(Value):
     ((240, 320, 3), 13)
     """
 
-    run: Run
-    fps: float
-    coordinates: tuple[int, int]
-    size: tuple[int, int]
-    mark: Mark
-    disk_diameter: float
-    defocus: float
-    exposure: float
-    noise: float
-    glare: float
-    rest: float
-    seed: int
-    view: PlaneView
-    time: Array
-    position: Array
-    pixel: Array
+    run: Annotated[Run, _run]
+    _: KW_ONLY
+    fps: Positive = 500.0
+    coordinates: Annotated[tuple[int, int], unchecked] = (0, 1)
+    size: Annotated[tuple[int, int], _size] = (1920, 1080)
+    scene: PlaneView | None = None
+    tilt: Number = 0.0
+    mark: Annotated[Given[Mark | None, Mark], _mark] = field(default=None)
+    disk_diameter: Positive = 0.028
+    defocus: NonNegative = 0.8
+    exposure: NonNegative = 5e-4
+    noise: NonNegative = 2.0
+    glare: NonNegative = 0.0
+    rest: NonNegative = 0.02
+    seed: Index = 0
+    view: PlaneView = field(init=False)
+    time: Array = field(init=False)
+    position: Array = field(init=False)
+    pixel: Array = field(init=False)
 
-    def __init__(
-        self,
-        run: Run,
-        *,
-        fps: float = 500.0,
-        coordinates: tuple[int, int] = (0, 1),
-        size: tuple[int, int] = (1920, 1080),
-        scene: PlaneView | None = None,
-        tilt: float = 0.0,
-        mark: Mark | None = None,
-        disk_diameter: float = 0.028,
-        defocus: float = 0.8,
-        exposure: float = 5e-4,
-        noise: float = 2.0,
-        glare: float = 0.0,
-        rest: float = 0.02,
-        seed: int = 0,
-    ) -> None:
-        arrays.of_kind(run, "run", Run, "a Trajectory or a Motion")
-        mark = mark or Mark(diameter=0.01)
-        if mark.diameter is None:
-            raise ParameterError("mark", "must have a diameter")
-        self._set(
-            run=run,
-            fps=arrays.positive(fps, "fps"),
-            coordinates=_two(coordinates, run.q.shape[1]),
-            size=_size(size),
-            scene=scene,
-            tilt=arrays.number(tilt, "tilt"),
-            mark=mark,
-            disk_diameter=arrays.positive(disk_diameter, "disk_diameter"),
-            defocus=arrays.non_negative(defocus, "defocus"),
-            exposure=arrays.non_negative(exposure, "exposure"),
-            noise=arrays.non_negative(noise, "noise"),
-            glare=arrays.non_negative(glare, "glare"),
-            rest=arrays.non_negative(rest, "rest"),
-            seed=arrays.count(seed, "seed", least=0),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        run, exposure = given["run"], given["exposure"]
+        given["coordinates"] = _two(given["coordinates"], run.q.shape[1])
         if len(run) < 2:
             raise ParameterError("run", f"must hold at least two samples, got {len(run)}")
-        if not self.exposure <= 1.0 / self.fps:
+        if not exposure <= 1.0 / given["fps"]:
             raise ParameterError("exposure", f"must not exceed 1/fps, got {exposure!r}")
-        end = float(run.t[-1] - run.t[0]) + self.rest
+
+    def _derive(self) -> None:
+        end = float(self.run.t[-1] - self.run.t[0]) + self.rest
         # Frames are counted: 0.1 s at 100 1/s must not end at 9.999….
         time = np.arange(math.floor(end * self.fps * (1.0 + 1e-12)) + 1) / self.fps
         position = self._at(time)
-        view = scene or self._facing(tilt)
-        self._keep(
-            view=view,
-            time=time,
-            position=position,
-            pixel=view.to_pixels(position),
-        )
+        view = self.scene or self._facing(self.tilt)
+        self._keep(view=view, time=time, position=position, pixel=view.to_pixels(position))
 
     def __len__(self) -> int:
         return len(self.time)
@@ -284,8 +259,19 @@ def _two(coordinates: ArrayLike, count: int) -> tuple[int, int]:
     return pair
 
 
-def _size(size: ArrayLike) -> tuple[int, int]:
-    pair = tuple(arrays.count(one, "size", least=16) for one in np.ravel(size))
+def _run(value: Any, argument: str) -> Any:
+    return arrays.of_kind(value, argument, Run, "a Trajectory or a Motion")
+
+
+def _mark(value: Mark | None, argument: str) -> Mark:
+    mark = Mark(diameter=0.01) if value is None else value
+    if arrays.of_kind(mark, argument, Mark, "a Mark").diameter is None:
+        raise ParameterError(argument, "must have a diameter")
+    return mark
+
+
+def _size(size: ArrayLike, argument: str) -> tuple[int, int]:
+    pair = tuple(arrays.count(one, argument, least=16) for one in np.ravel(size))
     if len(pair) != 2:
-        raise DimensionError("size", f"must be (columns, rows), got {size!r}")
+        raise DimensionError(argument, f"must be (columns, rows), got {size!r}")
     return pair

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import KW_ONLY
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.storage import toml
 from asperity._base.storage.files import atomic
 from asperity._base.tables import aligned
-from asperity._base.value import Value
+from asperity._base.value import Given, Number, Record, Text, a_path, a_tuple, field
 from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.reading import PathLike
 from asperity.identify.records.record import gap_rows
@@ -60,7 +59,7 @@ _EVEN = 0.05
 _ACROSS = 0.5
 
 
-class Column(Value):
+class Column(Record):
     """A column of a table.
 
     Attributes:
@@ -70,25 +69,15 @@ class Column(Value):
         low, high: least and greatest number; None if it holds none.
     """
 
-    name: str
-    unit: str
-    role: str
-    low: float | None
-    high: float | None
-
-    def __init__(
-        self, name: str, *, unit: str = "", role: str = "", low: float | None, high: float | None
-    ) -> None:
-        self._set(
-            name=str(name),
-            unit=str(unit),
-            role=str(role),
-            low=None if low is None else arrays.number(low, "low"),
-            high=None if high is None else arrays.number(high, "high"),
-        )
+    name: Text
+    _: KW_ONLY
+    unit: Text = ""
+    role: Text = ""
+    low: Number | None
+    high: Number | None
 
 
-class Inspection(Value):
+class Inspection(Record):
     """What a file seems to hold, made by `inspect_file`, and how a configuration says it.
 
     Attributes:
@@ -98,25 +87,11 @@ class Inspection(Value):
         notes: what is left to be said or checked.
     """
 
-    path: str
-    columns: tuple[Column, ...]
+    path: Annotated[Given[PathLike, str], a_path]
+    _: KW_ONLY
+    columns: Annotated[Given[Sequence[Column], tuple[Column, ...]], a_tuple]
     sections: Mapping[str, Any]
-    notes: tuple[str, ...]
-
-    def __init__(
-        self,
-        path: PathLike,
-        *,
-        columns: Sequence[Column],
-        sections: Mapping[str, Any],
-        notes: Sequence[str] = (),
-    ) -> None:
-        self._set(
-            path=os.fspath(path),
-            columns=tuple(columns),
-            sections={name: dict(part) for name, part in sections.items()},
-            notes=tuple(notes),
-        )
+    notes: Annotated[Given[Sequence[str], tuple[str, ...]], a_tuple] = field(default=())
 
     def __hash__(self) -> int:
         return hash((self.path, self.columns, repr(self.sections), self.notes))

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import (
+    Fraction,
+    Given,
+    NonNegative,
+    Positive,
+    Record,
+    Vector2,
+    shaped,
+)
 from asperity.errors import DimensionError, ParameterError
 
 _ITERATIONS = 30
@@ -21,7 +32,7 @@ _FEWEST = 4
 _SMALLEST = 1e-9
 
 
-class Circle(Value):
+class Circle(Record):
     """A circle fitted to points, with its uncertainty.
 
     Attributes:
@@ -33,28 +44,12 @@ class Circle(Value):
             five mean distances.
     """
 
-    centre: Array
-    radius: float
-    covariance: Array
-    rms: float
-    coverage: float
-
-    def __init__(
-        self,
-        centre: ArrayLike,
-        radius: float,
-        *,
-        covariance: ArrayLike,
-        rms: float,
-        coverage: float,
-    ) -> None:
-        self._set(
-            centre=arrays.array(centre, "centre", (2,)),
-            radius=arrays.positive(radius, "radius"),
-            covariance=arrays.array(covariance, "covariance", (3, 3)),
-            rms=arrays.non_negative(rms, "rms"),
-            coverage=arrays.fraction(coverage, "coverage"),
-        )
+    centre: Vector2
+    radius: Positive
+    _: KW_ONLY
+    covariance: Annotated[Given[ArrayLike, Array], shaped(3, 3)]
+    rms: NonNegative
+    coverage: Fraction
 
 
 def fit_circle(points: ArrayLike, *, robust: bool = False, resolution: float = 0.0) -> Circle:

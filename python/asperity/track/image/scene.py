@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Given, Record, field, shaped
 from asperity.errors import DimensionError, ParameterError
 
 _ROUNDING = 1e-9
 
 
-class PlaneView(Value):
+class PlaneView(Record):
     """Homography H from pixels to the plane in which the centre of the mark moves.
 
     Pixels are counted from the centre of the first one, columns to the right, rows downwards. With
@@ -30,14 +31,11 @@ class PlaneView(Value):
     [0.002, 0.002]
     """
 
-    homography: Array
-    _inverse: Array
+    homography: Annotated[Given[ArrayLike, Array], shaped(3, 3)]
+    _inverse: Array = field(init=False)
 
-    def __init__(self, homography: ArrayLike) -> None:
-        matrix = arrays.array(homography, "homography", (3, 3))
-        inverse = arrays.inverse(matrix, "homography", 3)
-        self._set(homography=matrix)
-        self._keep(_inverse=inverse)
+    def _derive(self) -> None:
+        self._keep(_inverse=arrays.inverse(self.homography, "homography", 3))
 
     @classmethod
     def from_scale(
