@@ -16,8 +16,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import counted
 from asperity._base.storage import data as stored
 from asperity._base.value import View
-from asperity.identify.associativity import Associativity, associativity_of
-from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
+from asperity.identify.estimator.associativity import Associativity, associativity_of
 from asperity.identify.estimator.comparison import Candidate, Comparison
 from asperity.identify.estimator.covariance import Bands, Covariance, estimates, known_angles
 from asperity.identify.estimator.descent import Descent, Sums
@@ -29,6 +28,7 @@ from asperity.identify.evidence.forces.bins import Bins, grouped
 from asperity.identify.evidence.forces.causes import Causes, means_of, weighty
 from asperity.identify.evidence.forces.coverage import Coverage, coverage
 from asperity.identify.evidence.forces.defects import Defect
+from asperity.identify.evidence.forces.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
 from asperity.identify.evidence.forces.drift import Drift, drift
 from asperity.identify.evidence.forces.mistakes import mistake
 from asperity.identify.evidence.forces.mountings import Mountings
@@ -414,7 +414,7 @@ class Fit(LawFit):
         Raises:
             ParameterError: if the path has another ending.
         """
-        from asperity.identify.report import write_report
+        from asperity.identify.evidence.forces.report import write_report
 
         return write_report(self, path, title)
 
