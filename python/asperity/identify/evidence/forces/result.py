@@ -47,7 +47,6 @@ from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate, at_bounds
 from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
-from asperity.identify.models.structure import PlanarStructure
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
@@ -165,10 +164,6 @@ class Fit(LawFit):
         """Name of the model of D."""
         return name_of(self._family.direction)
 
-    @property
-    def _structure(self) -> PlanarStructure:
-        return PlanarStructure(self._family.reservoir, self._family.direction)
-
     @cached_property
     def reservoir(self) -> StarSet:
         """The force reservoir C, per unit normal force."""
@@ -193,9 +188,9 @@ class Fit(LawFit):
 
     def _models(self) -> dict[str, Any]:
         return {
-            "reservoir_model": self._structure.reservoir,
-            "direction_model": self._structure.direction,
-            "values": self._structure.values(self.coordinates),
+            "reservoir_model": self._family.structure.reservoir,
+            "direction_model": self._family.structure.direction,
+            "values": self._family.structure.values(self.coordinates),
         }
 
     @cached_property
@@ -207,7 +202,7 @@ class Fit(LawFit):
         what ended at a bound of its model or strokes in few directions leave open, nor the shape of
         C where forces leap over 30° and more of their directions; `warnings` says so.
         """
-        structure = self._structure
+        structure = self._family.structure
         told = ~(self.at_bounds | self.undetermined)
         if self.gaps:
             told[: self._family.split] = False
