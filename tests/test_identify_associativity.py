@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from asperity import CoulombContensou, Ellipse, Ellipsoid, FrictionLaw, Rectangle, Superellipse
 from asperity.identify import VirtualTribometer, fit_law, process
-from asperity.identify.associativity import associativity_of
+from asperity.identify.estimator.associativity import associativity_of
 from profiles import counts
 from table_1 import TABLE_1, sampled
 

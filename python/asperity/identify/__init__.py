@@ -10,18 +10,18 @@ True
 Reference: [WL19] §5.2.
 """
 
-from asperity.identify.associativity import Associativity
-from asperity.identify.estimation import fit_law
+from asperity.identify.estimator.associativity import Associativity
 from asperity.identify.estimator.comparison import Candidate, Comparison
 from asperity.identify.estimator.covariance import Bands
 from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.evidence.forces.estimation import fit_law
+from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.evidence.forces.selection import compare_models
 from asperity.identify.evidence.paths.estimation import fit_paths
 from asperity.identify.evidence.paths.launch import Launch
 from asperity.identify.evidence.paths.result import FittedPath, PathFit
 from asperity.identify.evidence.wrenches.estimation import compare_patches, fit_patch, fit_supports
 from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
-from asperity.identify.fit import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.dependence import Dependence, load_dependence, speed_dependence
 from asperity.identify.forces.filters import low_pass

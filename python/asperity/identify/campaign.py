@@ -15,10 +15,11 @@ from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
-from asperity.identify.diagnostics import SETS, UNITS_AND_SCALE
-from asperity.identify.estimation import fit_law
 from asperity.identify.estimator.loss import LossName
-from asperity.identify.fit import Fit
+from asperity.identify.evidence.forces.diagnostics import SETS, UNITS_AND_SCALE
+from asperity.identify.evidence.forces.estimation import fit_law
+from asperity.identify.evidence.forces.report import cells, loads_of, write_report
+from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.measured_sets import MeasuredSets
@@ -26,7 +27,6 @@ from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import TurnAverage
 from asperity.identify.loading import load
 from asperity.identify.records.configuration import Configuration
-from asperity.identify.report import cells, loads_of, write_report
 from asperity.law import Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")

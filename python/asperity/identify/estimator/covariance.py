@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,12 +71,16 @@ class Covariance:
         if mine is not None and others is not None and others.rank < mine.rank:
             return self
 
-        def raised(part: Array, least: Array) -> Array:
+        def raised(part: Array | None, least: Array | None) -> Array | None:
+            if part is None or least is None:
+                return None
             result = part.copy()
             result[at, at] = max(part[at, at], least[at, at])
             return result
 
-        return self._each(raised, other)
+        scatter, calibration, zero = map(raised, self.parts, other.parts)
+        assert scatter is not None
+        return Covariance(scatter, calibration, zero, other.degrees, other.leverage)
 
     def between(self, runs: Array, *, apart: bool) -> Covariance:
         """Return the covariance with what differs between two runs, apart where it matters."""
@@ -90,18 +94,6 @@ class Covariance:
             return self
         degrees = 1.0, *self.degrees[1:]
         return Covariance(self.scatter + self.runs, self.calibration, self.zero, degrees)
-
-    def _each(self, change: Callable[[Array, Array], Array], other: Covariance) -> Covariance:
-        def changed(mine: Array | None, others: Array | None) -> Array | None:
-            return None if mine is None or others is None else change(mine, others)
-
-        return Covariance(
-            change(self.scatter, other.scatter),
-            changed(self.calibration, other.calibration),
-            changed(self.zero, other.zero),
-            other.degrees,
-            other.leverage,
-        )
 
     def variances(self, directions: Array) -> Array:
         """Return the variances of combinations ``(n, k)`` of coordinates."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.identify.models.coordinates import Coordinate, Roundness, Scale
+from asperity.identify.models.coordinates import Coordinate, Roundness, Scale, at_bounds
 from asperity.identify.models.directions import DirectionModel
 from asperity.identify.models.patches import PatchModel
 from asperity.identify.models.reservoirs import ReservoirModel
@@ -103,6 +103,29 @@ class PlanarStructure(Structure):
             self.reservoir.reservoir(coordinates[first]),
             self.direction.direction(coordinates[second]),
         )
+
+    def change(self, name: str, coordinate: float, step: float, *, signed: bool = False) -> str:
+        """Return by how much a step of a coordinate changes its parameter, in words."""
+        one, sign = dict(self.coordinates)[name], "+" if signed else ""
+        size = step if signed else abs(step)
+        if one.scale is Scale.ANGLE:
+            text = f"{math.degrees(size):{sign}.2g}°"
+        elif one.scale is Scale.PLAIN:
+            text = f"{size:{sign}.2g}"
+        else:
+            x = np.asarray(coordinate)
+            share = float(one.scale.slope(x)) / float(one.scale.natural(x))
+            text = f"{100.0 * size * share:{sign}.2g} %"
+        return f"{name} by {text}"
+
+    def stuck(self, p: Array) -> dict[str, str]:
+        """Return sentences on coordinates that ended at a bound of their model, by name."""
+        listed = [one for _, one in self.coordinates]
+        return {
+            name: f"{name} is not identifiable: it ended at its bound {one.scale.natural(x):.4g}"
+            for (name, one), x, ended in zip(self.coordinates, p, at_bounds(p, listed), strict=True)
+            if ended
+        }
 
     def roundness(self) -> dict[str, tuple[slice, Roundness]]:
         """Return what vanishes where a set has no angle, by the names of the angles."""

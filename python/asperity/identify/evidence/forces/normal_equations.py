@@ -18,6 +18,7 @@ from asperity.identify.evidence.forces.samples import Samples
 from asperity.identify.models.coordinates import TINY, Coordinate
 from asperity.identify.models.directions import DirectionModel
 from asperity.identify.models.reservoirs import ReservoirModel
+from asperity.identify.models.structure import PlanarStructure
 
 # Samples that models are evaluated at one after the other.
 _CHUNK = 2**16
@@ -41,12 +42,15 @@ class Family(Value):
         self, reservoir: ReservoirModel, direction: DirectionModel, *, joint: bool
     ) -> None:
         self._set(reservoir=reservoir, direction=direction, joint=joint)
+        coordinates = (*reservoir.coordinates, *direction.coordinates)
         self._keep(
-            coordinates=(*reservoir.coordinates, *direction.coordinates),
+            structure=PlanarStructure(reservoir, direction),
+            coordinates=coordinates,
             split=len(reservoir.coordinates),
+            size=len(coordinates),
         )
-        self._keep(size=len(self.coordinates))
 
+    structure: PlanarStructure
     coordinates: tuple[Coordinate, ...]
     split: int
     size: int

@@ -16,7 +16,7 @@ from asperity.identify.estimator.leverage import leverage_of
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.forces.bins import GroupedBins, grouped
 from asperity.identify.evidence.forces.defects import MOST_GROUPS, asymmetry, means_of
-from asperity.identify.evidence.forces.distortion import Distortion
+from asperity.identify.evidence.forces.errors import Distortion
 from asperity.identify.evidence.forces.mistakes import sense_explained
 from asperity.identify.evidence.forces.normal_equations import Family
 from asperity.identify.evidence.forces.outliers import check_sense, without_outliers

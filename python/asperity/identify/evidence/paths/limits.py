@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.identify.evidence.paths.launch import PLACE, SPEED
 from asperity.identify.evidence.paths.solution import Solution
-from asperity.identify.models.coordinates import Scale, at_bounds
+from asperity.identify.models.coordinates import Scale
 from asperity.law import Stribeck
 
 SCALE = "paths determine the shape of D, not its size: direction.scale has no value"
@@ -35,14 +35,13 @@ _AROUND = np.arange(24) * (math.pi / 12.0)
 
 def longer(solution: Solution) -> Array:
     """Return how residuals change, per unit, if all measured lengths are longer by a factor."""
-    misfits = solution.misfits
-    launches = misfits.launches(solution.z)
-    change = np.zeros(misfits.rows)
-    for k, path in enumerate(misfits.paths):
-        away = (path.position - launches[k, PLACE]) / path.error
-        begin = misfits.of(k).start
-        change[begin : begin + away.size] = -away.T.ravel()
-    return change
+    launches = solution.misfits.launches(solution.z)
+    return solution.misfits.moved(
+        [
+            launch[PLACE] - path.position
+            for path, launch in zip(solution.misfits.paths, launches, strict=True)
+        ]
+    )
 
 
 def _faster(solution: Solution) -> tuple[Array, float] | None:
@@ -61,11 +60,8 @@ def _faster(solution: Solution) -> tuple[Array, float] | None:
     usual = solution.motions.paths([law] * count, launches, range(count))
     if found is None or usual is None:
         return None
-    change = np.zeros(misfits.rows)
-    for k, path in enumerate(misfits.paths):
-        off = (found[k].position - usual[k].position) / path.error / part
-        begin = misfits.of(k).start
-        change[begin : begin + off.size] = off.T.ravel()
+    moved = [(a.position - b.position) / part for a, b in zip(found, usual, strict=True)]
+    change = misfits.moved(moved)
     return change, speed
 
 
@@ -98,21 +94,11 @@ def speed_limit(solution: Solution) -> str:
 
 def _changes(solution: Solution, step: Array, *, signed: bool = False) -> str:
     """Return by how much steps of the free coordinates change the parameters."""
-    texts = []
-    sign = "+" if signed else ""
-    for at, moved in zip(solution.free, step.tolist(), strict=True):
-        name, one = solution.structure.coordinates[at]
-        size = moved if signed else abs(moved)
-        if one.scale is Scale.ANGLE:
-            text = f"{math.degrees(size):{sign}.2g}°"
-        elif one.scale is Scale.PLAIN:
-            text = f"{size:{sign}.2g}"
-        else:
-            x = solution.coordinates[at]
-            share = float(one.scale.slope(x)) / float(one.scale.natural(x))
-            text = f"{100.0 * size * share:{sign}.2g} %"
-        texts.append(f"{name} by {text}")
-    return ", ".join(texts)
+    structure, p = solution.structure, solution.coordinates
+    return ", ".join(
+        structure.change(structure.names[at], p[at], moved, signed=signed)
+        for at, moved in zip(solution.free, step.tolist(), strict=True)
+    )
 
 
 def not_told(solution: Solution, widths: Array) -> NDArray[np.bool_]:
@@ -214,15 +200,8 @@ def warnings_of(
             f"derivatives by differences of paths differ by {solution.slope_error:.2g} between two "
             "step sizes: paths jump with the parameters, and the confidence intervals are not exact"
         )
-    stuck = at_bounds(
-        solution.z[: solution.misfits.size],
-        [solution.structure.coordinates[at][1] for at in solution.free],
-    )
-    for name, at, one in zip(names, solution.free, stuck, strict=True):
-        if one:
-            scale = solution.structure.coordinates[at][1].scale
-            value = float(scale.natural(solution.coordinates[at]))
-            sentences.append(f"{name} is not identifiable: it ended at its bound {value:.4g}")
+    stuck = solution.structure.stuck(solution.coordinates)
+    sentences += [sentence for name, sentence in stuck.items() if name in names]
     sentences += _other_minima(solution)
     return tuple(sentences)
 

@@ -180,6 +180,13 @@ class Misfits:
         launches = np.stack([self.launches(at)[k] for at, k in zip(moved, which, strict=True)])
         return self._simulated(moved[:, : self.size], launches, which)
 
+    def moved(self, steps: Sequence[Array]) -> Array:
+        """Return how residuals change if simulated points move by steps in m, path by path."""
+        change = np.zeros((self.rows, 1))
+        for k, step in enumerate(steps):
+            self._enter(change, k, 0, step)
+        return np.asarray(change[:, 0])
+
     def _enter(self, into: Array, path: int, column: int, slope: Array) -> None:
         begin = self.of(path).start
         into[begin : begin + slope.size, column] = (slope / self.paths[path].error).T.ravel()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,7 @@ from asperity.identify.estimator.comparison import Comparison
 from asperity.identify.estimator.covariance import level_of
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.wrenches.pairs import Pairs, in_ground
-from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
+from asperity.identify.evidence.wrenches.result import BlockFit, PatchFit, SupportsFit
 from asperity.identify.evidence.wrenches.solving import Labels, fitted, starts_of
 from asperity.identify.models.patches import (
     SPOT,
@@ -30,6 +30,8 @@ from asperity.identify.models.patches import (
 from asperity.sets.shapes.reservoirs import Pressure
 
 PatchReservoir = Literal["ellipsoid", "contensou", "supports"]
+
+AnyFit = TypeVar("AnyFit", bound=BlockFit)
 
 # Parts that are left out in turn, and from how many logs on these are the parts.
 _FOLDS, _FEWEST_LOGS = 5, 3
@@ -133,19 +135,40 @@ def fit_patch(
     pairs = Pairs(forces / normal, motions, angle=turned)
     labels = _labels(blocks, len(pairs))
     level = level_of(confidence)
+    return _solved(
+        PatchFit, pairs, model, loss, labels=labels, folds=_folds(labels), length=lever, level=level
+    )
+
+
+def _solved(
+    kind: type[AnyFit],
+    pairs: Pairs,
+    model: PatchModel,
+    loss: LossName,
+    *,
+    labels: Labels,
+    folds: Labels,
+    length: float,
+    level: float | None,
+    scale: float | None = None,
+) -> AnyFit:
+    """Return the fit of a model to pairs."""
     measure = Loss(loss, components=1)
     pairs.check(model.size)
-    found = fitted(model, pairs, starts_of(model, pairs, loss), loss)
+    starts = starts_of(model, pairs, loss, scale)
+    if isinstance(model, PointsPatch) and model.known and model.friction == "ellipse":
+        starts = [starts[0] + [0.0, *off] for off in ((0.0, 0.0), (0.1, 0.0), (0.0, 0.1))]
+    found = fitted(model, pairs, starts, loss, scale)
     if isinstance(model, PointsPatch):
         found = found.replace(p=model.sorted(found.p))
-    return PatchFit(
+    return kind(
         pairs,
         model=model,
         found=found,
         loss=measure.replace(scale=found.scale or 1.0),
         blocks=labels,
-        folds=_folds(labels),
-        length=lever,
+        folds=folds,
+        length=length,
         confidence=level,
     )
 
@@ -345,7 +368,6 @@ def fit_supports(
         raise ParameterError("weight", "must be given, or loads instead")
     arrays.choice(friction, "friction", ("isotropic", "ellipse"))
     frame = arrays.choice(frame, "frame", ("body", "ground"))
-    measure = Loss(loss, components=1)
     if direction is not None:
         arrays.choice(direction, "direction", ("ellipse",))
     normal = [_statics(one, heavy) if known is None else known for one in at]
@@ -385,24 +407,19 @@ def fit_supports(
         model = ExtendedPoints(frame=frame)
     labels = _labels(blocks, len(pairs))
     level = level_of(confidence)
-    given = None if scale is None else arrays.positive(scale, "scale")
-    pairs.check(model.size)
-    starts = starts_of(model, pairs, loss, given)
-    if isinstance(model, PointsPatch) and friction == "ellipse":
-        starts = [starts[0] + [0.0, *off] for off in ((0.0, 0.0), (0.1, 0.0), (0.0, 0.1))]
-    found = fitted(model, pairs, starts, loss, given)
     folds = np.repeat(np.arange(len(logs)), [len(log) for log in logs])
     if len(logs) < _FEWEST_LOGS or (np.ndim(blocks) and _straddles(labels, folds)):
         folds = _folds(labels)
-    return SupportsFit(
+    return _solved(
+        SupportsFit,
         pairs,
-        model=model,
-        found=found,
-        loss=measure.replace(scale=found.scale or 1.0),
-        blocks=labels,
+        model,
+        loss,
+        labels=labels,
         folds=folds,
         length=lever,
-        confidence=level,
+        level=level,
+        scale=None if scale is None else arrays.positive(scale, "scale"),
     )
 
 

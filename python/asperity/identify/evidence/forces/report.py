@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from asperity._base import report
 from asperity._base.report import Block, Facts, Grid, Picture, Section, Text
 from asperity.errors import FitError, ParameterError
-from asperity.identify.diagnostics import SETS
+from asperity.identify.evidence.forces.diagnostics import SETS
 from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate
@@ -19,7 +19,7 @@ from asperity.identify.models.coordinates import Estimate
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from asperity.identify.fit import Fit
+    from asperity.identify.evidence.forces.result import Fit
 
 # A law of more characters is a curve through points, of no use in print.
 _LONGEST_LAW = 500

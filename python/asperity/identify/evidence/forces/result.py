@@ -16,8 +16,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import counted
 from asperity._base.storage import data as stored
 from asperity._base.value import View
-from asperity.identify.associativity import Associativity, associativity_of
-from asperity.identify.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
+from asperity.identify.estimator.associativity import Associativity, associativity_of
 from asperity.identify.estimator.comparison import Candidate, Comparison
 from asperity.identify.estimator.covariance import Bands, Covariance, estimates, known_angles
 from asperity.identify.estimator.descent import Descent, Sums
@@ -29,6 +28,7 @@ from asperity.identify.evidence.forces.bins import Bins, grouped
 from asperity.identify.evidence.forces.causes import Causes, means_of, weighty
 from asperity.identify.evidence.forces.coverage import Coverage, coverage
 from asperity.identify.evidence.forces.defects import Defect
+from asperity.identify.evidence.forces.diagnostics import UNITS_AND_SCALE, gaps, warnings_of
 from asperity.identify.evidence.forces.drift import Drift, drift
 from asperity.identify.evidence.forces.mistakes import mistake
 from asperity.identify.evidence.forces.mountings import Mountings
@@ -47,7 +47,6 @@ from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate, at_bounds
 from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
-from asperity.identify.models.structure import PlanarStructure
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
@@ -165,10 +164,6 @@ class Fit(LawFit):
         """Name of the model of D."""
         return name_of(self._family.direction)
 
-    @property
-    def _structure(self) -> PlanarStructure:
-        return PlanarStructure(self._family.reservoir, self._family.direction)
-
     @cached_property
     def reservoir(self) -> StarSet:
         """The force reservoir C, per unit normal force."""
@@ -193,9 +188,9 @@ class Fit(LawFit):
 
     def _models(self) -> dict[str, Any]:
         return {
-            "reservoir_model": self._structure.reservoir,
-            "direction_model": self._structure.direction,
-            "values": self._structure.values(self.coordinates),
+            "reservoir_model": self._family.structure.reservoir,
+            "direction_model": self._family.structure.direction,
+            "values": self._family.structure.values(self.coordinates),
         }
 
     @cached_property
@@ -207,7 +202,7 @@ class Fit(LawFit):
         what ended at a bound of its model or strokes in few directions leave open, nor the shape of
         C where forces leap over 30° and more of their directions; `warnings` says so.
         """
-        structure = self._structure
+        structure = self._family.structure
         told = ~(self.at_bounds | self.undetermined)
         if self.gaps:
             told[: self._family.split] = False
@@ -414,7 +409,7 @@ class Fit(LawFit):
         Raises:
             ParameterError: if the path has another ending.
         """
-        from asperity.identify.report import write_report
+        from asperity.identify.evidence.forces.report import write_report
 
         return write_report(self, path, title)
 

@@ -10,10 +10,9 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.identify.evidence.forces.samples import WRAPPED, is_wrapped
 from asperity.identify.forces.dependence import load_dependence, several_loads
-from asperity.identify.models.coordinates import Scale
 
 if TYPE_CHECKING:
-    from asperity.identify.fit import Fit
+    from asperity.identify.evidence.forces.result import Fit
 
 SETS = (
     "reservoir is the force reservoir C, whose outline is the friction coefficient over the "
@@ -74,11 +73,7 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             "there are no confidence intervals: one complete turn has no scatter between turns; "
             + (WRAPPED if is_wrapped(fit._samples) else cure)
         )
-    for (name, estimate), stuck in zip(fit.parameters.items(), fit.at_bounds, strict=False):
-        if stuck:
-            sentences.append(
-                f"{name} is not identifiable: it ended at its bound {estimate.value:.4g}"
-            )
+    sentences += fit._family.structure.stuck(fit.coordinates).values()
     if fit.undetermined.any():
         open_ones = [n for n, one in zip(fit.parameters, fit.undetermined, strict=False) if one]
         sentences.append(
@@ -208,21 +203,12 @@ def _records_missing(fit: Fit) -> list[str]:
 
 def _changes(fit: Fit, moved: Array) -> str:
     """Return by how much steps of the coordinates change the parameters that are known."""
-    changes = []
-    for (name, one), x, step in zip(
-        fit._structure.coordinates, fit.coordinates, moved.tolist(), strict=True
-    ):
-        estimate, scale = fit.parameters[name], one.scale
-        if not estimate.identifiable:
-            continue
-        change = step * float(scale.slope(np.asarray(x)))
-        if scale is Scale.ANGLE:
-            text = f"{np.rad2deg(change):.2g}°"
-        elif scale is Scale.PLAIN:
-            text = f"{change:.2g}"
-        else:
-            text = f"{100.0 * change / estimate.value:.2g} %"
-        changes.append((step, f"{name} by {text}"))
+    structure = fit._family.structure
+    changes = [
+        (step, structure.change(name, x, step))
+        for name, x, step in zip(structure.names, fit.coordinates, moved.tolist(), strict=True)
+        if fit.parameters[name].identifiable
+    ]
     if len(changes) > _MOST_NAMED + 1:
         changes = sorted(changes, key=lambda change: -change[0])[:_MOST_NAMED]
     return ", ".join(text for _, text in changes)

@@ -24,10 +24,10 @@ from asperity.identify.evidence.forces.flat_sides import (
 from asperity.identify.evidence.forces.mistakes import sense_explained
 from asperity.identify.evidence.forces.normal_equations import Family
 from asperity.identify.evidence.forces.outliers import check_sense, without_outliers
+from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.evidence.forces.samples import Measured, Samples, frozen, inside, samples_of
 from asperity.identify.evidence.forces.selection import BEST, compare_models, matching_pairs
 from asperity.identify.evidence.forces.starts import check_directions, fit_bins, start
-from asperity.identify.fit import Fit
 from asperity.identify.models.names import (
     DirectionName,
     ReservoirName,
