@@ -148,7 +148,9 @@ def page(found: Mapping[str, Sequence[Ratio]], where: str) -> str:
         parts.append(f"From {benches}.\n")
         rows = ["| what | ratio | to |", "|---|---|---|"]
         for name in names:
-            rows += [f"| {one.case} | {_short(one.value)} | {one.beside} |" for one in found[name][:2]]
+            rows += [
+                f"| {one.case} | {_short(one.value)} | {one.beside} |" for one in found[name][:2]
+            ]
         parts.append("\n".join(rows) + "\n")
     return "\n".join([*parts, TAIL])
 
