@@ -107,7 +107,7 @@ def first_zero(gap, flight, t_end, spin):
     return brentq(at, times[last - 1], times[last], xtol=1e-15) if closed.size else None
 
 
-@counts(60, 2000)
+@counts(40, 2000)
 def test_no_impact_of_a_spinning_body_is_missed(count):
     rng = np.random.default_rng(11)
     for case in range(count):
@@ -276,7 +276,7 @@ def box_in_flight(rng):
     return asp.RigidBodies([box, spatial_clock(rng)], pairs=[pair], gravity=(0, 0, -GRAVITY))
 
 
-@counts(40, 3000)
+@counts(25, 3000)
 def test_clocks_are_right_and_nothing_sinks_in(count):
     redundant = (box_on_a_moving_line, box_on_a_moving_plane)
     scenes = (*redundant, boxes_in_flight, pile, box_in_flight)

@@ -44,6 +44,7 @@ def check_boards(boards):
         assert (fit.pairs.wrench * fit.pairs.twist).sum(axis=1).min() > 0.0
 
 
+@pytest.mark.long
 @needs_data
 def test_the_example_on_one_set(tmp_path, monkeypatch, capsys):
     found = run(monkeypatch, FOLDER, "--sets", 1, "--figure", tmp_path / "pushes.png")

@@ -120,12 +120,12 @@ def squeezed_on_top(rng):
     never_beyond_its_room(tower, rng, 10.0 ** rng.uniform(-6.0, -2.0))
 
 
-@counts(60, 500)
+@counts(30, 500)
 def test_an_island_is_solved_alone_as_beside_others(count):
     check(alone_and_side_by_side, count)
 
 
-@counts(20, 1000)
+@counts(10, 1000)
 @pytest.mark.parametrize(
     "relation",
     [powers_of_two, another_order, closing_chain, squeezed_on_top],
