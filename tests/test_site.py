@@ -48,12 +48,15 @@ def test_members_are_on_the_page_of_the_class_that_has_them():
         ("Phase.nothing", "", None),
         ("force", "", None),
         ("numpy.ndarray", "", None),
-        # There are two of them.
-        ("Bands", "", None),
+        ("Bands", "", "asperity.identify.Bands"),
     ],
 )
 def test_words_in_backticks_are_resolved(text, inside, path):
     assert PACKAGE.resolve(text, inside) == path
+
+
+def test_no_public_name_means_two_things():
+    assert [name for name, paths in PACKAGE.by_last.items() if len(paths) > 1] == []
 
 
 def test_names_that_dangle_are_told():
