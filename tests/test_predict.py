@@ -208,6 +208,29 @@ def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
     assert (tmp_path / "draws.csv").read_text().count("\n") == 401
 
 
+@pytest.mark.parametrize("method", ["time stepping", "event-driven"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_draws_are_the_motions_of_single_runs(kind, method, measured, tmp_path):
+    """Bands come from ensembles, in lanes where these fit: to rounding they change nothing."""
+    path, _ = predict.write_example(kind, tmp_path)
+    text = re.sub(r"samples = \d+", "samples = 40", path.read_text())
+    text = re.sub(r"step = \S+", "step = 2e-3", text).replace("duration = 20.0", "duration = 2.0")
+    if method == "event-driven":
+        text = re.sub(r"(step|until_rest) = .*\n", "", text)
+        text = text.replace("[run]", '[run]\nmethod = "event-driven"')
+        if kind in ("rigid bodies", "sliding disk"):
+            pytest.skip("events of many contacts take minutes")
+    path.write_text(text)
+    scenario = Scenario.load(path, law=measured)
+    done = simulate_scenario(path, law=measured, bands=True)
+    laws = scenario.laws["law.toml"].sample(40, seed=scenario.bands.seed)
+    assert not done.bands.failed
+    for i in (0, 17, 39):
+        single = scenario.quantities(scenario.run({"law.toml": laws[i]}))
+        expected = [one.value for one in single]
+        np.testing.assert_allclose(done.bands.draws[i], expected, rtol=1e-7, atol=1e-8)
+
+
 def test_bands_need_a_law_with_a_covariance(point):
     with pytest.raises(asp.ParameterError, match="covariance"):
         simulate_scenario(point, bands=True)

@@ -199,7 +199,7 @@ def _courses(
             outcome = Outcome(many.status[i])
             if t_end < options.duration and outcome is Outcome.FINISHED:
                 run = scenario.run({name: laws[done + i] for name, laws in drawn.items()})
-                yield system, run.status, Course.of(run.t, run.q, run.phase)
+                yield system, run.status, Course.of_run(run)
                 continue
             yield system, outcome, failures[i] if i in failures else _course(many, i, start)
         done += len(numbers)

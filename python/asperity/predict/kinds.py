@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
+from asperity.runs import Motion
+from asperity.runs.run import Run
 from asperity.status import Phase
 from asperity.system import MassOnBelt, RigidBodies, SlidingDisk, SlidingPoint
 from asperity.system.rigid import rotation
@@ -39,6 +41,16 @@ class Course(NamedTuple):
     q: Array
     phase: NDArray[np.int8]
     rest: float | None
+
+    @classmethod
+    def of_run(cls, run: Run) -> Course:
+        """Return the course of a run; a motion rests since an event, not since a sample."""
+        found = cls.of(run.t, run.q, run.phase)
+        if not isinstance(run, Motion) or found.rest is None:
+            return found
+        before = run.t[run.t < found.rest].max(initial=run.t[0])
+        times = [one.time for one in run.events if before <= one.time <= found.rest]
+        return found._replace(rest=max(times, default=found.rest))
 
     @classmethod
     def of(cls, t: Array, q: Array, phase: NDArray[np.int8]) -> Course:

@@ -273,11 +273,11 @@ class Scenario:
 
     def quantities(self, run: Run) -> list[Quantity]:
         """Return what a run is asked for."""
-        return list(self.kind.quantities(self.setup()[0], Course.of(run.t, run.q, run.phase)))
+        return list(self.kind.quantities(self.setup()[0], Course.of_run(run)))
 
     def doubts(self, run: Run) -> list[str]:
         """Return what makes the results of a run doubtful, as sentences."""
-        return self.doubtful(run.status, Course.of(run.t, run.q, run.phase))
+        return self.doubtful(run.status, Course.of_run(run))
 
     def doubtful(self, status: Outcome, course: Course) -> list[str]:
         """Return what makes the results of a motion doubtful, as sentences."""

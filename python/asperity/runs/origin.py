@@ -10,7 +10,7 @@ import asperity._core as _core
 from asperity import law, sets, solvers, system
 from asperity._base import arrays
 from asperity._base.storage import data
-from asperity._base.value import Count, Number, Positive, Record, Value
+from asperity._base.value import Count, Number, Positive, Record, Text
 from asperity.errors import ParameterError
 from asperity.runs.model import Model
 from asperity.runs.section import Section
@@ -84,7 +84,20 @@ class EventDriven(Record):
     max_events: Count
 
 
-class Origin(Value):
+def _options(value: Any, argument: str) -> Any:
+    if not isinstance(value, TimeStepping | EventDriven):
+        raise ParameterError(argument, f"must be of simulate or integrate, got {value!r}")
+    return value
+
+
+def _system(value: Any, argument: str) -> Any:
+    # Asking for the whole protocol takes longer than some runs.
+    if value is not None and not hasattr(value, "dof"):
+        raise ParameterError(argument, f"must be a system or None, got {value!r}")
+    return value
+
+
+class Origin(Record):
     """The system and the options that made a run.
 
     Args:
@@ -94,25 +107,11 @@ class Origin(Value):
         note: why there is no system.
     """
 
-    system: Model | None
-    options: TimeStepping | EventDriven
-    version: str
-    note: str
-
-    def __init__(
-        self,
-        system: Model | None,
-        options: TimeStepping | EventDriven,
-        *,
-        version: str = _core.__version__,
-        note: str = "",
-    ) -> None:
-        if not isinstance(options, TimeStepping | EventDriven):
-            raise ParameterError("options", f"must be of simulate or integrate, got {options!r}")
-        # Asking for the whole protocol takes longer than some runs.
-        if system is not None and not hasattr(system, "dof"):
-            raise ParameterError("system", f"must be a system or None, got {system!r}")
-        self._set(system=system, options=options, version=str(version), note=str(note))
+    system: Annotated[Model | None, _system]
+    options: Annotated[TimeStepping | EventDriven, _options]
+    _: KW_ONLY
+    version: Text = _core.__version__
+    note: Text = ""
 
     def __reduce__(self) -> tuple[Any, ...]:
         # As in a file: what a function of the user is in cannot be copied to another process.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated, Any
+
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
@@ -11,7 +13,7 @@ from asperity._base.progress import Progress, each, reporter
 from asperity._base.result import Axis, Series, Table
 from asperity._base.storage.data import Kinds
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Given, Record
 from asperity.errors import DimensionError, ParameterError
 from asperity.steady_sliding.linearised.pencil import ROUNDING, SAFETY, Complex, Pencil
 from asperity.system import MassOnBelt
@@ -23,7 +25,7 @@ _PART = 4096
 _EVEN, _NOTHING, _CLEAR = 1e3, 1e-13, 1e-6
 
 
-class GrowthChart(SavedResult, Value):
+class GrowthChart(SavedResult, Record):
     """Growth rates over the direction of a belt and the rotation of C, found by `growth_chart`.
 
     NumPy takes it for the array `growth`.
@@ -34,22 +36,17 @@ class GrowthChart(SavedResult, Value):
         growth: largest real parts of the eigenvalues in 1/s, ``phi.shape + zeta.shape``.
     """
 
-    phi: Array
-    zeta: Array
-    growth: Array
+    phi: Annotated[Given[ArrayLike, Array], arrays.array]
+    zeta: Annotated[Given[ArrayLike, Array], arrays.array]
+    growth: AnyArray
+
+    def _complete(self, given: dict[str, Any]) -> None:
+        shape = (*given["phi"].shape, *given["zeta"].shape)
+        given["growth"] = arrays.with_gaps(given["growth"], "growth", shape)
+        if np.isinf(given["growth"]).any():
+            raise ParameterError("growth", "must be finite, or NaN where it is not known")
 
     _picture = "plot_growth_chart"
-
-    def __init__(self, phi: ArrayLike, zeta: ArrayLike, growth: ArrayLike) -> None:
-        angle, turn = arrays.array(phi, "phi"), arrays.array(zeta, "zeta")
-        rates = arrays.with_gaps(growth, "growth", (*angle.shape, *turn.shape))
-        if np.isinf(rates).any():
-            raise ParameterError("growth", "must be finite, or NaN where it is not known")
-        self._set(
-            phi=arrays.read_only(angle),
-            zeta=arrays.read_only(turn),
-            growth=arrays.read_only(rates),
-        )
 
     @classmethod
     def _known(cls) -> Kinds:

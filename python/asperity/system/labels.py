@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, TypeAlias
 
 from asperity._base import arrays
-from asperity._base.value import Value
+from asperity._base.value import Given, Record
 from asperity.errors import DimensionError, ParameterError
 
 UNKNOWN_UNIT = "SI"
 """The unit of a coordinate that may be a length or an angle."""
 
 
-class Labels(Value):
+def texts(values: Sequence[str], argument: str) -> tuple[str, ...]:
+    """Return texts that stand on one line each."""
+    if isinstance(values, str):
+        raise ParameterError(argument, f"must be a sequence of texts, got the text {values!r}")
+    return tuple(_text(one, argument) for one in arrays.several(values, argument))
+
+
+Names: TypeAlias = Annotated[Given[Sequence[str], tuple[str, ...]], texts]
+
+
+class Labels(Record):
     """What the coordinates, velocities and contacts of a system are called, with their units.
 
     Args:
@@ -28,33 +39,18 @@ class Labels(Value):
     ('pin x', 'pin y', 'pin z')
     """
 
-    coordinates: tuple[str, ...]
-    coordinate_units: tuple[str, ...]
-    velocities: tuple[str, ...]
-    velocity_units: tuple[str, ...]
-    contacts: tuple[str, ...]
+    coordinates: Names
+    coordinate_units: Names
+    velocities: Names
+    velocity_units: Names
+    contacts: Names
 
-    def __init__(
-        self,
-        coordinates: Sequence[str],
-        coordinate_units: Sequence[str],
-        velocities: Sequence[str],
-        velocity_units: Sequence[str],
-        contacts: Sequence[str],
-    ) -> None:
-        given = {
-            "coordinates": texts(coordinates, "coordinates"),
-            "coordinate_units": texts(coordinate_units, "coordinate_units"),
-            "velocities": texts(velocities, "velocities"),
-            "velocity_units": texts(velocity_units, "velocity_units"),
-            "contacts": texts(contacts, "contacts"),
-        }
+    def _complete(self, given: dict[str, Any]) -> None:
         for names, units in (("coordinates", "coordinate_units"), ("velocities", "velocity_units")):
             if len(given[names]) != len(given[units]):
                 raise DimensionError(units, f"must be {len(given[names])}, as many as {names}")
         for argument in ("coordinates", "velocities", "contacts"):
             unique(given[argument], argument)
-        self._set(**given)
 
 
 def numbered(coordinates: int, velocities: int, contacts: int) -> Labels:
@@ -95,13 +91,6 @@ def of_coordinates(
 def name(value: str | None, argument: str = "name") -> str | None:
     """Return a name that stands on one line, or None."""
     return None if value is None else _text(value, argument)
-
-
-def texts(values: Sequence[str], argument: str) -> tuple[str, ...]:
-    """Return texts that stand on one line each."""
-    if isinstance(values, str):
-        raise ParameterError(argument, f"must be a sequence of texts, got the text {values!r}")
-    return tuple(_text(one, argument) for one in arrays.several(values, argument))
 
 
 def _text(value: str, argument: str) -> str:
