@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Candidate(Record):
     left_out: float
     behind: float
     behind_error: float
-    models: tuple[Any, ...] = ()
+    models: Annotated[tuple[Any, ...], arrays.several] = ()
 
     @property
     def reservoir(self) -> str:
