@@ -60,7 +60,7 @@ def test_a_body_on_feet_rests_or_slides_as_the_limit_says(seed):
     if excess <= 0.0:
         np.testing.assert_allclose(way, 0.0, atol=1e-12)
     elif excess > 1e-9:
-        # The law is associated: slip is along the normal of the ellipse, as is the push that is left.
+        # Slip is along the normal of the ellipse, as is the push that is left.
         slip = push / np.array([stand.friction, stand.ratio * stand.friction]) ** 2
         slip /= np.linalg.norm(slip)
         along = 0.5 * excess * (push @ slip) / stand.mass
@@ -120,3 +120,31 @@ def test_a_mass_falls_along_a_wall_that_it_touches_without_load(mass, count):
         )
         motion = asp.integrate(system, t_end=1.0)
         np.testing.assert_allclose(motion.q[-1], [0.0, -0.5 * GRAVITY], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("friction", "half", "position", "angles"),
+    [
+        (0.4, (0.19, 0.07), -0.28, [0.0, -0.11, -0.14, 0.01, 0.01, 0.17]),
+        (0.5286629657070951, (0.1, 0.16), -0.11, [0.0, -0.09, 0.05, -0.15, 0.14, 0.12]),
+        (
+            0.5286629657070951,
+            (0.10005957, 0.15999851),
+            -0.108,
+            [0.0, -0.09, 0.05, -0.15, 0.14, 0.12],
+        ),
+    ],
+)
+def test_a_box_on_a_table_that_turns_moves_as_under_simulate(friction, half, position, angles):
+    tilt = asp.Signal(0.25 * np.arange(6), angles, interpolation="cubic")
+    box = asp.PlanarBody.box(1.0, half_sizes=half, position=(position, half[1]))
+    corners = asp.BoxPlane(
+        0,
+        half_sizes=half,
+        plane=asp.Line(motion=asp.PlaneMotion(rotation=tilt)),
+        law=asp.FrictionLaw.isotropic(friction, dimension=1),
+    )
+    system = asp.RigidBodies([box], pairs=[corners], gravity=(0.0, -GRAVITY))
+    motion = asp.integrate(system, t_end=1.2)
+    path = asp.simulate(system, dt=2e-5, t_end=1.2, sample_every=1.2)
+    np.testing.assert_allclose(motion.q[-1], path.q[-1], atol=1e-4)

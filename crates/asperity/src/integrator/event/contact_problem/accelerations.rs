@@ -347,6 +347,10 @@ fn stick_undriven(
     if alone || fastest == 0.0 || fastest > SLOW * dynamics.load {
         return Ok(());
     }
+    if are_held(dynamics, &participants.contacts, &begins) {
+        rest(dynamics, &begins);
+        return Ok(());
+    }
     let mut rates: Vec<f64> =
         (participants.rows.iter()).map(|&row| dynamics.rate(row, &dynamics.acceleration)).collect();
     let mut moving = problem.clone();
@@ -403,15 +407,54 @@ fn stick_undriven(
         let now = dynamics.contacts.iter_mut().zip(&found);
         now.for_each(|(contact, found)| contact.slip = found.slip);
     }
-    for (k, &i) in participants.contacts.iter().enumerate().filter(|(_, i)| begins.contains(i)) {
-        let contact = &mut dynamics.contacts[i];
-        if rests {
-            (contact.mode, contact.slip) = (Phase::Stick, [0.0; 3]);
-        } else if along {
-            contact.slip = tangential(k).map(|rate| rate * growth / slip.amax());
-        }
+    if rests {
+        rest(dynamics, &begins);
+    } else if along {
+        let slipping = participants.contacts.iter().enumerate().filter(|(_, i)| begins.contains(i));
+        slipping.for_each(|(k, &i)| {
+            dynamics.contacts[i].slip = tangential(k).map(|rate| rate * growth / slip.amax());
+        });
     }
     Ok(())
+}
+
+/// Contacts do not begin to slip.
+fn rest(dynamics: &mut Dynamics<'_>, contacts: &[usize]) {
+    for &i in contacts {
+        let contact = &mut dynamics.contacts[i];
+        (contact.mode, contact.slip) = (Phase::Stick, [0.0; 3]);
+    }
+}
+
+/// Whether the other contacts that have been decided on, and their own normals, leave slips no direction: redundant contacts on
+/// surfaces that turn have slips of rounding, which no motion has.
+fn are_held(dynamics: &Dynamics<'_>, decided: &[usize], slipping: &[usize]) -> bool {
+    let constraints = |&i: &usize| {
+        let rows = dynamics.rows_of(i);
+        let normal = rows.start..(rows.start + 1).min(ROWS * i + 1).max(rows.start);
+        match dynamics.contacts[i].mode {
+            Phase::Stick => rows,
+            Phase::Slip => normal,
+            _ => 0..0,
+        }
+    };
+    let held: Vec<usize> = decided.iter().flat_map(constraints).collect();
+    let free: Vec<usize> =
+        slipping.iter().flat_map(|&i| ROWS * i + 1..=ROWS * i + dynamics.contacts[i].p).collect();
+    are_dependent(dynamics, &free, &held)
+}
+
+/// Whether constraints along some rows leave no motion along any of the others.
+fn are_dependent(dynamics: &Dynamics<'_>, rows: &[usize], constraints: &[usize]) -> bool {
+    let mobility = |a: usize, b: usize| dynamics.mobility(a, b, dynamics.response(b));
+    let entry = |a: usize, b: usize| mobility(constraints[a], constraints[b]);
+    let matrix = DMatrix::from_fn(constraints.len(), constraints.len(), entry);
+    let Some(factors) = LeastNorm::new(matrix, RANK) else { return false };
+    rows.iter().all(|&row| {
+        let coupling = DVector::from_fn(constraints.len(), |k, _| mobility(constraints[k], row));
+        let own = mobility(row, row);
+        own - coupling.dot(&factors.solve(&coupling)) <= DEPENDENT * own
+    })
 }
 
 /// Contacts that begin to slip open where their normal force is rounding and others hold their surfaces together: constraints
@@ -433,15 +476,7 @@ fn open_without_load(dynamics: &mut Dynamics<'_>, decided: &[usize]) {
             }
         };
         let rows: Vec<usize> = (0..dynamics.contacts.len()).flat_map(constraints).collect();
-        let mobility = |a: usize, b: usize| dynamics.mobility(a, b, dynamics.response(b));
-        let entry = |a: usize, b: usize| mobility(rows[a], rows[b]);
-        let matrix = DMatrix::from_fn(rows.len(), rows.len(), entry);
-        let coupling = rows.iter().map(|&row| mobility(row, ROWS * i));
-        let coupling = DVector::from_iterator(rows.len(), coupling);
-        let held = LeastNorm::new(matrix, RANK).is_some_and(|factors| {
-            own - coupling.dot(&factors.solve(&coupling)) <= DEPENDENT * own
-        });
-        if held {
+        if are_dependent(dynamics, &[ROWS * i], &rows) {
             let contact = &mut dynamics.contacts[i];
             (contact.mode, contact.slip) = (Phase::Open, [0.0; 3]);
             (contact.normal_force, contact.force) = (0.0, [0.0; 3]);
