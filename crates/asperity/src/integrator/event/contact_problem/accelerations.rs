@@ -8,10 +8,11 @@ use crate::integrator::event::contact_problem::problem::{
     Decision, Participants, Question, Solved, Solving,
 };
 use crate::integrator::event::dynamics::{
-    ContactVariables, Dynamics, LIGHT, RANK, ROWS, SlidingForces,
+    ContactVariables, DEPENDENT, Dynamics, LIGHT, RANK, ROWS, SlidingForces,
 };
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
+use crate::linear::LeastNorm;
 use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load that counts as none.
@@ -19,6 +20,13 @@ const AT_REST: f64 = 1e-11;
 /// The same of contacts that share the load on curved boundaries, whose solution is less accurate, see its polish.
 const AT_REST_SHARED: f64 = 1e-9;
 
+/// Slip acceleration over the load below which the contact problem may miss what friction along the slip can hold.
+const SLOW: f64 = 1e-6;
+/// Cosine between a slip and its acceleration above which it grows along itself.
+const ALONG: f64 = 0.9;
+/// Speed of slips whose direction settles, over the load, and how often it does: each time to about this share.
+const SPEED: f64 = 1e-3;
+const SETTLED: usize = 4;
 /// Change of the force of a contact that would keep it from slipping, over the largest force of all, up to which it may
 /// count as at rest. In a nearly immobile direction an acceleration below those limits may ask for any force.
 const HELD: f64 = 1e-2;
@@ -228,6 +236,8 @@ fn decide_with_shares(
         }
         adopt(dynamics, &participants, &problem, &solved);
         stick_at_limit(dynamics, &participants, &problem, &solved, question);
+        stick_undriven(dynamics, state, &participants, &problem, solving)?;
+        open_without_load(dynamics, &participants.contacts);
         let scale = largest(&load).max(dynamics.load);
         settle_unloaded(dynamics, &aside.unloaded, AT_REST_SHARED * scale);
         return Ok(Decision::Made { ambiguous: solved.ambiguous });
@@ -295,10 +305,10 @@ fn stick_at_limit(
     let load = largest(problem.free_velocity());
     let curved = |&i: &usize| dynamics.contacts[i].p > 1;
     let shared = participants.contacts.len() > 1 && participants.contacts.iter().any(curved);
-    let at_rest = if shared { AT_REST_SHARED } else { AT_REST };
     for (k, (&i, rows)) in participants.contacts.iter().zip(problem.contacts()).enumerate() {
         let own = rows.offset..rows.offset + rows.len();
         let slips = dynamics.contacts[i].mode == Phase::Slip;
+        let at_rest = if shared && !slips { AT_REST_SHARED } else { AT_REST };
         let alone = slips.then(|| Alone::new(dynamics, &participants.rows[own.clone()]));
         let rate = &accelerations[own.clone()];
         let is_rounding =
@@ -313,6 +323,163 @@ fn stick_at_limit(
         if rests && alone.as_ref().map_or(contact.prescribed.is_none(), can_be_held) {
             contact.mode = Phase::Stick;
             contact.slip = [0.0; 3];
+        }
+    }
+}
+
+/// Contacts that begin to slip slowly stick where friction along their slip gives no power to it: the contact problem leaves
+/// forces off the direction of the slip by the root of its residual there, and friction too small to hold the load.
+///
+/// The direction is that in which slips settle that have a speed already. The power is that of the accelerations by friction
+/// along it, in the least motion with these rates ξ of the slip, `ξᵀG⁺ξ′`: its error is the square of that of the direction.
+fn stick_undriven(
+    dynamics: &mut Dynamics<'_>,
+    state: &State,
+    participants: &Participants,
+    problem: &ContactProblem,
+    solving: &Solving<'_, '_>,
+) -> Result<(), EvaluationError> {
+    let slips = |i: usize| dynamics.contacts[i].mode == Phase::Slip;
+    let begins: Vec<usize> = participants.contacts.iter().copied().filter(|&i| slips(i)).collect();
+    let fastest = begins.iter().map(|&i| norm(&dynamics.contacts[i].slip)).fold(0.0, f64::max);
+    // The problem of one contact is solved exactly.
+    let alone = participants.contacts.len() < 2;
+    if alone || fastest == 0.0 || fastest > SLOW * dynamics.load {
+        return Ok(());
+    }
+    if are_held(dynamics, &participants.contacts, &begins) {
+        rest(dynamics, &begins);
+        return Ok(());
+    }
+    let mut rates: Vec<f64> =
+        (participants.rows.iter()).map(|&row| dynamics.rate(row, &dynamics.acceleration)).collect();
+    let mut moving = problem.clone();
+    for _ in 0..SETTLED {
+        let factor = SPEED * dynamics.load / largest(&rates);
+        let free =
+            problem.free_velocity().iter().zip(&rates).map(|(load, rate)| load + factor * rate);
+        free.zip(moving.free_velocity_mut()).for_each(|(free, to)| *to = free);
+        match participants.solve(&moving, solving) {
+            Ok(solved) if largest(&solved.velocity) > 0.0 => rates = solved.velocity,
+            _ => break,
+        }
+    }
+    let (found, acceleration) = (dynamics.contacts.clone(), dynamics.acceleration.clone());
+    let tangential = |k: usize| {
+        let rows = problem.contacts()[k].tangential_rows();
+        let mut slip = [0.0; 3];
+        slip.iter_mut().zip(&rates[rows]).for_each(|(to, rate)| *to = *rate);
+        slip
+    };
+    for (k, &i) in participants.contacts.iter().enumerate() {
+        if let Some(sliding) =
+            dynamics.law(i).sliding(&tangential(k)).filter(|_| begins.contains(&i))
+        {
+            dynamics.contacts[i].sliding = sliding;
+        }
+    }
+    dynamics.evaluate(state.t, &state.q, &state.u, SlidingForces::Kept)?;
+    let own: Vec<usize> = (0..participants.rows.len())
+        .filter(|&k| begins.contains(&(participants.rows[k] / ROWS)))
+        .collect();
+    let row = |k: usize| participants.rows[own[k]];
+    let slip = DVector::from_fn(own.len(), |k, _| rates[own[k]]);
+    let driven = DVector::from_fn(own.len(), |k, _| dynamics.rate(row(k), &dynamics.acceleration));
+    let mobility = DMatrix::from_fn(own.len(), own.len(), |a, b| {
+        dynamics.mobility(row(a), row(b), dynamics.response(row(b)))
+    });
+    let Some(factors) = LeastNorm::new(mobility, RANK) else {
+        (dynamics.contacts, dynamics.acceleration) = (found, acceleration);
+        return Ok(());
+    };
+    let (forces, forces_driven) = (factors.solve(&slip), factors.solve(&driven));
+    let (power, own_power) = (forces.dot(&driven), forces.dot(&slip));
+    // Of rates that no motion has, as redundant contacts on surfaces that turn have by rounding, what some motion has.
+    let possible = factors.range() * factors.range().tr_mul(&slip);
+    let growth = if own_power > 0.0 { power / own_power * possible.amax() } else { 0.0 };
+    let rests = growth <= AT_REST * dynamics.load;
+    // Where the slip grows along itself, these are better accelerations than those that were found.
+    let along = power > ALONG * (own_power * forces_driven.dot(&driven)).sqrt()
+        && begins.iter().all(|&i| dynamics.law(i).associated().is_none());
+    if rests || !along {
+        (dynamics.contacts, dynamics.acceleration) = (found, acceleration);
+    } else {
+        let now = dynamics.contacts.iter_mut().zip(&found);
+        now.for_each(|(contact, found)| contact.slip = found.slip);
+    }
+    if rests {
+        rest(dynamics, &begins);
+    } else if along {
+        let slipping = participants.contacts.iter().enumerate().filter(|(_, i)| begins.contains(i));
+        slipping.for_each(|(k, &i)| {
+            dynamics.contacts[i].slip = tangential(k).map(|rate| rate * growth / slip.amax());
+        });
+    }
+    Ok(())
+}
+
+/// Contacts do not begin to slip.
+fn rest(dynamics: &mut Dynamics<'_>, contacts: &[usize]) {
+    for &i in contacts {
+        let contact = &mut dynamics.contacts[i];
+        (contact.mode, contact.slip) = (Phase::Stick, [0.0; 3]);
+    }
+}
+
+/// Whether the other contacts that have been decided on, and their own normals, leave slips no direction: redundant contacts on
+/// surfaces that turn have slips of rounding, which no motion has.
+fn are_held(dynamics: &Dynamics<'_>, decided: &[usize], slipping: &[usize]) -> bool {
+    let constraints = |&i: &usize| {
+        let rows = dynamics.rows_of(i);
+        let normal = rows.start..(rows.start + 1).min(ROWS * i + 1).max(rows.start);
+        match dynamics.contacts[i].mode {
+            Phase::Stick => rows,
+            Phase::Slip => normal,
+            _ => 0..0,
+        }
+    };
+    let held: Vec<usize> = decided.iter().flat_map(constraints).collect();
+    let free: Vec<usize> =
+        slipping.iter().flat_map(|&i| ROWS * i + 1..=ROWS * i + dynamics.contacts[i].p).collect();
+    are_dependent(dynamics, &free, &held)
+}
+
+/// Whether constraints along some rows leave no motion along any of the others.
+fn are_dependent(dynamics: &Dynamics<'_>, rows: &[usize], constraints: &[usize]) -> bool {
+    let mobility = |a: usize, b: usize| dynamics.mobility(a, b, dynamics.response(b));
+    let entry = |a: usize, b: usize| mobility(constraints[a], constraints[b]);
+    let matrix = DMatrix::from_fn(constraints.len(), constraints.len(), entry);
+    let Some(factors) = LeastNorm::new(matrix, RANK) else { return false };
+    rows.iter().all(|&row| {
+        let coupling = DVector::from_fn(constraints.len(), |k, _| mobility(constraints[k], row));
+        let own = mobility(row, row);
+        own - coupling.dot(&factors.solve(&coupling)) <= DEPENDENT * own
+    })
+}
+
+/// Contacts that begin to slip open where their normal force is rounding and others hold their surfaces together: constraints
+/// that hold the same would share what those carry.
+fn open_without_load(dynamics: &mut Dynamics<'_>, decided: &[usize]) {
+    for &i in decided {
+        let contact = dynamics.contacts[i];
+        let own = dynamics.normal_mobility(i, i);
+        let light = contact.normal_force * own <= ROUNDING * dynamics.load;
+        if contact.mode != Phase::Slip || contact.prescribed.is_some() || !light {
+            continue;
+        }
+        let constraints = |k: usize| {
+            let rows = dynamics.rows_of(k);
+            match dynamics.contacts[k].mode {
+                Phase::Stick => rows,
+                Phase::Slip if k != i && rows.start == ROWS * k => rows.start..rows.start + 1,
+                _ => 0..0,
+            }
+        };
+        let rows: Vec<usize> = (0..dynamics.contacts.len()).flat_map(constraints).collect();
+        if are_dependent(dynamics, &[ROWS * i], &rows) {
+            let contact = &mut dynamics.contacts[i];
+            (contact.mode, contact.slip) = (Phase::Open, [0.0; 3]);
+            (contact.normal_force, contact.force) = (0.0, [0.0; 3]);
         }
     }
 }
