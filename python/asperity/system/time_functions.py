@@ -150,12 +150,15 @@ def _splines(times: Array, values: Array, periodic: bool) -> _core.Signal:
 
     starts = np.flatnonzero(np.diff(times, prepend=np.nan) == 0.0)
     closes = periodic and len(starts) == 0 and np.array_equal(values[0], values[-1])
-    parts = [
-        CubicSpline(own, rows, bc_type="periodic" if closes else "not-a-knot").c
-        for own, rows in zip(np.split(times, starts), np.split(values, starts), strict=True)
-    ]
+    with np.errstate(all="ignore"):
+        parts = [
+            CubicSpline(own, rows, bc_type="periodic" if closes else "not-a-knot").c
+            for own, rows in zip(np.split(times, starts), np.split(values, starts), strict=True)
+        ]
     # From (power, piece, component), highest power first.
     coefficients = np.concatenate(parts, axis=1)[::-1].transpose(1, 2, 0)
+    if not np.isfinite(coefficients).all():
+        raise ParameterError("values", "must not change beyond the range of numbers")
     return _core.Signal.cubic(np.unique(times), coefficients.ravel(), values[-1], periodic)
 
 

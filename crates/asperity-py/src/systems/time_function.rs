@@ -45,7 +45,10 @@ impl Signal {
         periodic: bool,
     ) -> Result<Self, Failure> {
         let (knots, last) = (numbers(&knots, "knots")?, numbers(&last, "last")?);
-        let (coefficients, _) = numbers(&coefficients, "coefficients")?.as_chunks::<4>();
+        let (coefficients, rest) = numbers(&coefficients, "coefficients")?.as_chunks::<4>();
+        if !rest.is_empty() {
+            return Err(dimension("coefficients", "must be four per piece and component").into());
+        }
         Ok(Self(Arc::new(system::Signal::cubic(knots, coefficients, last, periodic)?)))
     }
 

@@ -127,6 +127,11 @@ impl Law {
         answer!(self, law => law.rate())
     }
 
+    /// Whether the direction set is the reservoir, at all speeds.
+    pub(crate) fn is_associated(&self) -> bool {
+        answer!(self, law => law.is_associated() && law.rate().is_none())
+    }
+
     /// The associated law with this reservoir where that is convex, and this law is another one. Whether contacts can stick
     /// depends on reservoirs alone; with associated laws and given normal forces, accelerations and so the answer are unique.
     pub(crate) fn associated(&self) -> Option<Self> {

@@ -47,7 +47,7 @@ impl Numeric {
         }
         let rows = symbolic.position.len();
         self.factors.resize(next.factors, 0.0);
-        self.beyond = Vec::new();
+        self.beyond.clear();
         self.swaps.resize(rows, 0);
         self.front.resize(symbolic.largest * symbolic.largest, 0.0);
         self.stack.resize(symbolic.waiting, 0.0);

@@ -176,6 +176,7 @@ impl Signal {
         let mut knots = times.to_vec();
         knots.dedup();
         Self::cubic(&knots, &coefficients, &values[values.len() - width..], periodic)
+            .or_else(|_| refuse("values", "must not change beyond the range of numbers"))
     }
 
     /// Cubic polynomials between `knots` in s: between knots `i` and `i + 1` component `k` is `Σ c_j (t − t_i)ʲ` with
@@ -186,8 +187,8 @@ impl Signal {
     ///
     /// # Errors
     ///
-    /// [`ArgumentError`] unless there are two knots at least, which ascend, and finite coefficients of all pieces and
-    /// components.
+    /// [`ArgumentError`] unless there are two knots at least, which ascend, finite coefficients of all pieces and components
+    /// with finite integrals, and finite `last` values.
     pub fn cubic(
         knots: &[f64],
         coefficients: &[[f64; 4]],
@@ -200,9 +201,10 @@ impl Signal {
         if last.is_empty() || coefficients.len() != (knots.len() - 1) * last.len() {
             return refuse("coefficients", "must be those of every component of every piece");
         }
+        finite("last", last)?;
         let pieces = Pieces::new(knots, coefficients, last, periodic);
         if !pieces.coefficients.iter().flatten().chain(&pieces.integrals).all(|c| c.is_finite()) {
-            return refuse("values", "must not change beyond the range of numbers");
+            return refuse("coefficients", "must be finite, and so must the integral");
         }
         Ok(Self { components: last.len(), shape: Shape::Pieces(pieces) })
     }

@@ -12,7 +12,7 @@ pub(crate) const ZERO_VELOCITY: f64 = 1e-12;
 pub(crate) const CLOSED_GAP: f64 = 1e-12;
 /// Gap in m, and velocity in m/s, that count as none at the beginning at most, where no length may be known but that of
 /// rounding, such as of a body at rest at the origin: states of a size of one are no finer.
-const LEAST: f64 = f64::EPSILON;
+pub(crate) const LEAST: f64 = f64::EPSILON;
 /// Overlap over the reach of a contact that rounding explains.
 pub(crate) const ROUNDED_OVERLAP: f64 = 1e-14;
 /// Rounding errors of accelerations over the accelerations that balance in them.

@@ -109,7 +109,7 @@ impl ProximalPoint {
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {
         self.newton.prepare(problem);
         self.matched = f64::INFINITY;
-        for list in [&mut self.centre, &mut self.trial] {
+        for list in [&mut self.centre, &mut self.trial, &mut self.kept] {
             list.clear();
             list.resize(problem.rows(), 0.0);
         }

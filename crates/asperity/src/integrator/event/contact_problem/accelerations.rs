@@ -11,13 +11,14 @@ use crate::integrator::event::dynamics::{
     ContactVariables, DEPENDENT, Dynamics, LIGHT, RANK, ROWS, SlidingForces,
 };
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
+use crate::integrator::event::state::{EvaluationError, LEAST, ROUNDING, State};
 use crate::linear::LeastNorm;
 use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load that counts as none.
 const AT_REST: f64 = 1e-11;
-/// The same of contacts that share the load on curved boundaries, whose solution is less accurate, see its polish.
+/// The same of contacts that do not slip among those that share the load on curved boundaries, see [`stick_undriven`], and of
+/// those that are not loaded.
 const AT_REST_SHARED: f64 = 1e-9;
 
 /// Slip acceleration over the load below which the contact problem may miss what friction along the slip can hold.
@@ -355,7 +356,11 @@ fn stick_undriven(
         (participants.rows.iter()).map(|&row| dynamics.rate(row, &dynamics.acceleration)).collect();
     let mut moving = problem.clone();
     for _ in 0..SETTLED {
-        let factor = SPEED * dynamics.load / largest(&rates);
+        let fastest = largest(&rates);
+        if fastest == 0.0 {
+            break;
+        }
+        let factor = SPEED * dynamics.load / fastest;
         let free =
             problem.free_velocity().iter().zip(&rates).map(|(load, rate)| load + factor * rate);
         free.zip(moving.free_velocity_mut()).for_each(|(free, to)| *to = free);
@@ -363,6 +368,9 @@ fn stick_undriven(
             Ok(solved) if largest(&solved.velocity) > 0.0 => rates = solved.velocity,
             _ => break,
         }
+    }
+    if solving.observer.has_asked_to_stop() {
+        return Ok(());
     }
     let (found, acceleration) = (dynamics.contacts.clone(), dynamics.acceleration.clone());
     let tangential = |k: usize| {
@@ -372,9 +380,9 @@ fn stick_undriven(
         slip
     };
     for (k, &i) in participants.contacts.iter().enumerate() {
-        if let Some(sliding) =
-            dynamics.law(i).sliding(&tangential(k)).filter(|_| begins.contains(&i))
-        {
+        // Slips that begin have the factor of rest.
+        let direction = tangential(k).map(|rate| LEAST * rate / largest(&rates));
+        if let Some(sliding) = dynamics.law(i).sliding(&direction).filter(|_| begins.contains(&i)) {
             dynamics.contacts[i].sliding = sliding;
         }
     }
@@ -400,7 +408,7 @@ fn stick_undriven(
     let rests = growth <= AT_REST * dynamics.load;
     // Where the slip grows along itself, these are better accelerations than those that were found.
     let along = power > ALONG * (own_power * forces_driven.dot(&driven)).sqrt()
-        && begins.iter().all(|&i| dynamics.law(i).associated().is_none());
+        && begins.iter().all(|&i| dynamics.law(i).is_associated());
     if rests || !along {
         (dynamics.contacts, dynamics.acceleration) = (found, acceleration);
     } else {

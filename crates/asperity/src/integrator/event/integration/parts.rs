@@ -30,6 +30,7 @@ pub(crate) fn run(
     };
     let observer = Observer::new(&mut observer);
     let parts = parts(system, options);
+    check(system, &parts)?;
     let settings: Vec<(InitialState, Options)> = parts
         .iter()
         .map(|part| {
@@ -71,6 +72,26 @@ fn parts(system: &dyn System, options: &Options) -> Vec<SystemPart> {
         None => false,
     };
     if whole { Vec::new() } else { parts }
+}
+
+/// Refuses parts that do not hold every coordinate, velocity and contact of the system once.
+fn check(system: &dyn System, parts: &[SystemPart]) -> Result<(), ArgumentError> {
+    let whole = [system.coordinates(), system.dof(), system.contacts().len()];
+    let mut all = [const { Vec::new() }; 3];
+    let mut fits = true;
+    for SystemPart { system, coordinates, velocities, contacts } in parts {
+        let own = [system.coordinates(), system.dof(), system.contacts().len()];
+        for ((all, list), own) in all.iter_mut().zip([coordinates, velocities, contacts]).zip(own) {
+            fits &= list.len() == own;
+            all.extend_from_slice(list);
+        }
+    }
+    for (list, count) in all.iter_mut().zip(whole) {
+        list.sort_unstable();
+        fits &= parts.is_empty() || list.iter().copied().eq(0..count);
+    }
+    let message = "must have parts that hold every coordinate, velocity and contact once";
+    if fits { Ok(()) } else { refuse("system", message) }
 }
 
 /// The options of a part, with the section if it depends on it.
@@ -127,6 +148,7 @@ impl<'a> Run<'_, 'a> {
 
     fn integrate(&mut self) -> Outcome {
         let all: Vec<usize> = (0..self.integrations.len()).collect();
+        let mut group = Vec::with_capacity(all.len());
         let mut outcome = self.go_on(&all, Integration::begin);
         loop {
             if let Some(outcome) = outcome {
@@ -145,7 +167,8 @@ impl<'a> Run<'_, 'a> {
                 let integration = &self.integrations[*part];
                 !integration.is_over() && integration.time_of_next() == earliest
             };
-            let mut group: Vec<usize> = all.iter().copied().filter(next).collect();
+            group.clear();
+            group.extend(all.iter().copied().filter(next));
             if group.is_empty() {
                 group.clone_from(&all);
             }
@@ -161,25 +184,36 @@ impl<'a> Run<'_, 'a> {
     ) -> Option<Outcome> {
         let samples = &self.integrations[0].motion.samples;
         let (kept, known, mut ended) = (samples.len(), self.events.len(), None);
+        let (mut t, mut ends_before_event) = (f64::NEG_INFINITY, false);
         for &part in group {
-            match act(&mut self.integrations[part]) {
+            let integration = &mut self.integrations[part];
+            match act(integration) {
                 Ok(None) => {}
                 Ok(Some(outcome)) => ended = ended.or(Some((part, outcome))),
-                Err(error) => return Some(Outcome::Error(error)),
+                Err(error) => ended = ended.or(Some((part, Outcome::Error(error)))),
             }
+            t = t.max(integration.state.t);
+            ends_before_event |= integration.ending.is_some();
+            ends_before_event |= integration.state.t == integration.end_of_piece();
             self.tell_events(part);
         }
         self.unseen += group.len();
-        let needed = self.events.len() > known || self.unseen >= self.integrations.len();
-        let t = self.integrations[group[0]].state.t;
+        let has_event = ends_before_event || self.events.len() > known;
+        let needed = has_event || self.unseen >= self.integrations.len();
         let shown = if self.parts.is_empty() { Ok(()) } else { self.show(group, t, kept, needed) };
         let ended = ended.map(|(part, outcome)| self.in_the_whole(part, outcome));
         let outcome =
             ended.or_else(|| self.has_too_many_events().then_some(Outcome::TooManyEvents));
-        let ended = outcome.as_ref().is_some_and(|outcome| !matches!(outcome, Outcome::Error(_)));
-        match shown.and_then(|()| if ended { self.end_at(group, t) } else { Ok(()) }) {
-            Ok(()) => outcome,
-            Err(error) => Some(Outcome::Error(error)),
+        let is_error = matches!(outcome, Some(Outcome::Error(_)));
+        let shown = match &outcome {
+            None => shown,
+            // What the others owe until then, as far as they have it.
+            Some(Outcome::Error(_)) => self.end_beside(group, t),
+            Some(_) => shown.and_then(|()| self.end_at(group, t)),
+        };
+        match shown {
+            Err(error) if !is_error => Some(Outcome::Error(error)),
+            _ => outcome,
         }
     }
 
@@ -207,12 +241,21 @@ impl<'a> Run<'_, 'a> {
         Ok(())
     }
 
+    /// The samples of the other parts until the last one of a group.
+    fn end_beside(&mut self, group: &[usize], t: f64) -> Result<(), EvaluationError> {
+        let mut all = self.integrations.iter_mut().enumerate();
+        all.try_for_each(|(part, integration)| match group.contains(&part) {
+            true => Ok(()),
+            false => integration.end_beside(t),
+        })
+    }
+
     /// The last sample of all parts, unless they have it.
     fn end_at(&mut self, group: &[usize], t: f64) -> Result<(), EvaluationError> {
-        for (part, integration) in self.integrations.iter_mut().enumerate() {
-            if !group.contains(&part) {
-                integration.end_beside(t)?;
-            } else if integration.motion.samples.t.last() != Some(&t) {
+        self.end_beside(group, t)?;
+        for &part in group {
+            let integration = &mut self.integrations[part];
+            if integration.motion.samples.t.last() != Some(&t) {
                 if !self.parts.is_empty() && integration.stale {
                     integration.evaluate_at_start()?;
                 }

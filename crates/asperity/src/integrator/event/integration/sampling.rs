@@ -13,12 +13,17 @@ const RARELY: usize = 256;
 impl Integration<'_> {
     /// Samples between the present state and `t`, a time inside the attempt; whether there were any.
     pub(crate) fn sample_before(&mut self, t: f64) -> Result<bool, EvaluationError> {
-        self.sample(t, t - self.state.t, false)
+        self.sample(t, t - self.state.t, false, Self::goes_on)
     }
 
     /// Samples between the present state and `t`, the end of the attempt; whether there were any.
     pub(crate) fn sample_attempt(&mut self, t: f64) -> Result<bool, EvaluationError> {
-        self.sample(t, self.step.h, true)
+        self.sample(t, self.step.h, true, Self::goes_on)
+    }
+
+    /// Whether nobody has asked to stop.
+    fn goes_on(&self) -> bool {
+        !self.observer.has_asked_to_stop()
     }
 
     /// Keeps the end of a step where all of them are kept, or where a sample is due.
@@ -30,7 +35,13 @@ impl Integration<'_> {
         }
     }
 
-    fn sample(&mut self, t: f64, h: f64, whole: bool) -> Result<bool, EvaluationError> {
+    fn sample(
+        &mut self,
+        t: f64,
+        h: f64,
+        whole: bool,
+        goes_on: fn(&Self) -> bool,
+    ) -> Result<bool, EvaluationError> {
         let Some(dt) = self.options.sample else { return Ok(false) };
         // The end of the run is a sample of its own.
         let start = self.options.t_start;
@@ -40,7 +51,7 @@ impl Integration<'_> {
             return Ok(false);
         }
         self.interpolate(h, whole)?;
-        while due(self.samples) && !self.observer.has_asked_to_stop() {
+        while due(self.samples) && goes_on(self) {
             self.dense_output.at(time(self.samples), &mut self.sampled);
             self.record_sampled()?;
             self.samples += 1;
@@ -53,12 +64,17 @@ impl Integration<'_> {
 
     /// Keeps the samples that are due before a time of another part of the system, not after what comes next, and one there.
     pub(crate) fn end_beside(&mut self, t: f64) -> Result<(), EvaluationError> {
+        // They are as many as the other part has made, also where it was asked to stop.
+        let always = |_: &Self| true;
         let sampled = match self.next {
-            Some(Next::Step(_)) => self.sample(t, self.step.h, true)?,
-            Some(Next::Event(Located { at, .. })) if at > 0.0 => self.sample(t, at, false)?,
+            Some(Next::Step(_)) => self.sample(t, self.step.h, true, always)?,
+            Some(Next::Event(Located { at, .. })) if at > 0.0 => {
+                self.sample(t, at, false, always)?
+            }
             _ => false,
         };
         self.interpolated |= sampled;
+        self.is_dense |= sampled;
         if self.motion.samples.t.last() == Some(&t) { Ok(()) } else { self.sample_beside(t) }
     }
 
@@ -76,7 +92,7 @@ impl Integration<'_> {
             _ => None,
         };
         if let Some((h, whole)) = within.filter(|_| t > self.state.t) {
-            if !self.interpolated {
+            if !std::mem::replace(&mut self.is_dense, true) {
                 self.interpolate(h, whole)?;
             }
             self.dense_output.at(t, &mut self.sampled);

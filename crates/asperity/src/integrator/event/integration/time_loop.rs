@@ -56,7 +56,7 @@ impl Integration<'_> {
             return Ok(());
         }
         self.stale |= self.interpolated;
-        self.interpolated = false;
+        (self.interpolated, self.is_dense) = (false, false);
         self.next = self.ending.take();
         while self.next.is_none() {
             self.next = if self.observer.asks_to_stop(self.state.t) {

@@ -97,9 +97,11 @@ pub(crate) struct Integration<'a> {
     pub(crate) dense_output: DenseOutput,
     pub(crate) sampled: State,
     pub(crate) observer: &'a Observer<'a, f64>,
-    /// What comes next, and whether samples within have been asked for.
+    /// What comes next, whether samples within have left the dynamics elsewhere, and whether the dense output is the motion
+    /// until then.
     pub(crate) next: Option<Next>,
     pub(crate) interpolated: bool,
+    pub(crate) is_dense: bool,
     /// The end of slips that the last step has shown.
     pub(crate) ending: Option<Next>,
     pub(crate) progress: Progress,
@@ -149,6 +151,7 @@ impl<'a> Integration<'a> {
             observer,
             next: None,
             interpolated: false,
+            is_dense: false,
             ending: None,
             progress: Progress::default(),
             wanted: 0.0,
