@@ -82,7 +82,7 @@ pub struct LinearSystem {
     /// `−K` and `−B` of few velocities, column by column.
     stiffness: Vec<f64>,
     damping: Vec<f64>,
-    /// Their entries of which either is not zero, where velocities are many.
+    /// The entries where either is not zero.
     internal: Vec<Internal>,
     force: Vec<f64>,
     contacts: Vec<LinearContact>,

@@ -47,7 +47,7 @@ pub struct Options {
     pub t_end: f64,
     /// Where to start; by default in the system's own state, [`System::initial_state`].
     pub start: Option<InitialState>,
-    /// Error that is aimed at, relative to the largest coordinate and the largest velocity; 1e-10.
+    /// Error that is aimed at, relative to the largest coordinate and the largest velocity of each part; 1e-10.
     pub tolerance: f64,
     /// Time between samples in s; none, as by default, keeps every step, before and after events, and between the events of
     /// several parts as many as each has steps on average.

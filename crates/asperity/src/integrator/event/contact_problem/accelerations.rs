@@ -439,7 +439,8 @@ fn rest(dynamics: &mut Dynamics<'_>, contacts: &[usize]) {
 fn are_held(dynamics: &Dynamics<'_>, decided: &[usize], slipping: &[usize]) -> bool {
     let constraints = |&i: &usize| {
         let rows = dynamics.rows_of(i);
-        let normal = rows.start..(rows.start + 1).min(ROWS * i + 1).max(rows.start);
+        // None of a prescribed force, whose rows begin behind it.
+        let normal = rows.start..ROWS * i + 1;
         match dynamics.contacts[i].mode {
             Phase::Stick => rows,
             Phase::Slip => normal,
