@@ -74,7 +74,11 @@ _ROOMS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
 def __getattr__(name: str) -> _ModuleType:
     if name in _ROOMS:
         return _import_module(f"asperity.{name}")
-    raise AttributeError(f"module 'asperity' has no attribute {name!r}")
+    message = f"module 'asperity' has no attribute {name!r}"
+    for room in (contact, ensemble, law, runs, sets, solvers, steady_sliding, sweeps, system):
+        if not name.startswith("_") and hasattr(room, name):
+            message += f": it is {room.__name__}.{name}"
+    raise AttributeError(message)
 
 
 def __dir__() -> list[str]:

@@ -38,7 +38,7 @@ _FEW, _DECAY = 12, 10.0
 
 
 class HasEigenvalues(Protocol):
-    """A linearisation, such as `asperity.Stability`."""
+    """A linearisation, such as `asperity.steady_sliding.Stability`."""
 
     @property
     def eigenvalues(self) -> _Complex:

@@ -18,7 +18,7 @@ from asperity.errors import AsperityError, ParameterError
 from asperity.identify import IdentifiedLaw
 from asperity.law import FrictionLaw
 from asperity.predict.kinds import REST, Course, Quantity
-from asperity.predict.scenario import Scenario
+from asperity.predict.scenario import RunOptions, Scenario
 from asperity.status import Outcome
 
 # Ellipses settle within a few rounds; this many end the search if two of them take turns.
@@ -199,22 +199,31 @@ def _courses(
             outcome = Outcome(many.status[i])
             if t_end < options.duration and outcome is Outcome.FINISHED:
                 run = scenario.run({name: laws[done + i] for name, laws in drawn.items()})
-                yield system, run.status, Course.of_run(run)
+                yield system, run.status, Course.of_run(run, by_events=kind.needs != "samples")
                 continue
-            yield system, outcome, failures[i] if i in failures else _course(many, i, start)
+            yield (
+                system,
+                outcome,
+                failures[i] if i in failures else _course(many, i, start, options),
+            )
         done += len(numbers)
 
 
-def _course(many: Ensemble, i: int, start: Mapping[str, Array]) -> Course:
+def _course(many: Ensemble, i: int, start: Mapping[str, Array], options: RunOptions) -> Course:
     """Return samples of a run, or its start and end."""
     if many.samples:
         t = many.samples["t"][i]
         there = ~np.isnan(t)
         return Course.of(t[there], many.samples["q"][i][there], many.samples["phase"][i][there])
     rest = np.nan if many.rest_time is None else many.rest_time[i]
+    slipped = None
+    if not options.event_driven and not np.isnan(rest):
+        # As of the run with the laws of the files, which rests since a sample.
+        steps, every = round(rest / options.step), options.steps_per_sample
+        slipped, rest = steps - 1, min(-(-steps // every) * every * options.step, many.t[i])
     q = np.stack([start.get("q0", many.q[i]), many.q[i]])
     t = np.array([0.0, many.t[i]])
-    return Course(t, q, many.phase[[i, i]], None if np.isnan(rest) else float(rest))
+    return Course(t, q, many.phase[[i, i]], None if np.isnan(rest) else float(rest), slipped)
 
 
 def _quantile(values: Array, share: float | list[float]) -> Array:

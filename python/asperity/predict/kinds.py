@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.runs import Motion
+from asperity.runs import Motion, Trajectory
 from asperity.runs.run import Run
 from asperity.status import Phase
 from asperity.system import MassOnBelt, RigidBodies, SlidingDisk, SlidingPoint
@@ -35,18 +35,23 @@ class Course(NamedTuple):
         q: coordinates, ``(n_t, n_q)``.
         phase: of the contacts, ``(n_t, n_contact)``.
         rest: time in s from which on nothing slides; None if something does at the end.
+        slipped: number of time steps in which something slid; None if they were not counted.
     """
 
     t: Array
     q: Array
     phase: NDArray[np.int8]
     rest: float | None
+    slipped: int | None = None
 
     @classmethod
-    def of_run(cls, run: Run) -> Course:
-        """Return the course of a run; a motion rests since an event, not since a sample."""
+    def of_run(cls, run: Run, *, by_events: bool = True) -> Course:
+        """Return the course of a run; a motion rests since an event, if these may say so."""
         found = cls.of(run.t, run.q, run.phase)
-        if not isinstance(run, Motion) or found.rest is None:
+        if isinstance(run, Trajectory):
+            slipped = int(run.phase_counts[:, Phase.SLIP].max(initial=0))
+            return found._replace(slipped=slipped)
+        if not by_events or not isinstance(run, Motion) or found.rest is None:
             return found
         before = run.t[run.t < found.rest].max(initial=run.t[0])
         times = [one.time for one in run.events if before <= one.time <= found.rest]

@@ -153,7 +153,8 @@ class Scenario:
         keys = _laws_named(file.values["system"], "system")
         if "" in keys:
             if law is not None:
-                file.values.setdefault("law", os.fspath(law))
+                # Another contact may name a file of the same name.
+                file.values["law"] = os.path.abspath(law)
             elif "law" not in file.values:
                 raise file.error("law", "is missing: name the file of a friction law")
             del keys[""]
@@ -195,6 +196,9 @@ class Scenario:
         table = _with_laws(self.file.values["system"], known, self.file.values.get("law"))
         start = self._start()
         if issubclass(self.kind.system, SlidingDisk):
+            for name in start:
+                if name in table:
+                    raise self.file.error(f"system.{name}", "belongs to [start]")
             table, start = {**table, **start}, {}
         law = table.get("law")
         if isinstance(law, FrictionLaw) and law.dimension != 2:
@@ -273,11 +277,15 @@ class Scenario:
 
     def quantities(self, run: Run) -> list[Quantity]:
         """Return what a run is asked for."""
-        return list(self.kind.quantities(self.setup()[0], Course.of_run(run)))
+        return list(self.kind.quantities(self.setup()[0], self._course(run)))
 
     def doubts(self, run: Run) -> list[str]:
         """Return what makes the results of a run doubtful, as sentences."""
-        return self.doubtful(run.status, Course.of_run(run))
+        return self.doubtful(run.status, self._course(run))
+
+    def _course(self, run: Run) -> Course:
+        """Return the course of a run; where bands are of samples, so is the time of rest."""
+        return Course.of_run(run, by_events=self.kind.needs != "samples")
 
     def doubtful(self, status: Outcome, course: Course) -> list[str]:
         """Return what makes the results of a motion doubtful, as sentences."""
@@ -293,7 +301,9 @@ class Scenario:
         if self.kind.has_end and course.rest is not None and not options.event_driven:
             # In the last one it sticks already.
             steps = round(course.rest / options.step) - 1
-            if 0 < steps < _FEWEST_STEPS:
+            steps = steps if course.slipped is None else course.slipped
+            moved = not np.allclose(course.q[0], course.q[-1])
+            if steps < _FEWEST_STEPS and (steps > 0 or moved):
                 found.append(
                     f"it slides for {counted(steps, 'step')} only, which is too coarse: give a "
                     "shorter step"
@@ -308,6 +318,8 @@ def _kind(file: TomlFile) -> ScenarioKind:
     name = file.values["system"].get("type")
     if name is None:
         raise file.error("system.type", f"is missing; it is one of {', '.join(_SYSTEMS)}")
+    if not isinstance(name, str):
+        raise file.error("system.type", f"must be a text, got {name!r}")
     if name not in _SYSTEMS:
         raise file.error("system.type", f"{name!r} is not known{advice_on(str(name), _SYSTEMS)}")
     return _SYSTEMS[name]

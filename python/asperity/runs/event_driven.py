@@ -119,8 +119,8 @@ def integrate(
             moved apart the shortest way, in the metric of M, until their gaps vanish.
         tolerance: error that is aimed at, relative to the largest coordinate and the largest
             velocity so far of each part that nothing connects with others, as far as rounding of
-            forces and of functions of time allows; between 1e-14 and 1e-2. Functions of the user are asked at the start how large they become up
-            to ``t_end``.
+            forces and of functions of time allows; between 1e-14 and 1e-2. Functions of the user
+            are asked at the start how large they become up to ``t_end``.
         sample_every: time between samples in s. Default: every step of the method, before and after
             events. Parts of the system that nothing connects have steps of their own; between
             events there are then as many samples as each part has steps on average.
