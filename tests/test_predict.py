@@ -595,3 +595,45 @@ def test_examples_say_what_every_line_means():
     for kind in KINDS.values():
         assert kind.example.startswith("# ")
         assert Path("law.toml").name in kind.example
+
+
+def changed(scenario, *pairs):
+    """Write a scenario anew with other words in it."""
+    text = scenario.read_text()
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    scenario.write_text(text)
+    return scenario
+
+
+def test_a_coarse_step_is_doubtful_whatever_is_kept(tmp_path):
+    scenario, _ = predict.write_example("sliding point", tmp_path)
+    coarse = changed(scenario, ("step = 1e-4", "step = 5e-3\noutput = 3.0"), ("until_rest", "# "))
+    assert any("too coarse" in one for one in simulate_scenario(coarse).warnings)
+    once = changed(scenario, ("step = 5e-3\noutput = 3.0", "step = 0.3"))
+    assert any("too coarse" in one for one in simulate_scenario(once).warnings)
+
+
+def test_a_type_that_is_no_text_is_named_with_its_line(tmp_path):
+    scenario, _ = predict.write_example("sliding point", tmp_path)
+    changed(scenario, ('type = "SlidingPoint"', 'type = ["SlidingPoint"]'))
+    with pytest.raises(asp.ConfigurationError, match=r"line 7: \[system\] type: must be a text"):
+        predict.Scenario.load(scenario)
+
+
+def test_a_law_of_a_contact_is_its_own_whatever_the_other_file_is_called(tmp_path, monkeypatch):
+    beside, elsewhere = tmp_path / "beside", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    scenario, _ = predict.write_example("rigid bodies", beside)
+    text = scenario.read_text()
+    pair = text.index("[[system.pairs]]") + len("[[system.pairs]]")
+    scenario.write_text(text[:pair] + '\nlaw = "own.toml"' + text[pair:])
+    asp.FrictionLaw.isotropic(0.9).save(beside / "own.toml")
+    asp.FrictionLaw.isotropic(0.05).save(elsewhere / "own.toml")
+    changed(scenario, ('law = "law.toml"', "# "))
+    monkeypatch.chdir(elsewhere)
+    system, _ = predict.Scenario.load(scenario, law="own.toml").setup()
+    own, *others = [pair.law.reservoir for pair in system.pairs]
+    assert own == asp.Disk(0.9)
+    assert others == [asp.Disk(0.05)] * len(others) != []

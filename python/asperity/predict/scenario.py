@@ -153,8 +153,9 @@ class Scenario:
         keys = _laws_named(file.values["system"], "system")
         if "" in keys:
             if law is not None:
-                # Another contact may name a file of the same name.
-                file.values["law"] = os.path.abspath(law)
+                name = file.values.setdefault("law", os.fspath(law))
+                if name in keys:  # another contact names its own file so
+                    file.values["law"] = os.path.abspath(law)
             elif "law" not in file.values:
                 raise file.error("law", "is missing: name the file of a friction law")
             del keys[""]
