@@ -597,7 +597,7 @@ def test_examples_say_what_every_line_means():
         assert Path("law.toml").name in kind.example
 
 
-def changed(scenario, *pairs):
+def rewritten(scenario, *pairs):
     """Write a scenario anew with other words in it."""
     text = scenario.read_text()
     for old, new in pairs:
@@ -609,15 +609,15 @@ def changed(scenario, *pairs):
 
 def test_a_coarse_step_is_doubtful_whatever_is_kept(tmp_path):
     scenario, _ = predict.write_example("sliding point", tmp_path)
-    coarse = changed(scenario, ("step = 1e-4", "step = 5e-3\noutput = 3.0"), ("until_rest", "# "))
+    coarse = rewritten(scenario, ("step = 1e-4", "step = 5e-3\noutput = 3.0"), ("until_rest", "# "))
     assert any("too coarse" in one for one in simulate_scenario(coarse).warnings)
-    once = changed(scenario, ("step = 5e-3\noutput = 3.0", "step = 0.3"))
+    once = rewritten(scenario, ("step = 5e-3\noutput = 3.0", "step = 0.3"))
     assert any("too coarse" in one for one in simulate_scenario(once).warnings)
 
 
 def test_a_type_that_is_no_text_is_named_with_its_line(tmp_path):
     scenario, _ = predict.write_example("sliding point", tmp_path)
-    changed(scenario, ('type = "SlidingPoint"', 'type = ["SlidingPoint"]'))
+    rewritten(scenario, ('type = "SlidingPoint"', 'type = ["SlidingPoint"]'))
     with pytest.raises(asp.ConfigurationError, match=r"line 7: \[system\] type: must be a text"):
         predict.Scenario.load(scenario)
 
@@ -631,7 +631,7 @@ def test_a_law_of_a_contact_is_its_own_whatever_the_other_file_is_called(tmp_pat
     scenario.write_text(text[:pair] + '\nlaw = "own.toml"' + text[pair:])
     asp.FrictionLaw.isotropic(0.9).save(beside / "own.toml")
     asp.FrictionLaw.isotropic(0.05).save(elsewhere / "own.toml")
-    changed(scenario, ('law = "law.toml"', "# "))
+    rewritten(scenario, ('law = "law.toml"', "# "))
     monkeypatch.chdir(elsewhere)
     system, _ = predict.Scenario.load(scenario, law="own.toml").setup()
     own, *others = [pair.law.reservoir for pair in system.pairs]
