@@ -126,7 +126,8 @@ impl Methods {
             self.matrix.prepare(problem);
             let factorization = island.cost.sweeps(self.matrix.operations(problem));
             if factorization <= EARLY && sweeps.leave_time_for(incumbent, factorization) {
-                self.rest(incumbent, &mut island);
+                let ends = sweeps.leave_time_for(incumbent, INTERIOR as f64 * factorization);
+                self.rest(incumbent, &mut island, ends);
             }
         }
         if island.is_large {
@@ -145,7 +146,8 @@ impl Methods {
             }
         }
         sweeps.record(incumbent);
-        if !incumbent.is_over() && !sweeps.leave_time_for(incumbent, 2.0 * island.factorization) {
+        let few = if island.is_expensive() { INTERIOR as f64 } else { 2.0 };
+        if !incumbent.is_over() && !sweeps.leave_time_for(incumbent, few * island.factorization) {
             let accelerated = steps.include(Step::Acceleration);
             return self.anderson.iterate(incumbent, usize::MAX, accelerated);
         }
@@ -173,7 +175,7 @@ impl Methods {
         match stage {
             Stage::Rest => {
                 if island.contacts >= MANY && !island.asked_for_rest && incumbent.may_rest() {
-                    self.rest(incumbent, island);
+                    self.rest(incumbent, island, true);
                 }
             }
             Stage::Acceleration => {
@@ -221,8 +223,8 @@ impl Methods {
         }
     }
 
-    /// Percussions of least norm, and the interior point method from their size.
-    fn rest(&mut self, incumbent: &mut Incumbent<'_>, island: &mut Island) {
+    /// Percussions of least norm, and the interior point method from their size where there is time for it.
+    fn rest(&mut self, incumbent: &mut Incumbent<'_>, island: &mut Island, has_time: bool) {
         let Self { matrix, cones, interior, least_norm, .. } = self;
         island.asked_for_rest = true;
         if !island.steps.include(Step::Rest) {
@@ -232,6 +234,7 @@ impl Methods {
         let conic = island.steps.include(Step::InteriorPoint);
         if let Some(expected) = island.resting
             && conic
+            && has_time
             && !incumbent.is_over()
             && cones.read(incumbent.task.problem)
         {
