@@ -71,10 +71,3 @@ def test_an_interrupted_run_keeps_the_motion_until_then(sample_every):
     np.testing.assert_allclose(motion.q[:, 1], motion.t, rtol=1e-10)
     if sample_every:
         assert len(motion) >= motion.t[-1] / sample_every
-
-
-@pytest.mark.parametrize("coefficients", [[1.0] * 6, [np.nan] * 8])
-def test_coefficients_of_signals_are_checked(coefficients):
-    core = asp.Signal([0.0, 1.0], [0.0, 1.0], interpolation="linear")._core
-    with pytest.raises((asp.ParameterError, asp.DimensionError), match="coefficients"):
-        type(core).cubic(np.array([0.0, 1.0, 2.0]), np.array(coefficients), np.zeros(1), False)

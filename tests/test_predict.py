@@ -208,8 +208,16 @@ def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
     assert (tmp_path / "draws.csv").read_text().count("\n") == 401
 
 
-@pytest.mark.parametrize("method", ["time stepping", "event-driven"])
-@pytest.mark.parametrize("kind", KINDS)
+# Events of many contacts take minutes.
+LONG = {("rigid bodies", "event-driven"), ("sliding disk", "event-driven")}
+CASES = [
+    pytest.param(kind, method, marks=[pytest.mark.long] * ((kind, method) in LONG))
+    for kind in KINDS
+    for method in ("time stepping", "event-driven")
+]
+
+
+@pytest.mark.parametrize(("kind", "method"), CASES)
 def test_draws_are_the_motions_of_single_runs(kind, method, measured, tmp_path):
     """Bands come from ensembles, in lanes where these fit: to rounding they change nothing."""
     path, _ = predict.write_example(kind, tmp_path)
@@ -218,8 +226,6 @@ def test_draws_are_the_motions_of_single_runs(kind, method, measured, tmp_path):
     if method == "event-driven":
         text = re.sub(r"(step|until_rest) = .*\n", "", text)
         text = text.replace("[run]", '[run]\nmethod = "event-driven"')
-        if kind in ("rigid bodies", "sliding disk"):
-            pytest.skip("events of many contacts take minutes")
     path.write_text(text)
     scenario = Scenario.load(path, law=measured)
     done = simulate_scenario(path, law=measured, bands=True)

@@ -31,6 +31,23 @@ def derivatives(signal, t):
     return np.stack([signal(t), signal.derivative(t), signal.derivative(t, order=2)])
 
 
+def test_a_cubic_signal_through_a_cubic_is_this_cubic():
+    cubic = np.polynomial.Polynomial([1.0, -2.0, 0.5, 0.25])
+    t, x = np.array([0.0, 0.3, 1.0, 1.1, 2.5]), np.linspace(0.0, 2.4, 25)
+    signal = Signal(t, cubic(t), interpolation="cubic")
+    known = [cubic(x), cubic.deriv()(x), cubic.deriv(2)(x)]
+    np.testing.assert_allclose(derivatives(signal, x), known, atol=1e-12)
+    whole = cubic.integ()(2.4) - cubic.integ()(0.2)
+    np.testing.assert_allclose(signal.integral(0.2, 2.4), whole, atol=1e-13)
+
+
+@pytest.mark.parametrize("coefficients", [[1.0] * 6, [np.nan] * 8])
+def test_coefficients_of_signals_are_checked(coefficients):
+    core = Signal([0.0, 1.0], [0.0, 1.0], interpolation="linear")._core
+    with pytest.raises((ParameterError, DimensionError), match="coefficients"):
+        type(core).cubic(np.array([0.0, 1.0, 2.0]), np.array(coefficients), np.zeros(1), False)
+
+
 @pytest.mark.parametrize("shape", [(), (3,)])
 @pytest.mark.parametrize("periodic", [False, True])
 @pytest.mark.parametrize("n", [2, 3, 4, 5, 40])

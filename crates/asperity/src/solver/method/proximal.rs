@@ -28,7 +28,7 @@ const LONG_SWEEPS: usize = 1000;
 const SWEPT_IN_VAIN: usize = 10;
 /// Outer steps without a new best after which the iteration starts anew, since its start may have led it astray.
 const LOST: usize = 300;
-/// Outer steps without a new best after which contacts that creep may be all that is left to be found.
+/// Outer steps without a new best after which prox parameters are matched to contacts that creep.
 const CREEP: usize = 30;
 /// New starts: from no percussions, and from where many sweeps lead.
 const STARTS: usize = 2;

@@ -1,4 +1,4 @@
-//! Parts of a system that nothing connects, each with steps, events and scales of its own, told as one motion.
+//! Parts of a system that nothing connects, each with steps, events and scales of its own, merged into one motion.
 //!
 //! The part whose next step or event ends first goes on. At that time the others lie within their next steps, where their
 //! states are interpolated, so that a sample holds all parts at one time.
@@ -48,8 +48,9 @@ pub(crate) fn run(
         })
         .collect()
     };
-    let told = vec![0; integrations.len()];
-    let mut run = Run { parts: &parts, options, integrations, told, events: Vec::new(), unseen: 0 };
+    let merged = vec![0; integrations.len()];
+    let mut run =
+        Run { parts: &parts, options, integrations, merged, events: Vec::new(), unseen: 0 };
     if let Err(error) = run.check_overlap()? {
         return Ok((run.motion(system), Outcome::Error(error)));
     }
@@ -113,7 +114,7 @@ struct Run<'r, 'a> {
     options: &'r Options,
     integrations: Vec<Integration<'a>>,
     /// Number of events of each part that are among those of all.
-    told: Vec<usize>,
+    merged: Vec<usize>,
     events: Vec<Event>,
     /// Number of steps since the last sample.
     unseen: usize,
@@ -195,7 +196,7 @@ impl<'a> Run<'_, 'a> {
             t = t.max(integration.state.t);
             ends_before_event |= integration.ending.is_some();
             ends_before_event |= integration.state.t == integration.end_of_piece();
-            self.tell_events(part);
+            self.merge_events(part);
         }
         self.unseen += group.len();
         let has_event = ends_before_event || self.events.len() > known;
@@ -207,7 +208,7 @@ impl<'a> Run<'_, 'a> {
         let is_error = matches!(outcome, Some(Outcome::Error(_)));
         let shown = match &outcome {
             None => shown,
-            // What the others owe until then, as far as they have it.
+            // The samples of the others until then, as far as they are known.
             Some(Outcome::Error(_)) => self.end_beside(group, t),
             Some(_) => shown.and_then(|()| self.end_at(group, t)),
         };
@@ -266,12 +267,12 @@ impl<'a> Run<'_, 'a> {
     }
 
     /// Takes the new events of a part among those of all. Several parts may meet the same kink.
-    fn tell_events(&mut self, part: usize) {
+    fn merge_events(&mut self, part: usize) {
         if self.parts.is_empty() {
             return;
         }
-        let new = self.integrations[part].motion.events[self.told[part]..].to_vec();
-        self.told[part] += new.len();
+        let new = self.integrations[part].motion.events[self.merged[part]..].to_vec();
+        self.merged[part] += new.len();
         for event in new {
             let kink = event.kind == EventKind::Kink;
             let mut others = self.events.iter().rev().take_while(|other| other.time == event.time);
