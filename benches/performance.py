@@ -43,11 +43,9 @@ SUBJECTS = {
 
 HEAD = """# Performance
 
-Times differ from machine to machine; ratios of two times measured on the same machine within the
-same minutes hardly do. Every number is such a ratio: the time of asperity over the time of
-something else in the same run. Less than 1 is quicker than that. `make bench` prints all ratios,
-the shortest of several times each, and writes this page from the first two of every bench;
-`python benches/performance.py --only step` runs one of them anew.
+Every number is a ratio of two times in the same run: that of asperity over that of something else.
+`make bench` prints all ratios, the shortest of several times each, and writes this page from the
+first two of every bench; `python benches/performance.py --only step` runs one of them anew.
 """
 TAIL = """`make many` prints time and memory of the default solver from 10 to 10⁵ contacts,
 `make peers` compares other engines on the same contact problems, `make linear` the sparse
