@@ -24,7 +24,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import links
-from words import PACKAGE, ROOMS
+from words import PACKAGE, SUBPACKAGES
 
 SITE = Path(__file__).resolve().parent
 ROOT = SITE.parent
@@ -106,8 +106,8 @@ def pages(*, rust: bool) -> Iterator[tuple[str, bytes]]:
         yield f"inventories/{path.stem}.inv", inventory(path.read_text(encoding="utf-8"))
     yield "reference/index.rst", contents(rust=rust).encode()
     yield "reference/equations.rst", equations().encode()
-    for room in ROOMS:
-        yield f"reference/{room}.rst", reference(room).encode()
+    for subpackage in SUBPACKAGES:
+        yield f"reference/{subpackage}.rst", reference(subpackage).encode()
 
 
 def scripts() -> Iterator[tuple[str, bytes]]:
@@ -126,14 +126,19 @@ def scripts() -> Iterator[tuple[str, bytes]]:
 
 def contents(*, rust: bool) -> str:
     """Return the front page of the reference."""
-    lines = [_title("Reference", "="), "What a program in Python imports, room by room.", ""]
+    lines = [_title("Reference", "="), "What a program in Python imports, by subpackage.", ""]
     if rust:
         # Sphinx does not know these pages: they come when it is done.
         pages = (f'<a href="../rust/{name}/index.html">{name}</a>' for name in ("asperity", _SET))
         lines += [".. raw:: html", "", f"   <p>The crates in Rust: {', '.join(pages)}.</p>", ""]
     lines += [":doc:`equations` leads from equations of [WL19] to names, :doc:`/NOTATION` from"]
     lines += ["symbols.", ""]
-    lines += [".. toctree::", "   :maxdepth: 1", "", *(f"   {room}" for room in ROOMS)]
+    lines += [
+        ".. toctree::",
+        "   :maxdepth: 1",
+        "",
+        *(f"   {subpackage}" for subpackage in SUBPACKAGES),
+    ]
     lines += ["   equations", ""]
     lines += [_title("What all values have in common", "-")]
     lines += [
@@ -146,12 +151,12 @@ def contents(*, rust: bool) -> str:
     return "\n".join(lines)
 
 
-def reference(room: str) -> str:
-    """Return the page of a room, with a table of its names."""
-    names = [name for name in PACKAGE.names if name.room == room]
-    said = inspect.getdoc(importlib.import_module(f"asperity.{room}")) or ""
+def reference(subpackage: str) -> str:
+    """Return the page of a subpackage, with a table of its names."""
+    names = [name for name in PACKAGE.names if name.subpackage == subpackage]
+    said = inspect.getdoc(importlib.import_module(f"asperity.{subpackage}")) or ""
     # A directive for modules would be taken by autosummary for where the names below are.
-    lines = [_title(ROOMS[room], "="), said, ""]
+    lines = [_title(SUBPACKAGES[subpackage], "="), said, ""]
     for title, group in (
         ("Classes", [name for name in names if name.is_class]),
         ("Functions", [name for name in names if not name.is_class]),

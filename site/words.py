@@ -15,7 +15,7 @@ from typing import Any
 
 import asperity
 
-ROOMS = {
+SUBPACKAGES = {
     "sets": "Sets",
     "law": "Friction laws",
     "contact": "Contact problems",
@@ -35,10 +35,10 @@ ROOMS = {
     "problems": "Generated contact problems",
     "mechanisms": "Mechanisms of instability",
 }
-"""The rooms of the package in the order of the reference, with their titles."""
+"""The subpackages in the order of the reference, with their titles."""
 
 _HEADS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
-"""Rooms whose names are not those of the package itself."""
+"""Subpackages whose names are not those of the package itself."""
 
 _COMMON = ("Value", "Record")
 """Bases whose methods every page would repeat: the front page of the reference has them."""
@@ -52,7 +52,7 @@ class Name:
     """A public name: where users import it from, and what it is."""
 
     path: str
-    room: str
+    subpackage: str
     value: Any
 
     @property
@@ -71,20 +71,20 @@ class Package:
 
     @cached_property
     def names(self) -> list[Name]:
-        """Every public name once, room by room."""
+        """Every public name once, by subpackage."""
         found = []
-        for room in ROOMS:
-            module = importlib.import_module(f"asperity.{room}")
-            prefix = f"asperity.{room}" if room in _HEADS else "asperity"
+        for subpackage in SUBPACKAGES:
+            module = importlib.import_module(f"asperity.{subpackage}")
+            prefix = f"asperity.{subpackage}" if subpackage in _HEADS else "asperity"
             for name in module.__all__:
                 value = getattr(module, name)
                 if not isinstance(value, ModuleType) and not isinstance(value, int):
-                    found.append(Name(f"{prefix}.{name}", room, value))
-            # What nobody constructs is in its room only.
+                    found.append(Name(f"{prefix}.{name}", subpackage, value))
+            # What nobody constructs is in its subpackage only.
             for name, value in vars(module).items():
                 own = inspect.isclass(value) and value.__module__.startswith(module.__name__)
                 if own and name not in module.__all__ and not name.startswith("_"):
-                    found.append(Name(f"asperity.{room}.{name}", room, value))
+                    found.append(Name(f"asperity.{subpackage}.{name}", subpackage, value))
         return found
 
     @cached_property

@@ -191,16 +191,18 @@ def random_problem(rng, laws, contacts, unilateral):
 
 
 def public_of(module):
-    """Return what is public of a module by name; of the package also what stands in rooms only."""
+    """Return what is public of a module by name, with the results that are in a folder only."""
     listed = getattr(module, "__all__", [n for n in vars(module) if not n.startswith("_")])
     found = {name: getattr(module, name) for name in listed}
+    folders = [module]
     if module is asp:
-        rooms = {
+        names = {
             one.__module__.split(".")[1] for one in found.values() if hasattr(one, "__module__")
         }
-        for room in sorted(rooms & vars(asp).keys()):
-            for name, one in vars(getattr(asp, room)).items():
-                own = inspect.isclass(one) and one.__module__.startswith(f"asperity.{room}")
-                if own and not name.startswith("_"):
-                    found.setdefault(name, one)
+        folders = [getattr(asp, name) for name in sorted(names & vars(asp).keys())]
+    for folder in folders:
+        for name, one in vars(folder).items():
+            own = inspect.isclass(one) and one.__module__.startswith(folder.__name__)
+            if own and not name.startswith("_"):
+                found.setdefault(name, one)
     return found

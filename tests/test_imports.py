@@ -11,6 +11,7 @@ from pathlib import Path
 import asperity as asp
 import asperity.demo
 import pytest
+from samples import public_of
 
 PACKAGE = Path(asp.__file__).parent
 LAYERS = [
@@ -28,10 +29,10 @@ LAYERS = [
     {"commands"},
 ]
 # Imported at first use.
-ROOMS = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
+LAZY = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
-# Rooms and files within a room; what else stands at its door may use them all.
-ROOMS_WITHIN = {
+# Parts of a folder in their order; its other files may use them all.
+PARTS = {
     "identify": ["records", "forces", "models", "estimator", "evidence"],
     "identify/records": ["tables", "calibration", "record", "magnitudes", "sliding"],
     "identify/evidence": ["forces", "wrenches", "paths"],
@@ -75,18 +76,18 @@ def test_imports_go_one_way():
         assert own in MAY_CALL_THE_CORE or "_core" not in others, path
 
 
-@pytest.mark.parametrize("house", ROOMS_WITHIN)
-def test_rooms_within_a_room_go_one_way(house):
-    rooms, parts = ROOMS_WITHIN[house], tuple(house.split("/"))
-    for rank, room in enumerate(rooms):
-        paths = [*(PACKAGE / house).glob(f"{room}.py"), *(PACKAGE / house / room).rglob("*.py")]
-        assert paths, room
+@pytest.mark.parametrize("folder", PARTS)
+def test_parts_of_a_folder_go_one_way(folder):
+    order, above = PARTS[folder], tuple(folder.split("/"))
+    for rank, part in enumerate(order):
+        paths = [*(PACKAGE / folder).glob(f"{part}.py"), *(PACKAGE / folder / part).rglob("*.py")]
+        assert paths, part
         for path in paths:
-            inside = {n[len(parts) :] for n in imported(path) if n[: len(parts)] == parts}
-            assert {n[0] for n in inside} <= set(rooms[: rank + 1]), path
+            inside = {n[len(above) :] for n in imported(path) if n[: len(above)] == above}
+            assert {n[0] for n in inside} <= set(order[: rank + 1]), path
 
 
-PUBLIC = {"asperity", "asperity.demo", *(f"asperity.{room}" for room in ROOMS)}
+PUBLIC = {"asperity", "asperity.demo", *(f"asperity.{name}" for name in LAZY)}
 PUBLIC |= {f"asperity.demo.{module.name}" for module in pkgutil.iter_modules(asp.demo.__path__)}
 EXAMPLES = PACKAGE.parents[1] / "examples"
 SCRIPTS = [*EXAMPLES.rglob("*.py"), *(PACKAGE / "demo").glob("*.py")]
@@ -102,13 +103,13 @@ def test_examples_and_the_demo_use_the_public_interface_only(folder):
         elif isinstance(node, ast.ImportFrom) and node.module.startswith("asperity"):
             assert node.module in PUBLIC
             module = importlib.import_module(node.module)
-            public = getattr(module, "__all__", vars(module))
-            names = {alias.name for alias in node.names} - (ROOMS if module is asp else set())
+            public = public_of(module)
+            names = {alias.name for alias in node.names} - (LAZY if module is asp else set())
             assert names <= set(public) | ({"demo"} if module is asp else set())
             assert not any(name.startswith("_") for name in names)
         elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == "asp":
-            # What nobody constructs is in its room only.
-            assert node.attr in {*asp.__all__, *ROOMS, *RANK}
+            # Results that nobody constructs are in their subpackages only.
+            assert node.attr in {*asp.__all__, *LAZY, *RANK}
 
 
 def test_no_function_hides_a_module():
@@ -117,8 +118,8 @@ def test_no_function_hides_a_module():
         if module.name != "asperity.__main__":
             importlib.import_module(module.name)
     names = {path.stem for path in MODULES} | {path.parent.name for path in MODULES}
-    rooms = [asp, *(getattr(asp, room) for room in ROOMS)]
-    functions = {n for room in rooms for n in room.__all__ if inspect.isfunction(getattr(room, n))}
+    modules = [asp, *(getattr(asp, name) for name in LAZY)]
+    functions = {n for m in modules for n in m.__all__ if inspect.isfunction(getattr(m, n))}
     assert sorted(functions & names) == []
     for name, module in list(sys.modules.items()):
         above, _, last = name.rpartition(".")
@@ -147,6 +148,6 @@ def test_plot_is_imported_by_its_first_use():
         _ = asp.nothing
 
 
-def test_public_names_exist_and_are_of_one_room():
+def test_public_names_exist_and_are_of_one_subpackage():
     assert len(set(asp.__all__)) == len(asp.__all__)
     assert all(hasattr(asp, name) for name in asp.__all__)

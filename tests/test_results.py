@@ -96,8 +96,8 @@ def named(result):
 
 
 def public_results():
-    rooms = (asp, asp.identify, asp.track, asp.mechanisms, asp.predict, asp.problems)
-    names = (one for room in rooms for one in public_of(room).values())
+    modules = (asp, asp.identify, asp.track, asp.mechanisms, asp.predict, asp.problems)
+    names = (one for module in modules for one in public_of(module).values())
     return {one for one in names if isinstance(one, type) and issubclass(one, Result)}
 
 

@@ -247,7 +247,7 @@ def test_values_cannot_be_changed(value):
 
 
 def fitted():
-    """Values of the rooms beside the core that hold mappings."""
+    """Values of `identify` and others that hold mappings."""
     phi = np.linspace(0.0, 6.0 * np.pi, 400, endpoint=False)
     ray = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     noise = 1e-3 * np.random.default_rng(1).normal(size=ray.shape)

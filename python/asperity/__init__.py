@@ -52,7 +52,7 @@ if _TYPE_CHECKING:
     from asperity import problems as problems
     from asperity import track as track
 
-# A public name is listed once, by the room it is of.
+# A public name is listed once, by its subpackage.
 __all__ = ["__version__"]
 __all__ += contact.__all__
 __all__ += cycles.__all__
@@ -67,19 +67,19 @@ __all__ += steady_sliding.__all__
 __all__ += sweeps.__all__
 __all__ += system.__all__
 
-# Matplotlib and SciPy are imported by the first use of these rooms, not before.
-_ROOMS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
+# These subpackages import matplotlib and SciPy: they are imported at first use.
+_LAZY = ("identify", "mechanisms", "plot", "predict", "problems", "track")
 
 
 def __getattr__(name: str) -> _ModuleType:
-    if name in _ROOMS:
+    if name in _LAZY:
         return _import_module(f"asperity.{name}")
     message = f"module 'asperity' has no attribute {name!r}"
-    for room in (contact, ensemble, law, runs, sets, solvers, steady_sliding, sweeps, system):
-        if not name.startswith("_") and hasattr(room, name):
-            message += f": it is {room.__name__}.{name}"
+    for part in (contact, ensemble, law, runs, sets, solvers, steady_sliding, sweeps, system):
+        if not name.startswith("_") and hasattr(part, name):
+            message += f": it is {part.__name__}.{name}"
     raise AttributeError(message)
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_ROOMS})
+    return sorted({*__all__, *_LAZY})

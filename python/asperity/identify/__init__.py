@@ -10,26 +10,32 @@ True
 Reference: [WL19] §5.2.
 """
 
-from asperity.identify.estimator.associativity import Associativity
-from asperity.identify.estimator.comparison import Candidate, Comparison
-from asperity.identify.estimator.covariance import Bands
+from asperity.identify.estimator.associativity import Associativity as Associativity
+from asperity.identify.estimator.comparison import Candidate as Candidate
+from asperity.identify.estimator.comparison import Comparison as Comparison
+from asperity.identify.estimator.covariance import Bands as Bands
 from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.evidence.forces.selection import compare_models
 from asperity.identify.evidence.paths.estimation import fit_paths
 from asperity.identify.evidence.paths.launch import Launch
-from asperity.identify.evidence.paths.result import FittedPath, PathFit
+from asperity.identify.evidence.paths.result import FittedPath as FittedPath
+from asperity.identify.evidence.paths.result import PathFit
 from asperity.identify.evidence.wrenches.estimation import compare_patches, fit_patch, fit_supports
 from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
-from asperity.identify.forces.averaged import Averaged
-from asperity.identify.forces.dependence import Dependence, load_dependence, speed_dependence
+from asperity.identify.forces.averaged import Averaged as Averaged
+from asperity.identify.forces.dependence import Dependence as Dependence
+from asperity.identify.forces.dependence import load_dependence, speed_dependence
 from asperity.identify.forces.filters import low_pass
-from asperity.identify.forces.measured_sets import ConvexDirection, MeasuredSets
-from asperity.identify.forces.processing import ProcessedData, process
-from asperity.identify.forces.turns import TurnAverage, average_turns
+from asperity.identify.forces.measured_sets import ConvexDirection as ConvexDirection
+from asperity.identify.forces.measured_sets import MeasuredSets
+from asperity.identify.forces.processing import ProcessedData as ProcessedData
+from asperity.identify.forces.processing import process
+from asperity.identify.forces.turns import TurnAverage as TurnAverage
+from asperity.identify.forces.turns import average_turns
 from asperity.identify.loading import load
-from asperity.identify.models.coordinates import Estimate
+from asperity.identify.models.coordinates import Estimate as Estimate
 from asperity.identify.models.directions import (
     CircleDirection,
     FourierDirection,
@@ -42,44 +48,33 @@ from asperity.identify.models.reservoirs import (
 )
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.configuration import Configuration, read_raw
-from asperity.identify.records.inspection import Column, Inspection, inspect_file
+from asperity.identify.records.inspection import Column as Column
+from asperity.identify.records.inspection import Inspection as Inspection
+from asperity.identify.records.inspection import inspect_file
 from asperity.identify.records.reading import read_csv
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.writing import write_raw
 from asperity.identify.tribometer import VirtualTribometer
 
 __all__ = [
-    "Associativity",
-    "Averaged",
-    "Bands",
     "Calibration",
-    "Candidate",
     "CircleDirection",
     "CircleReservoir",
-    "Column",
-    "Comparison",
     "Configuration",
-    "ConvexDirection",
-    "Dependence",
-    "Estimate",
     "Fit",
-    "FittedPath",
     "FourierDirection",
     "FourierReservoir",
     "IdentifiedLaw",
-    "Inspection",
     "Launch",
     "MeasuredSets",
     "PatchFit",
     "PathFit",
-    "ProcessedData",
     "Processing",
     "RawData",
     "Recording",
     "SuperellipseDirection",
     "SuperellipseReservoir",
     "SupportsFit",
-    "TurnAverage",
     "VirtualTribometer",
     "average_turns",
     "compare_models",

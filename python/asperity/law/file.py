@@ -167,7 +167,7 @@ class LawFile(Value):
         with read(path) as (law, origin, parameters):
             kind = cls
             if parameters is not None and cls is LawFile:
-                # What parameters mean is known to a room above, which takes SciPy with it.
+                # The meaning of parameters belongs to `identify`, which imports SciPy.
                 kind = import_module("asperity.identify").IdentifiedLaw
             return kind._of_parts(law, origin, parameters)
 

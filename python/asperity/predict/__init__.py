@@ -8,21 +8,21 @@
 [('end point e1', 0.1652), ('end point e2', 0.1409)]
 """
 
-from asperity.predict.bands import PredictionBands, Region, propagate
+from asperity.predict.bands import PredictionBands as PredictionBands
+from asperity.predict.bands import Region as Region
+from asperity.predict.bands import propagate
 from asperity.predict.examples import write_example
-from asperity.predict.law_sheet import LawSheet, describe_law
+from asperity.predict.law_sheet import LawSheet as LawSheet
+from asperity.predict.law_sheet import describe_law
 from asperity.predict.scenario import Scenario
-from asperity.predict.simulation import Simulation, simulate_scenario
-from asperity.predict.stability_sheet import Belt, StabilitySheet, describe_stability
+from asperity.predict.simulation import Simulation as Simulation
+from asperity.predict.simulation import simulate_scenario
+from asperity.predict.stability_sheet import Belt, describe_stability
+from asperity.predict.stability_sheet import StabilitySheet as StabilitySheet
 
 __all__ = [
     "Belt",
-    "LawSheet",
-    "PredictionBands",
-    "Region",
     "Scenario",
-    "Simulation",
-    "StabilitySheet",
     "describe_law",
     "describe_stability",
     "propagate",
