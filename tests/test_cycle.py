@@ -336,3 +336,14 @@ def test_ctrl_c_ends_a_bifurcation_diagram_at_once():
     assert found.lines == ["interrupted"]
     assert found.code == 42
     assert found.seconds < 1.0
+
+
+def test_a_cycle_loses_its_stability_to_one_of_twice_the_period():
+    """A Floquet multiplier passes −1."""
+    angles = np.deg2rad([69.0, 69.5])
+    once = asp.bifurcation_diagram(belt, parameter="phi", values=angles).cycles[-1]
+    twice = asp.limit_cycle(belt(angles[-1]))
+    assert not once.is_stable
+    assert once.multipliers[0].real < -1.0
+    assert twice.is_stable
+    assert twice.period == pytest.approx(2.0 * once.period, rel=1e-3)
