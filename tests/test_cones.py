@@ -1,4 +1,4 @@
-"""Normal and tangent cones against their definitions, and cones as such against SciPy."""
+"""Tangent cones against their definition, and cones as such against SciPy."""
 
 import asperity as asp
 import numpy as np
@@ -12,8 +12,6 @@ from samples import (
     random_directions,
 )
 from scipy.optimize import lsq_linear
-
-convex_sets = pytest.mark.parametrize("convex", CONVEX, ids=identify)
 
 
 @pytest.fixture
@@ -69,32 +67,6 @@ def points_of(convex, rng):
     p = convex.dimension
     edge = convex.support_point(random_directions(rng, 12, p))
     return [*edge, *convex.boundary(8), *(0.5 * edge[:2])]
-
-
-@convex_sets
-def test_normal_cone_is_that_of_the_definition(convex, rng):
-    """yᵀ(x* − x) ≤ 0 for all x* ∈ C."""
-    sample = convex.boundary(3000)
-    for x in points_of(convex, rng):
-        cone = convex.normal_cone(x, tolerance=1e-7)
-        assert cone.is_convex
-        if len(cone.generators):
-            assert ((sample - x) @ cone.generators.T).max() <= 1e-6
-    assert convex.normal_cone(1.01 * sample[0]).is_empty
-    assert convex.tangent_cone(1.01 * sample[0]).is_empty
-
-
-@convex_sets
-def test_tangent_cone_is_the_polar_of_the_normal_cone(convex, rng):
-    y = rng.normal(size=(40, convex.dimension))
-    for x in points_of(convex, rng):
-        normal = convex.normal_cone(x, tolerance=1e-7)
-        tangent = convex.tangent_cone(x, tolerance=1e-7)
-        assert tangent.is_convex
-        part, rest = normal.project(y), tangent.project(y)
-        np.testing.assert_allclose(part + rest, y, atol=1e-7)
-        np.testing.assert_allclose((part * rest).sum(1), 0.0, atol=1e-7)
-        np.testing.assert_allclose(normal.polar().project(y), rest, atol=1e-7)
 
 
 @pytest.mark.parametrize("star", [*CONVEX, *STAR_PLANE], ids=identify)

@@ -14,7 +14,6 @@ from samples import (
     identify,
     public_of,
     random_directions,
-    random_matrix,
 )
 
 CASES = 1000
@@ -120,26 +119,6 @@ def test_methods_broadcast(star):
     assert star.gauge(np.empty((0, p))).shape == (0,)
     assert np.ndim(star.gauge(x[0, 0])) == 0
     np.testing.assert_array_equal(star.gauge(x)[1, 2], star.gauge(x[1, 2]))
-
-
-@all_sets
-def test_largest_scale_inside_touches_and_does_not_cross(star, rng):
-    p = star.dimension
-    outer = asp.Ellipsoid([1.3, 0.7, 1.1][:p]).mapped(random_matrix(rng, p))
-    scale = star.scale_inside(outer)
-    # Corners in space lie between points of coarser samples, and cusps, on axes, between those of
-    # all samples.
-    axes = np.vstack([np.eye(p), -np.eye(p)])
-    points = np.vstack(
-        [star.boundary(20_000 if p < 3 else 100_000), axes / star.gauge(axes)[:, None]]
-    )
-    ratio = outer.gauge(points)
-    assert scale * ratio.max() <= 1.0 + 1e-9
-    assert scale * ratio.max() >= 1.0 - (3e-4 if p < 3 else 1e-2)
-    assert star.margin_inside(outer) == scale - 1.0
-    margin = star.gauge(outer.boundary(500)) - scale * outer.gauge(outer.boundary(500))
-    assert margin.min() >= -1e-9
-    assert star.scale_inside(star) == pytest.approx(1.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("star", STAR_PLANE + STAR_SPACE, ids=identify)
