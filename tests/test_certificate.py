@@ -539,9 +539,9 @@ def test_second_opinions_are_asked_about_percussions(percussion):
     with pytest.raises(asp.ParameterError, match="percussion: must"):
         natural_map(contact(), percussion)
     assert natural_map(contact(), [0.9, -0.2, 0.0]) > 0.0
-    with pytest.raises(asp.ParameterError, match="problem: must be of ContactProblem"):
+    with pytest.raises(asp.ParameterError, match="problem: must be a ContactProblem"):
         natural_map(np.eye(3), [0.9, -0.2, 0.0])
-    with pytest.raises(asp.ParameterError, match="proof: must be of Infeasibility"):
+    with pytest.raises(asp.ParameterError, match="proof: must be an Infeasibility"):
         proves_no_solution(contact(), None)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,17 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact import ContactProblem, Infeasibility
-from asperity.contact.arguments import sizes
-from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
 
 __all__ = ["natural_map", "proves_no_solution"]
 
-# Percussions over those that the loads call for beyond which they are none.
-_HUGE = 5e9
-# Velocities that they bring to contacts over the loads beyond which they are none.
-_FASTEST = 5e7
+_EPSILON = float(np.finfo(float).eps)
+# Percussions, and velocities that they bring to contacts, over those of the loads, beyond which
+# a problem counts as unsolved.
+_HUGE, _FASTEST = 5e9, 5e7
 
 
 def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
@@ -45,8 +44,7 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     >>> natural_map(problem, np.array([1.0, -0.3, -0.4])) < 1e-12
     True
     """
-    _check(problem, "problem", ContactProblem)
-    free = problem.free_velocity + _restitution(problem)
+    free = _free_velocity(problem)
     rho = free.size / problem.delassus.diagonal().sum()
     given = arrays.with_gaps(percussion, "percussion", free.shape)
     # A solver may have ended anywhere.
@@ -54,16 +52,16 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
         return math.inf
     xi = problem.delassus @ given + free
     squares = 0.0
-    for law, unilateral, rows, normal in _groups(problem):
+    for law, forces, rows in _groups(problem):
         p, v = given[rows], rho * xi[rows]
-        if not unilateral:
-            squares += _friction(law, normal, p, v)
-            continue
-        if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
-            squares += _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
-            continue
-        squares += float(((p[:, 0] - np.maximum(0.0, p[:, 0] - v[:, 0])) ** 2).sum())
-        squares += _friction(law, p[:, 0], p[:, 1:], v[:, 1:])
+        if forces is None:
+            if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
+                squares += _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
+                continue
+            forces = p[:, 0]
+            squares += float(((forces - np.maximum(0.0, forces - v[:, 0])) ** 2).sum())
+            p, v = p[:, 1:], v[:, 1:]
+        squares += _friction(law, forces, p, v)
     scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
     return math.sqrt(squares) / scale
 
@@ -73,15 +71,13 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
 
     A proof of the kind ``"closing"`` has weights d ≥ 0 on normal rows of unilateral contacts with
     d·(b + e∘γ_B) < 0 and Gᵀd = 0 up to the rounding of the entries of G, |(Gᵀd)ⱼ| ≤ 8 ε sⱼ Σᵢ sᵢdᵢ
-    with s = √diag G. What that leaves, |(Gᵀd)ⱼ| ≤ η sⱼ, bounds the percussions of any solution from
+    with s = √diag G. A remainder |(Gᵀd)ⱼ| ≤ η sⱼ bounds the percussions of any solution from
     below: Σ sⱼ|Pⱼ| ≥ −d·(b + e∘γ_B)/η, which must be 5e9 times the largest |b_N|/s_N of these
-    contacts. Where the problem is one of bodies, these are asked as well, as G may have lost the
-    heavy ones beside the light ones: W d must vanish, up to 2e-10 of the largest weight. Or
-    else W d is rounding, |(W d)ₖ| ≤ 16 ε maxⱼ |W_kj| Σ dⱼ over the contacts of the body, and what
-    that leaves bounds the velocities u that percussions bring to the bodies. As
-    Σ dᵢξᵢ = (W d)·u + d·(b + e∘γ_B), a solution has Σₖ |(W d)ₖ||uₖ| ≥ −d·(b + e∘γ_B), which must
-    take velocities at contacts, uₖ maxⱼ |W_kj|, of 5e7 times the largest load. Masses that differ
-    by many powers of ten do not hide that.
+    contacts; in a problem of bodies W d must vanish, too, up to 2e-10 of the largest weight. Or
+    W d is rounding, |(W d)ₖ| ≤ 16 ε maxⱼ |W_kj| Σ dⱼ over the contacts of the body, and bounds the
+    velocities u that percussions bring to the bodies. As Σ dᵢξᵢ = (W d)·u + d·(b + e∘γ_B), a
+    solution has Σₖ |(W d)ₖ||uₖ| ≥ −d·(b + e∘γ_B), which must take velocities at contacts,
+    uₖ maxⱼ |W_kj|, of 5e7 times the largest load, whatever the masses.
 
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
@@ -90,7 +86,7 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
 
     Args:
         problem: with any laws.
-        proof: what a solver says of it.
+        proof: the `infeasibility` of a solution.
 
     >>> from asperity import ContactProblem, FrictionLaw
     >>> line = FrictionLaw.isotropic(1.0, dimension=1)
@@ -98,22 +94,19 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     >>> proves_no_solution(paradox, paradox.solve(on_failure="record").infeasibility)
     True
     """
-    _check(problem, "problem", ContactProblem)
-    _check(proof, "proof", Infeasibility)
-    free = problem.free_velocity + _restitution(problem)
+    free = _free_velocity(problem)
+    arrays.of_kind(proof, "proof", Infeasibility, "an Infeasibility")
     if proof.direction.shape != free.shape or not 0 <= proof.contact < len(problem.laws):
         return False
     if proof.kind == "one_contact":
         return _has_none(problem, proof.contact, free)
     weights = proof.direction
     normal = np.zeros(free.size, dtype=bool)
-    for rows, force in zip(problem.row_slices, problem.normal_force, strict=True):
-        normal[rows.start] = force is None
+    normal[[rows.start for rows, force in _contacts(problem) if force is None]] = True
     if not weights.max() > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
         return False
-    closing, sizes_of_load = -weights @ free, weights @ np.abs(free)
     return bool(
-        closing > 1e-13 * sizes_of_load
+        -weights @ free > 1e-13 * (weights @ np.abs(free))
         and (_keeps_bodies(problem, weights, free) or _vanishes(problem, weights, free))
     )
 
@@ -122,49 +115,35 @@ def _keeps_bodies(problem: ContactProblem, weights: Array, free: Array) -> bool:
     """Return whether contacts that open ask for velocities of bodies far beyond the loads."""
     if problem.directions is None:
         return False
-    planar = np.concatenate(
-        [
-            np.arange(rows.stop - rows.start) < (3 if force is None else 2)
-            for rows, force in zip(problem.row_slices, problem.normal_force, strict=True)
-        ]
-    )
+    # Rows of forces, without those of drilling torques.
+    ends = [
+        (rows.start, min(rows.stop, rows.start + 2 + (f is None))) for rows, f in _contacts(problem)
+    ]
+    load = max(np.abs(free[start:stop]).max() for start, stop in ends)
     levers = abs(problem.directions)
     lever = levers.max(axis=1).toarray().ravel()
     touched = lever > 0.0
     moved = np.abs(problem.directions @ weights)[touched] / lever[touched]
-    explained = 16.0 * np.finfo(float).eps * (levers.sign() @ weights)[touched]
-    return bool(
-        (moved <= explained).all()
-        and -weights @ free >= _FASTEST * moved.sum() * np.abs(free[planar]).max()
-    )
+    explained = 16.0 * _EPSILON * (levers.sign() @ weights)[touched]
+    return bool((moved <= explained).all() and -weights @ free >= _FASTEST * moved.sum() * load)
 
 
 def _vanishes(problem: ContactProblem, weights: Array, free: Array) -> bool:
     """Return whether Gᵀd is rounding, so that percussions would be far beyond the loads."""
     scale = np.sqrt(problem.delassus.diagonal())
-    changed = np.abs(problem.delassus.T @ weights) / scale
+    changed = (np.abs(problem.delassus.T @ weights) / scale).max()
     called_for = (np.abs(free) / scale)[weights > 0.0].max()
-    return bool(
-        changed.max() <= 8.0 * np.finfo(float).eps * (scale * weights).sum()
-        and -weights @ free >= _HUGE * changed.max() * called_for
-        # Weights as percussions move no body, up to rounding.
-        and not _moved(problem, weights).any()
-    )
-
-
-def _moved(problem: ContactProblem, weights: Array) -> NDArray[np.bool_]:
-    """Return which velocities of bodies weights as percussions change; none if none is known."""
+    if not (
+        changed <= 8.0 * _EPSILON * (scale * weights).sum()
+        and -weights @ free >= _HUGE * changed * called_for
+    ):
+        return False
     if problem.directions is None:
-        return np.zeros(0, dtype=bool)
-    scale = np.sqrt(problem.delassus.diagonal())
+        return True
+    # Weights as percussions move no body, up to rounding.
     explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
     momentum = np.abs(problem.directions @ weights)
-    return ~(momentum <= 2e-10 * (scale * np.abs(weights)).max() * explained)
-
-
-def _check(value: object, argument: str, kind: type) -> None:
-    if not isinstance(value, kind):
-        raise ParameterError(argument, f"must be of {kind.__name__}, got {value!r:.60}")
+    return bool((momentum <= 2e-10 * (scale * weights).max() * explained).all())
 
 
 def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
@@ -174,9 +153,8 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
     dense = row if isinstance(row, np.ndarray) else row.toarray()
     block, b = dense[:, rows], free[rows]
     alone = np.delete(dense, np.r_[rows], axis=1)
-    if alone.any() or problem.normal_force[contact] is not None or law.dimension > 2:
-        return False
-    if b[0] >= 0.0:
+    unilateral = problem.normal_force[contact] is None
+    if alone.any() or not unilateral or law.dimension > 2 or b[0] >= 0.0:
         return False
     if np.linalg.matrix_rank(block, tol=1e-12 * np.linalg.norm(block)) == 1:
         return _is_pulled(law, block, b)
@@ -224,7 +202,7 @@ def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
     angle = np.linspace(0.0, 2.0 * np.pi, 20_001)
     directions = np.column_stack([np.cos(angle), np.sin(angle)])
     ends = law.direction.support_point(directions)
-    steps = np.sqrt((np.diff(ends, axis=0) ** 2).sum(axis=1))
+    steps = np.linalg.norm(np.diff(ends, axis=0), axis=1)
     flats = np.flatnonzero(steps > 20.0 * steps.mean())
     part = np.linspace(0.0, 1.0, 1001)[:, None]
     for k in flats[::-1]:
@@ -234,39 +212,48 @@ def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
     return directions, -ends / law.reservoir.gauge(ends)[:, None]
 
 
-def _restitution(problem: ContactProblem) -> Array:
-    """Return e∘γ_B."""
-    each = sizes(problem.laws, problem.normal_force)
-    factor = np.repeat(problem.tangential_restitution, each)
-    first = np.cumsum(each) - each
-    closed = np.array([force is None for force in problem.normal_force])
-    factor[first[closed]] = problem.normal_restitution[closed]
-    return factor * problem.initial_velocity
+def _contacts(problem: ContactProblem) -> Iterator[tuple[slice, float | None]]:
+    return zip(problem.row_slices, problem.normal_force, strict=True)
+
+
+def _free_velocity(problem: ContactProblem) -> Array:
+    """Return b + e∘γ_B."""
+    arrays.of_kind(problem, "problem", ContactProblem, "a ContactProblem")
+    widths = [rows.stop - rows.start for rows in problem.row_slices]
+    factor = np.repeat(problem.tangential_restitution, widths)
+    for (rows, force), e in zip(_contacts(problem), problem.normal_restitution, strict=True):
+        if force is None:
+            factor[rows.start] = e
+    free: Array = problem.free_velocity + factor * problem.initial_velocity
+    return free
 
 
 def _groups(
     problem: ContactProblem,
-) -> list[tuple[FrictionLaw, bool, NDArray[np.int64], Array]]:
-    """Return contacts of one law and kind together: law, kind, their rows, prescribed forces."""
-    each = np.array(sizes(problem.laws, problem.normal_force))
-    first = np.cumsum(each) - each
+) -> Iterator[tuple[FrictionLaw, Array | None, NDArray[np.int64]]]:
+    """Yield contacts of one law and kind together: law, prescribed forces if any, their rows."""
     members: dict[tuple[int, bool], list[int]] = {}
     for i, (law, force) in enumerate(zip(problem.laws, problem.normal_force, strict=True)):
         members.setdefault((id(law), force is None), []).append(i)
-    groups = []
     for (_, unilateral), contacts in members.items():
-        rows = first[contacts][:, None] + np.arange(each[contacts[0]])
-        forces = [problem.normal_force[i] or 0.0 for i in contacts]
-        groups.append((problem.laws[contacts[0]], unilateral, rows, np.array(forces)))
-    return groups
+        slices = [problem.row_slices[i] for i in contacts]
+        within = np.arange(slices[0].stop - slices[0].start)
+        forces = (
+            None if unilateral else np.array([problem.normal_force[i] for i in contacts], float)
+        )
+        yield (
+            problem.laws[contacts[0]],
+            forces,
+            np.array([s.start for s in slices])[:, None] + within,
+        )
 
 
 def _cone(mu: float, p: Array, v: Array) -> float:
     """Return the squared defect of P = proj_K(P − ρξ̃), ξ̃_N = ξ_N + μ‖ξ_T‖, K the friction cone."""
     moved = p - v
-    moved[:, 0] -= mu * np.sqrt((v[:, 1:] ** 2).sum(axis=1))
+    moved[:, 0] -= mu * _lengths(v[:, 1:])
     normal, tangent = moved[:, 0], moved[:, 1:]
-    length = np.sqrt((tangent**2).sum(axis=1))
+    length = _lengths(tangent)
     on_edge = np.maximum((normal + mu * length) / (1.0 + mu**2), 0.0)
     scale = mu * on_edge / np.where(length > 0.0, length, 1.0)
     edge = np.column_stack([on_edge, scale[:, None] * tangent])
@@ -325,8 +312,9 @@ def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
 
 
 def _lengths(vectors: Array) -> Array:
-    return np.sqrt((vectors**2).sum(axis=1))
+    found: Array = np.linalg.norm(vectors, axis=1)
+    return found
 
 
 def _norm(values: Array) -> float:
-    return float(np.sqrt((values**2).sum()))
+    return float(np.linalg.norm(values))
