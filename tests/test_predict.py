@@ -145,6 +145,14 @@ def test_wrong_files_are_refused_with_line_and_key(old, new, key, words, point, 
     assert not (tmp_path / "out").exists()
 
 
+SPRING = """
+[[system.springs]]
+type = "Spring"
+body = 0
+point = [0.0, 0.0, 0.0]
+other = 3
+stiffness = 1.0
+[run]"""
 BODIES = [
     ('type = "Body.ball"', 'type = "Body.bal"', "did you mean 'Body.ball'"),
     ("radius = 0.03               # m", "height = 0.03", "[system.bodies[1]] height: is not known"),
@@ -156,7 +164,9 @@ BODIES = [
     ("position = [0.0, 0.0, 0.02] ", "position = [0.0, 0.0, 0.0] ", "overlap: box"),
     ("position = [0.0, 0.3, 0.03]", "position = [0.0, 0.3, 0.02]", "does by 0.01 m"),
     ("axis = [1.0, 0.0, 0.0]}", "normal = [0.0, 0.342, 0.940]}", "overlap"),
-    ("body = 1\n", "body = 2\n", "body"),
+    ("body = 1\n", "body = 2\n", "[system.pairs[1]] body: must be below 2"),
+    ('"Plane"}', '"Plane", body = 2}', "[system.pairs[1].plane] body: must be below 2"),
+    ("[run]", SPRING, "[system.springs[0]] other: must be below 2"),
     ("[run]", "[start]\nspeed = 1.0\n[run]", "each body has its own"),
 ]
 
@@ -181,6 +191,10 @@ def test_bands_hold_the_scatter_of_the_law(point, measured, tmp_path):
     assert len(bands.draws) == 400
     assert not bands.failed
     assert not bands.doubts
+    # The k-th of 400 sorted draws is the quantile k/401: 0.025 lies between the 10th and 11th.
+    lowest, highest = np.sort(bands.draws, axis=0)[9:11], np.sort(bands.draws, axis=0)[-11:-9]
+    np.testing.assert_allclose(bands.low, [0.975, 0.025] @ lowest, rtol=1e-12)
+    np.testing.assert_allclose(bands.high, [0.025, 0.975] @ highest, rtol=1e-12)
     assert bands.region.contains(truth.q[-1])
     assert not bands.region.contains(truth.q[-1] + [0.005, 0.0])
     inside = np.mean([bands.region.contains(end) for end in bands.ends])
@@ -235,6 +249,19 @@ def test_draws_are_the_motions_of_single_runs(kind, method, measured, tmp_path):
         single = scenario.quantities(scenario.run({"law.toml": laws[i]}))
         expected = [one.value for one in single]
         np.testing.assert_allclose(done.bands.draws[i], expected, rtol=1e-7, atol=1e-8)
+
+
+def test_draws_that_take_longer_than_expected_are_computed_to_their_end(
+    measured, tmp_path, monkeypatch
+):
+    scenario, _ = predict.write_example("sliding disk", tmp_path)
+    text = scenario.read_text().replace("samples = 200", "samples = 40")
+    scenario.write_text(text.replace("step = 1e-4", "step = 2e-3"))
+    expected = simulate_scenario(scenario, law=measured, bands=True).bands.draws
+    # All draws are cut at half of the time until rest with the law of the file.
+    monkeypatch.setattr(predict.bands, "_LONGER", 0.5)
+    found = simulate_scenario(scenario, law=measured, bands=True).bands.draws
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
 def test_bands_need_a_law_with_a_covariance(point):
@@ -357,7 +384,7 @@ def test_contacts_with_laws_of_their_own(tmp_path, capsys):
     again = {one.name: one.value for one in simulate_scenario(scenario).quantities}
     assert again == found
     assert main(["simulate", str(scenario), "--law", str(law)]) == 2
-    assert "--law: is that of no contact" in capsys.readouterr().err
+    assert "--law: does not apply" in capsys.readouterr().err
     # The line is that of the contact whose law is not there.
     changed(scenario, 'law = "law"\n', 'law = "lav"\n')
     with pytest.raises(asp.ConfigurationError, match="not there") as refused:
@@ -619,6 +646,51 @@ def test_a_coarse_step_is_doubtful_whatever_is_kept(tmp_path):
     assert any("too coarse" in one for one in simulate_scenario(coarse).warnings)
     once = rewritten(scenario, ("step = 5e-3\noutput = 3.0", "step = 0.3"))
     assert any("too coarse" in one for one in simulate_scenario(once).warnings)
+
+
+def test_a_short_slide_is_doubtful_however_little_it_moves(tmp_path):
+    """It slides for 4 nm and four steps."""
+    scenario, _ = predict.write_example("sliding point", tmp_path)
+    changes = ("speed = 1.52", "speed = 2e-4"), ("step = 1e-4", "step = 1e-5")
+    done = simulate_scenario(rewritten(scenario, *changes))
+    assert np.linalg.norm(done.run.q[-1]) < 1e-8
+    assert any("it slides for" in one for one in done.warnings)
+
+
+@pytest.mark.parametrize(("step", "output"), [("1e-3", 1e-3), ("2e-5", 5e-5)])
+def test_all_steps_are_kept_up_to_twenty_thousand(step, output, tmp_path):
+    scenario, _ = predict.write_example("sliding point", tmp_path)
+    options = Scenario.load(rewritten(scenario, ("step = 1e-4", f"step = {step}"))).options
+    assert options.output == pytest.approx(output)
+
+
+def test_the_first_contact_whose_law_is_missing_is_named(tmp_path):
+    scenario, _ = predict.write_example("rigid bodies", tmp_path)
+    pairs = (f'type = "{kind}"' for kind in ("BoxPlane", "SpherePlane"))
+    rewritten(scenario, *((pair, f'{pair}\nlaw = "lav.toml"') for pair in pairs))
+    with pytest.raises(asp.ConfigurationError, match="not there") as refused:
+        Scenario.load(scenario)
+    assert refused.value.key == "[system.pairs[0]] law"
+
+
+def test_laws_of_different_files_are_drawn_independently(measured, tmp_path):
+    """Two equal boxes, launched side by side, each on a law of its own file."""
+    scenario, law = predict.write_example("rigid bodies", tmp_path)
+    for name in (law.name, "other.toml"):
+        (tmp_path / name).write_text(measured.read_text())
+    box = '[[system.bodies]]\ntype = "Body.box"\nmass = 1.0\nhalf_sizes = [0.05, 0.05, 0.02]\n'
+    contact = '[[system.pairs]]\ntype = "BoxPlane"\nhalf_sizes = [0.05, 0.05, 0.02]\n'
+    text = f'law = "{law.name}"\n[system]\ntype = "RigidBodies"\n'
+    for i in range(2):
+        text += f"{box}position = [0.0, {i}.0, 0.02]\nvelocity = [1.0, 0.5, 0.0]\n"
+    text += f'{contact}body = 0\nplane = {{type = "Plane"}}\n'
+    text += f'{contact}body = 1\nplane = {{type = "Plane"}}\nlaw = "other.toml"\n'
+    text += "[run]\nduration = 0.4\nstep = 2e-3\n[bands]\nsamples = 40\n"
+    scenario.write_text(text)
+    done = simulate_scenario(scenario, bands=True)
+    names = [one.name for one in done.quantities]
+    ends = [done.bands.draws[:, names.index(f"end of body {i}, x")] for i in range(2)]
+    assert abs(np.corrcoef(*ends)[0, 1]) < 0.5  # of 40 independent draws, three standard deviations
 
 
 def test_a_type_that_is_no_text_is_named_with_its_line(tmp_path):

@@ -152,10 +152,18 @@ BAD_INPUT = [
     ("springs", ParameterError, lambda: asp.RigidBodies([BALL], springs=[POINT])),
     ("springs", DimensionError, lambda: asp.RigidBodies([DISK], springs=[SPRING])),
     ("gravity", DimensionError, lambda: asp.RigidBodies([BALL], gravity=(0.0, -G))),
-    ("body", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[POINT.replace(body=1)])),
-    ("plane.body", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[ON_DECK])),
-    ("other", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[SPHERES])),
-    ("other", ParameterError, lambda: asp.RigidBodies([BALL], springs=[SPRING.replace(other=4)])),
+    (
+        "pairs[0].body",
+        ParameterError,
+        lambda: asp.RigidBodies([BALL], pairs=[POINT.replace(body=1)]),
+    ),
+    ("pairs[0].plane.body", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[ON_DECK])),
+    ("pairs[0].other", ParameterError, lambda: asp.RigidBodies([BALL], pairs=[SPHERES])),
+    (
+        "springs[0].other",
+        ParameterError,
+        lambda: asp.RigidBodies([BALL], springs=[SPRING.replace(other=4)]),
+    ),
     # simulations
     ("q0", DimensionError, lambda: asp.simulate(TWO, dt=0.1, t_end=0.1, q0=np.zeros(12))),
     ("u0", DimensionError, lambda: asp.simulate(TWO, dt=0.1, t_end=0.1, u0=np.zeros(14))),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from types import ModuleType
 from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
@@ -37,14 +38,14 @@ _ARRAY, _KEY = "array", ":"
 _PLAIN = (bool, int, float, str)
 
 
-def classes(*rooms: ModuleType) -> dict[str, type]:
-    """Return the public classes of values of some rooms by their names, without mere bases."""
+def classes(*modules: ModuleType) -> dict[str, type]:
+    """Return the public classes of values of some modules by their names, without mere bases."""
     return {
         name: one
-        for room in rooms
-        for name, one in sorted(vars(room).items())
+        for module in modules
+        for name, one in sorted(vars(module).items())
         if isinstance(one, type) and issubclass(one, Value) and not name.startswith("_")
-        if (one.__module__.startswith(room.__name__) or name in room.__all__)
+        if (one.__module__.startswith(module.__name__) or name in module.__all__)
         and one.__init__ is not object.__init__
     }
 
@@ -67,7 +68,7 @@ def arguments(
             default all become lists.
 
     Raises:
-        ParameterError: whose argument is the key of what is no data, such as a function.
+        ParameterError: whose argument is the key of an object that is not data, such as a function.
     """
 
     def plain(part: Any, key: str) -> Any:
@@ -142,6 +143,10 @@ def _joined(key: str, part: str) -> str:
     return f"{key}{part}" if key else part.removeprefix(".")
 
 
+_OF_A_PART = re.compile(r"(\w+)\[(\d+)\]\.(.+)")
+"""Argument of a part of a list, such as ``pairs[1].body``."""
+
+
 def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str], Any]) -> AnyValue:
     """Return the value of a table of arguments.
 
@@ -163,13 +168,18 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
         if parameter.default is inspect.Parameter.empty and name not in table:
             raise ParameterError(_joined(key, f".{name}"), "is missing")
 
+    # Keys of the tables that parts of a list were made of.
+    origins: dict[str, list[str]] = {}
+
     def made(value: Any, key: str) -> Any:
         if isinstance(value, Mapping):
             return part(value, key)
         if isinstance(value, list) and any(isinstance(one, Mapping) for one in value):
-            each = (made(one, f"{key}[{i}]") for i, one in enumerate(value))
+            each = [made(one, f"{key}[{i}]") for i, one in enumerate(value)]
             # A constructor may make several parts, such as the points of a rim.
-            return [part for one in each for part in (one if isinstance(one, tuple) else (one,))]
+            parts = [one if isinstance(one, tuple) else (one,) for one in each]
+            origins[key] = [f"{key}[{i}]" for i, few in enumerate(parts) for _ in few]
+            return [one for few in parts for one in few]
         return value
 
     given = {}
@@ -184,6 +194,9 @@ def built(kind: type[AnyValue], table: Any, key: str, part: Callable[[Any, str],
     except ParameterError as error:
         if error.argument in given:
             raise type(error)(_joined(key, f".{error.argument}"), error.message) from None
+        if found := _OF_A_PART.fullmatch(error.argument):
+            origin = origins[_joined(key, f".{found[1]}")][int(found[2])]
+            raise type(error)(f"{origin}.{found[3]}", error.message) from None
         # The core may blame what it makes of the arguments.
         raise type(error)(key, str(error)) from None
     except (TypeError, ValueError, AttributeError, ArithmeticError, LookupError) as error:

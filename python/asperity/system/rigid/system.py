@@ -107,8 +107,8 @@ class RigidBodies(Value):
         down = [0.0, -9.81] if planar else [0.0, 0.0, -9.81]
         self._set(
             bodies=listed,
-            pairs=_parts(pairs, "pairs", Pair, planar),
-            springs=_parts(springs, "springs", Spring, planar),
+            pairs=_parts(pairs, "pairs", Pair, listed),
+            springs=_parts(springs, "springs", Spring, listed),
             gravity=arrays.array(down if gravity is None else gravity, "gravity", (len(down),)),
         )
         core = _core.RigidBodies(
@@ -178,7 +178,7 @@ class RigidBodies(Value):
     def with_law(
         self, law: FrictionLaw, *, pairs: int | str | Sequence[int | str] | None = None
     ) -> Self:
-        """Return the same system, of which pairs obey another friction law.
+        """Return the same system with another friction law at pairs.
 
         Args:
             law: of the dimension of the pairs' laws.
@@ -426,10 +426,10 @@ def _bodies(bodies: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def _parts(
-    parts: Sequence[_Part], argument: str, kind: type[_Part], planar: bool
+    parts: Sequence[_Part], argument: str, kind: type[_Part], bodies: Sequence[Body | PlanarBody]
 ) -> tuple[_Part, ...]:
     """Return pairs or springs that fit the bodies."""
-    listed = arrays.several(parts, argument)
+    listed, planar = arrays.several(parts, argument), isinstance(bodies[0], PlanarBody)
     for number, part in enumerate(listed):
         if not isinstance(part, kind):
             raise ParameterError(argument, f"must hold {kind.__name__} objects, got {part!r}")
@@ -439,4 +439,12 @@ def _parts(
                 argument,
                 f"number {number} is for {where[part.planar]}, the bodies are in {where[planar]}",
             )
+        plane = getattr(part, "plane", None)
+        named = {"body": part.body, "other": getattr(part, "other", None)}
+        for name, body in {**named, "plane.body": plane and plane.body}.items():
+            if body is not None and body >= len(bodies):
+                raise ParameterError(
+                    f"{argument}[{number}].{name}",
+                    f"must be below {len(bodies)}, the number of bodies, got {body}",
+                )
     return listed
