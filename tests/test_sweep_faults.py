@@ -11,7 +11,7 @@ from pathlib import Path
 import asperity as asp
 import numpy as np
 import pytest
-from profiles import counts
+from profiles import counts, every
 from sweep_functions import GRID, SEED, noted, reference
 
 pytest.importorskip("resource", reason="needs processes and limits of POSIX")
@@ -101,7 +101,7 @@ def one_run(script, folder, seconds=None):
     return process.returncode == 0, computed(folder)[already:]
 
 
-@counts(5, 100)
+@counts(1, 100)
 def test_a_sweep_that_is_killed_loses_what_was_in_flight_and_nothing_else(tmp_path, count):
     script = tmp_path / "swept.py"
     script.write_text(SWEPT)
@@ -155,7 +155,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("done", [-1, 0, 60])
+@pytest.mark.parametrize("done", every(3, [60, -1, 0]))
 def test_a_full_disk_is_told_and_the_store_can_be_gone_on_with(tmp_path, done):
     script, store = tmp_path / "full.py", tmp_path / "new" / "x.zarr"
     script.write_text(FULL)
