@@ -390,17 +390,25 @@ REFUSED = [
     (
         "mujoco",
         {"mu": 0.5},
-        "mu: is no parameter of mujoco here; known are friction, geom_friction",
+        "mu: is not a parameter of mujoco here; known are friction, geom_friction",
     ),
-    ("bullet", {"friction": 0.5}, "friction: is no parameter of bullet here; known are lateral"),
+    ("bullet", {"friction": 0.5}, "friction: is not a parameter of bullet here; known are lateral"),
     ("bullet", {}, "lateralFriction: is missing"),
-    ("siconos", {"mu": 0.5, "e_n": 0.2}, "e_n: is no part of a law: it belongs to the contact, as"),
+    (
+        "siconos",
+        {"mu": 0.5, "e_n": 0.2},
+        "e_n: is not part of a law: it belongs to the contact, as",
+    ),
     (
         "cardillo",
         {"mu": 0.5, "e_F": 0.2},
-        "e_F: is no part of a law: it belongs to the contact, as",
+        "e_F: is not part of a law: it belongs to the contact, as",
     ),
-    ("mujoco", {"friction": (1.0, 1.0), "solref": (0.02, 1.0)}, "solref: is no part of a law: con"),
+    (
+        "mujoco",
+        {"friction": (1.0, 1.0), "solref": (0.02, 1.0)},
+        "solref: is not part of a law: con",
+    ),
     ("exudyn", {"dryFriction": (0.5, 0.4), "viscousFriction": (1.0, 1.0)}, "with the speed"),
     ("mujoco", {"geom_friction": (1.0, 0.005)}, "geom_friction: must have the three numbers"),
     (

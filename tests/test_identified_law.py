@@ -259,7 +259,7 @@ def test_mutated_files_are_refused_with_line_and_key(count, tmp_path):
             continue
         refused.add(kind)
         # A line that is none of TOML may have lost its key; it is told by its number.
-        assert told.key or (told.line and "is no TOML" in told.message), told
+        assert told.key or (told.line and "is not TOML" in told.message), told
         assert told.line or "is missing" in told.message, told
     assert count < 2000 or refused == set(MUTATIONS)
 

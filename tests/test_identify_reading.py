@@ -399,7 +399,7 @@ def test_a_configuration_can_switch_the_filter_off(tmp_path, none):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[file", r"rig\.toml.*: is no TOML"),
+        ("[file", r"rig\.toml.*: is not TOML"),
         (
             "\ufeffdelimiter = ';'",
             r"line 1: delimiter: is not known here, it belongs into \[file\]",

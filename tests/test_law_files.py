@@ -213,7 +213,7 @@ def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
         ("a = 0.6", 'a = "wide"', r"line 7: .* a: must hold real numbers, got 'wide'"),
         ("a = 0.6", "a = true", r"line 7: .* a: must not be a truth value, got True"),
         ("[0.0, 1.0]", "[0, false]", r"line 13: .* matrix\[1\]\[1\]: must not be a truth value"),
-        ("a = 0.6", "a = 0,6", r"line 7: .* a: is no TOML: .*; decimals take a point"),
+        ("a = 0.6", "a = 0,6", r"line 7: .* a: is not TOML: .*; decimals take a point"),
         ("a = 0.6", "a = nan", r"line 7: .* a: must be finite, got nan"),
         ("a = 0.6", "a = 1e400", r"line 7: .* a: must be finite, got inf"),
         ("a = 0.6", f"a = {10**30}", r"line 7: .* a: must be a whole number of 64 bits"),
@@ -221,7 +221,7 @@ def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
         ("a = 0.6", "a = 2026-11-22 07:30:00", r"line 7: .* a: must hold real numbers"),
         ("a = 0.6", "aa = 0.6", r"line 7: .* aa: is not known, did you mean 'a'"),
         ("a = 0.6\n", "", r"line 5: \[law.reservoir.sets\[0\]\] a: is missing"),
-        ("a = 0.6\n", "a = 0.6\na = 0.6\n", r"line 8: .* a: is no TOML: Cannot overwrite"),
+        ("a = 0.6\n", "a = 0.6\na = 0.6\n", r"line 8: .* a: is not TOML: Cannot overwrite"),
         ("radius = 0.5", "radius = 0", r"line 15: \[law.reservoir.sets\[1\].set\] radius: must be"),
         (
             "[0.0, 1.0]",
@@ -230,7 +230,7 @@ def test_inline_tables_and_left_out_defaults_are_read(tmp_path):
         ),
         ("[0.0, 1.0]", "[0.0, 0.0]", r"line 1\d: \[law.reservoir\] sets\[1\]: .*regular|matrix"),
         ("  1.0]\n", "  inf]\n", r"line 21: \[law.direction\] radius\[3\]: must be finite"),
-        ("  1.0]\n", "  1.0\n", r"line 22: \[law.direction\] radius: is no TOML"),
+        ("  1.0]\n", "  1.0\n", r"line 22: \[law.direction\] radius: is not TOML"),
         ("speed = 0.1", "sped = 0.1", r"line 23: \[law.rate\] sped: is not known, did you mean"),
         ("[law.rate]", "[rate]", r"line 22: rate: is not known here, it belongs into \[law\]"),
         ("set = {", "sets = {", r"line 15: .* sets: is not known, did you mean 'set'"),
@@ -259,7 +259,7 @@ def test_files_that_are_none_are_named(tmp_path):
             asp.FrictionLaw.load(path)
     (tmp_path / "bytes.toml").write_bytes(b'format = "asperity law"\nversion = 1 # \xff\n')
     with pytest.raises(
-        asp.ConfigurationError, match=r"line 2: version: is no TOML: save it as UTF-8"
+        asp.ConfigurationError, match=r"line 2: version: is not TOML: save it as UTF-8"
     ):
         asp.FrictionLaw.load(tmp_path / "bytes.toml")
     for deep in (

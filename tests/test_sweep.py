@@ -780,7 +780,7 @@ def test_what_is_no_store_is_refused(tmp_path):
         swept(plus, {"a": [1.0]}, store=tmp_path / "x.zarr", resume=False)
 
 
-@pytest.mark.filterwarnings("ignore:the store .* has lost results:RuntimeWarning")
+@pytest.mark.filterwarnings("ignore:the store .* has missing or damaged results:RuntimeWarning")
 def test_damaged_stores_are_refused_or_read(tmp_path):
     whole = tmp_path / "whole.zarr"
     swept(several, GRID, seed=SEED, chunk=30, store=whole)

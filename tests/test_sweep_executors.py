@@ -213,7 +213,7 @@ def test_a_script_without_a_guard_is_told(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT.format(guard="if True:"))
     done = run(tmp_path / "script.py")
     assert done.returncode == 1
-    assert 'must stand behind if __name__ == "__main__":' in done.stderr.splitlines()[-1]
+    assert 'put its code behind if __name__ == "__main__":' in done.stderr.splitlines()[-1]
 
 
 INTERRUPTED = textwrap.dedent("""

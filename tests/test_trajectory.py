@@ -113,7 +113,7 @@ def test_unknown_arrays_are_refused(motion, tmp_path):
     motion.save(path)
     with np.load(path) as file:
         np.savez(path, **{**file, "note": "unknown"})
-    with pytest.raises(asp.ParameterError, match="note: is no part of it"):
+    with pytest.raises(asp.ParameterError, match="note: does not belong to it"):
         asp.Trajectory.load(path)
 
 

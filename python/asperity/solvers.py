@@ -77,7 +77,7 @@ class Auto(Solver):
 class Exact(Solver):
     """Block Gauss–Seidel whose one-contact solve is exact: it finds all solutions and selects one.
 
-    With p = 3 it finds one solution of a contact and does not know of others.
+    With p = 3 it finds one solution of a contact only.
 
     The rule of selection continues the previous state: a contact that stuck keeps sticking while
     that is admissible; a slipping one takes the slip solution whose direction is nearest to its
@@ -185,7 +185,7 @@ class SemismoothNewton(Solver):
 class ProximalPoint(Solver):
     """A sequence of problems G + εI about the last iterate, each solved by `SemismoothNewton`.
 
-    The right one for singular Delassus operators (more contacts than the bodies can tell apart)
+    The right one for singular Delassus operators (more contacts than the bodies distinguish)
     and for laws of all kinds. It needs no barrier of the reservoir, only its gauge and projections
     onto D.
 

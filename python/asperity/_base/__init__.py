@@ -1,1 +1,1 @@
-"""What every room stands on: checks of arguments, frozen values, files, tables, reports."""
+"""Common to all subpackages: checks of arguments, frozen values, files, tables, reports."""

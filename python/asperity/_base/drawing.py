@@ -45,7 +45,7 @@ def svg(function: str, value: object) -> str | None:
 
 def _figure(function: str, value: object, options: Mapping[str, object]) -> Figure | None:
     try:
-        # Rooms below the plots know them by name only.
+        # Subpackages below `plot` import it at first use only.
         plot = import_module("asperity.plot")
         from matplotlib.figure import Figure
     except ImportError:

@@ -9,5 +9,5 @@ from __future__ import annotations
 import logging
 
 log = logging.getLogger("asperity")
-"""The logger: warnings tell of results to doubt, information of decisions, the rest is detail."""
+"""The logger: warnings for doubtful results, information for decisions, debug for the rest."""
 log.addHandler(logging.NullHandler())

@@ -14,8 +14,8 @@ Report = Callable[[float, float], object]
 """A function of what is done and of all there is to do; 0 where that is not known."""
 
 Progress: TypeAlias = Literal[True] | Report | None
-"""How long work tells how far it is: ``True`` for a bar of tqdm, or a function that is called a few
-times a second with (done, all)."""
+"""Report of progress: ``True`` for a bar of tqdm, or a function that is called a few times a second
+with (done, all)."""
 
 
 def reporter(progress: Any, unit: str) -> AbstractContextManager[Report | None]:

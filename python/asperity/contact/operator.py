@@ -120,7 +120,7 @@ def check_compressed(
     shape: tuple[int, int],
     argument: str,
 ) -> None:
-    """Refuse what is no matrix of ``shape[0]`` compressed rows of ``shape[1]`` columns.
+    """Refuse anything but a matrix of ``shape[0]`` compressed rows of ``shape[1]`` columns.
 
     SciPy's own check leaves out the order of the starts where the last one is zero, and its
     conversions and its sum of duplicates write where the starts and indices point.

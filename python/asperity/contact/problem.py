@@ -35,12 +35,12 @@ class ContactProblem(Value):
     """Find percussions P with ξ = G P + b + e∘γ_B, ξ_N ∈ N_{R₀⁻}(−P_N), ξ_T ∈ N_D(−αP_T).
 
     Rows come contact by contact: the normal row first where the contact is unilateral, then the p
-    tangential rows. Nothing in the problem knows the mechanical system.
+    tangential rows. The problem is independent of the mechanical system.
 
     Args:
         delassus: G = [W_N W]ᵀ M⁻¹ [W_N W] in 1/kg, shape ``(rows, rows)``; need not be symmetric.
             Any sparse array or matrix of SciPy is kept as a ``csr_array`` with sorted columns.
-            ``None`` if `mass` and `directions` tell it.
+            ``None`` if it follows from `mass` and `directions`.
         free_velocity: b, the velocities without percussions in m/s, shape ``(rows,)``.
         laws: one law per contact, or one law for all, of dimension p = 1, 2 or 3.
         normal_force: prescribed normal percussions P_N ≥ 0 in N s: a number for all contacts, or

@@ -236,7 +236,7 @@ def _common_shape(shapes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
 
 
 def _refuse_overlapping(changed: Mapping[str, list[Place]]) -> None:
-    """Refuse names of which one means what the other one means, or a part of it."""
+    """Refuse two names for the same part, or for a part and one of its parts."""
     pairs = ((place, name) for name, found in changed.items() for place in found)
     seen: dict[Place, str] = {}
     # What holds others is shorter than they are.

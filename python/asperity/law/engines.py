@@ -100,9 +100,9 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
     for name in parameters:
         place = known_of(kind)["elsewhere"].get(name)
         if place is not None:
-            raise ParameterError(name, f"is no part of a law: {place}")
+            raise ParameterError(name, f"is not part of a law: {place}")
         if name not in known:
-            raise ParameterError(name, f"is no parameter of {kind} here{advice_on(name, known)}")
+            raise ParameterError(name, f"is not a parameter of {kind} here{advice_on(name, known)}")
     for name, one in known.items():
         if one.default is one.empty and name not in parameters:
             raise ParameterError(name, f"is missing: {kind} has {', '.join(known)}")
@@ -317,7 +317,7 @@ def _mujoco(
 # solimp and impratio, measured. Under the pyramid it falls with 1/impratio to 2 %.
 _MUJOCO_CREEP = {"elliptic": 9.0e-4, "pyramidal": 1.3127e-3}
 _CONDIM = {
-    1: "1 means contact without friction, which is no law",
+    1: "1 means contact without friction, which is not a friction law",
     6: "6 has rolling friction, in five directions; a law has one to three",
 }
 

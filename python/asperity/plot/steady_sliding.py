@@ -63,7 +63,7 @@ def plot_root_locus(
 
     Args:
         eigenvalues: in 1/s, shape ``(n, k)``, or objects with ``.eigenvalues``, n of them; or a
-            `BifurcationDiagram`, which knows them where it has an equilibrium.
+            `BifurcationDiagram`, which has them where it has an equilibrium.
         values: of the parameter, ascending or descending, shape ``(n,)``, n ≥ 2; default those of
             the diagram.
         ax: axes; default new ones.
@@ -93,7 +93,7 @@ def plot_root_locus(
         values = arrays.array(values, "values", (len(eigenvalues),))[known]
         eigenvalues = [one for one in eigenvalues.stabilities if one is not None]
     elif values is None:
-        raise ParameterError("values", "must be given: only a BifurcationDiagram knows them")
+        raise ParameterError("values", "must be given: only a BifurcationDiagram has its own")
     parameter = arrays.array(values, "values", (None,))
     branches = _branches(_eigenvalues(eigenvalues, len(parameter)))
     arrays.choice(unit, "unit", ("1/s", "Hz"))
@@ -181,7 +181,7 @@ def plot_growth_chart(
             y, up = np.rad2deg(growth.zeta), "rotation of C in degrees"
     if x is None or y is None:
         name = "x" if x is None else "y"
-        raise ParameterError(name, "must be given: only a GrowthChart knows it")
+        raise ParameterError(name, "must be given: only a GrowthChart has its own")
     first, second = (arrays.array(values, name, (None,)) for values, name in ((x, "x"), (y, "y")))
     for values, name in ((first, "x"), (second, "y")):
         if not values.size:

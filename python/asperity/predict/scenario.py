@@ -161,7 +161,9 @@ class Scenario:
             del keys[""]
             keys[file.values["law"]] = "law"
         elif law is not None:
-            raise ParameterError("law", "is that of no contact, each names its own in the scenario")
+            raise ParameterError(
+                "law", "does not apply: every contact names its own law in the scenario"
+            )
         paths = {name: Path(file.path.parent, name) for name in sorted(keys)}
         if law is not None:
             paths[file.values["law"]] = Path(law)

@@ -18,7 +18,7 @@ from asperity.status import Outcome, Phase
 from asperity.system.labels import Labels
 
 _COUNTED = (Phase.OPEN, Phase.STICK, Phase.SLIP)
-# Events of which a summary tells.
+# Most events in a summary.
 _TOLD = 8
 
 
@@ -139,7 +139,7 @@ class Motion(Run):
                 run's own. It has to be given for a run from a file that could not hold it.
 
         Raises:
-            ParameterError: if the run does not know its options or its system.
+            ParameterError: if the run has no options or no system.
         """
         from asperity.runs.event_driven import integrate
 

@@ -43,7 +43,7 @@ _ENDS = {
     Outcome.INTERRUPTED: "The run was interrupted",
     Outcome.FAILED: "The run failed",
 }
-# Contacts of which a summary tells; a table has them all.
+# Most contacts in a summary; a table has them all.
 _TOLD = 8
 
 
@@ -157,7 +157,7 @@ class Run(SavedResult, Value):
     def _again(self, system: Model | None) -> tuple[Model, dict[str, Any]]:
         """Return the system and the options that make the run again."""
         if self.origin is None:
-            raise ParameterError("run", "does not know what made it: it was put together by hand")
+            raise ParameterError("run", "has no origin: it was put together by hand")
         system = self.system if system is None else system
         if system is None:
             raise ParameterError(

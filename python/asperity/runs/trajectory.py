@@ -150,7 +150,7 @@ class Trajectory(Run):
                 run's own. It has to be given for a run from a file that could not hold it.
 
         Raises:
-            ParameterError: if the run does not know its options or its system.
+            ParameterError: if the run has no options or no system.
         """
         from asperity.runs.time_stepping import simulate
 

@@ -40,7 +40,9 @@ class Cone(Value):
         listed = [arrays.array(part, "parts") for part in arrays.several(parts, "parts")]
         if dimension is None:
             if not listed or listed[0].ndim != 2:
-                raise DimensionError("dimension", "must be given unless the first part tells it")
+                raise DimensionError(
+                    "dimension", "must be given unless it follows from the first part"
+                )
             dimension = listed[0].shape[1]
         dimension = arrays.count(dimension, "dimension")
         if dimension > 3:

@@ -81,7 +81,7 @@ class Workers:
                 raise ParameterError(
                     "executor",
                     "worker processes end before they begin. They import the script that "
-                    'started them: what it does must stand behind if __name__ == "__main__":',
+                    'started them: put its code behind if __name__ == "__main__":',
                 ) from None
         return executor
 

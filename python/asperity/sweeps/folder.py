@@ -87,7 +87,7 @@ class Folder(Store):
         except ParameterError:
             raise
         except Exception as error:
-            # What else is in the folder, or damaged, may be told by any decoder in its own way.
+            # Decoders of other or damaged files raise errors of any class.
             raise ParameterError(
                 "store", f"must hold a sweep, {path} does not or is damaged: {error}"
             ) from error
@@ -163,8 +163,8 @@ class Folder(Store):
         self.known = int(np.count_nonzero(self.status))
         if lost:
             warnings.warn(
-                f"the store {self._path} has lost results or has damaged ones: "
-                f"{_enumerated([file for _, file in lost])}; their points are taken for missing",
+                f"the store {self._path} has missing or damaged results: "
+                f"{_enumerated([file for _, file in lost])}; their points count as missing",
                 RuntimeWarning,
                 stacklevel=4,
             )
@@ -331,7 +331,7 @@ def _make_group(path: Path, grid: Grid, size: tuple[int, ...], facts: Mapping[st
 def _list_arrays(group: Any) -> None:
     """Write down which arrays the group has; readers then need not look for them."""
     with warnings.catch_warnings():
-        # That the list is no part of the third version of the format yet.
+        # The list is not yet part of the third version of the format.
         warnings.simplefilter("ignore")
         library("zarr", extra="sweep").consolidate_metadata(group.store)
 

@@ -97,7 +97,7 @@ def grid_of(grid: Any, vector: Any, units: Mapping[str, str]) -> Grid:
     if not isinstance(grid, Mapping) or not grid:
         raise ParameterError("grid", f"must hold values by names, got {grid!r}")
     axes = {name: _axis(name, values) for name, values in grid.items()}
-    # Coordinates of xarray know their unit.
+    # Coordinates of xarray have their unit as an attribute.
     known = {
         name: str(values.attrs["units"])
         for name, values in grid.items()

@@ -31,7 +31,7 @@ _UNKNOWN = "unknown"
 
 
 class _IndescribableError(Exception):
-    """Why a value cannot be told from others in another process."""
+    """Why a value cannot be compared with others in another process."""
 
 
 def identity_of(

@@ -210,7 +210,7 @@ def _check_parameters(
                     f"got {name!r}",
                 )
     if seed is not None and "rng" not in takes and not others:
-        raise ParameterError("seed", "is of no use: the function does not take rng")
+        raise ParameterError("seed", "has no effect: the function has no parameter rng")
     given = {*grid.axes, *constants, *(() if seed is None else ("rng",))}
     for name, one in parameters.items():
         needed = one.default is inspect.Parameter.empty and one.kind in by_name

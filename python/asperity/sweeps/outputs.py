@@ -36,7 +36,7 @@ class Output:
 
     @property
     def nothing(self) -> complex:
-        """What stands where there is no result."""
+        """The number in places without a result."""
         return {"real": np.nan, "complex": complex(np.nan, np.nan), "flag": NO_FLAG}[self.kind]
 
     @property

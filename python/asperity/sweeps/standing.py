@@ -72,7 +72,7 @@ def sweep_status(store: str | os.PathLike[str]) -> SweepStatus:
         store: the folder that `sweep` was given.
 
     Raises:
-        ParameterError: if it is no store of a sweep.
+        ParameterError: if it is not the store of a sweep.
 
     >>> import tempfile
     >>> from concurrent.futures import ThreadPoolExecutor

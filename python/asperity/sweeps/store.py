@@ -111,7 +111,7 @@ class Store:
         for name in self._units:
             if name not in known:
                 advice = advice_on(name, known)
-                raise ParameterError("units", f"{name!r} is no axis and no result{advice}")
+                raise ParameterError("units", f"{name!r} is neither an axis nor a result{advice}")
 
     def settle(self) -> None:
         """Count what is written, where Ctrl-C may have come between a commit and its count."""

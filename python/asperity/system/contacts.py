@@ -138,7 +138,7 @@ def relawed(
     chosen: int | str | Sequence[int | str] | None,
     argument: str,
 ) -> tuple[_Part, ...]:
-    """Return contacts or pairs, of which those chosen by number or name obey another law."""
+    """Return contacts or pairs with another law at those chosen by number or name."""
     names = [getattr(part, "name", None) for part in parts]
     wanted = set(range(len(parts)))
     if chosen is not None:

@@ -138,7 +138,7 @@ class System:
     def with_law(
         self, law: FrictionLaw, *, contacts: int | str | Sequence[int | str] | None = None
     ) -> Self:
-        """Return a copy of which contacts obey another friction law.
+        """Return a copy with another friction law at contacts.
 
         A class that derives anything from its laws, or whose contacts are computed by a property,
         overrides this.

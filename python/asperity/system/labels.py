@@ -54,7 +54,7 @@ class Labels(Record):
 
 
 def numbered(coordinates: int, velocities: int, contacts: int) -> Labels:
-    """Return labels that tell nothing but numbers."""
+    """Return labels that are numbers only."""
     return Labels(
         [f"q{i}" for i in range(coordinates)],
         [UNKNOWN_UNIT] * coordinates,

@@ -106,7 +106,7 @@ class LinearSystem(Value):
     def with_law(
         self, law: FrictionLaw, *, contacts: int | str | Sequence[int | str] | None = None
     ) -> LinearSystem:
-        """Return the same system, of which contacts obey another friction law.
+        """Return the same system with another friction law at contacts.
 
         Args:
             law: of the dimension of the contacts' laws.
@@ -158,7 +158,7 @@ def _refuse_more_than_one(**given: Any) -> None:
         try:
             shape = np.shape(value)
         except ValueError:
-            # What is no array at all is refused as that.
+            # Objects that are not arrays are refused as such.
             continue
         if shape and max(shape) > 1:
             raise DimensionError(

@@ -32,7 +32,7 @@ class Archive:
         kind: what the file should be, for messages.
 
     Raises:
-        ParameterError: if it is no archive.
+        ParameterError: if it is not an archive.
         OSError: if there is no such file, or it cannot be read.
     """
 

@@ -18,7 +18,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
     """Open a temporary file beside `path` that replaces it when the block succeeds.
 
     Its name is that of `path` between a dot and eight digits with ``.tmp``: what a process that was
-    killed leaves behind can be told and removed.
+    killed leaves behind can be recognised and removed.
 
     Raises:
         ParameterError: if `path` names no file.
@@ -43,7 +43,7 @@ def replaced(path: str | os.PathLike[str], ending: str = ".tmp") -> Iterator[Pat
     except OSError as error:
         if error.errno is None:
             raise
-        # The temporary name, or none, would not tell which file it is about.
+        # The temporary name, or none, would not identify the file.
         raise OSError(error.errno, error.strerror, os.fspath(target)) from None
     finally:
         with suppress(OSError):

@@ -25,7 +25,7 @@ class _Token(NamedTuple):
 class KeyLines:
     r"""Lines of keys and of entries of lists, such as ``law.reservoir.sets[1].radius``, from 1.
 
-    A text that is no TOML is understood as far as it goes.
+    A text that is not TOML is read as far as possible.
 
     Attributes:
         count: number of lines.
@@ -44,7 +44,7 @@ class KeyLines:
         self._begun: list[tuple[int, str]] = []
         # How many tables ``[[key]]`` there have been.
         self._tables: dict[str, int] = {}
-        # Lists that are nested so deeply are no TOML that Python reads.
+        # Lists that are nested so deeply are not TOML that Python reads.
         with suppress(RecursionError):
             self._read()
 
@@ -59,7 +59,7 @@ class KeyLines:
     def begun(self, line: int | None) -> str:
         """Return the last key that begins in this line or above it, or an empty text.
 
-        What cannot be printed is no key, but bytes of a file of another kind.
+        Bytes that cannot be printed are not a key, but those of a file of another kind.
         """
         known = [
             key for at, key in self._begun if line is not None and at <= line and key.isprintable()
@@ -73,7 +73,7 @@ class KeyLines:
                 section = self._header()
             else:
                 self._pair(section)
-            # What is left of a line that is no TOML.
+            # The rest of a line that is not TOML.
             while self._peek().kind not in (_END, "newline"):
                 self._next += 1
 

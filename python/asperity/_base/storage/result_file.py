@@ -69,7 +69,7 @@ class SavedResult(TableResult):
             try:
                 found = cls._made(_parsed(entries.pop("content"), "content"), entries)
                 for key in entries:
-                    raise ParameterError(key, "is no part of it")
+                    raise ParameterError(key, "does not belong to it")
                 return found
             except ParameterError as error:
                 raise type(error)(error.argument, f"{error.message}, in {file.path}") from None

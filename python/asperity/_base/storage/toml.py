@@ -128,13 +128,13 @@ def advice_on(name: str, known: Iterable[str]) -> str:
     (", did you mean 'Ellipse'?", '; known are Disk, Ellipse')
     """
     words = list(known)
-    # Below this, words have some letters in common by chance, and the list tells more.
+    # Below this, words have some letters in common by chance, and the list says more.
     near = difflib.get_close_matches(name, words, 1, cutoff=0.65)
     return f", did you mean {near[0]!r}?" if near else f"; known are {', '.join(words)}"
 
 
 def _homes(name: str, schema: Schema) -> list[str]:
-    """Return the sections that know a key."""
+    """Return the sections that have a key."""
     return [home for home, keys in schema.items() if isinstance(keys, Mapping) and name in keys]
 
 
@@ -273,7 +273,7 @@ class TomlFile:
         text: as it is written.
 
     Raises:
-        ConfigurationError: if it cannot be read, is no TOML, or holds what is not known.
+        ConfigurationError: if it cannot be read, is not TOML, or has unknown keys.
     """
 
     def __init__(
@@ -301,11 +301,11 @@ class TomlFile:
             self.text = raw.decode("utf-8-sig", "replace")
             return tomllib.loads(raw.decode("utf-8-sig"))
         except UnicodeDecodeError as error:
-            problem, line = "is no TOML: save it as UTF-8", raw.count(b"\n", 0, error.start) + 1
+            problem, line = "is not TOML: save it as UTF-8", raw.count(b"\n", 0, error.start) + 1
         except RecursionError:
             problem, line = "must not be nested so deeply", self._lines.count
         except tomllib.TOMLDecodeError as error:
-            problem, _, place = f"is no TOML: {error}".partition(" (at ")
+            problem, _, place = f"is not TOML: {error}".partition(" (at ")
             number = re.match(r"line (\d+)", place)
             line = int(number[1]) if number else self._lines.count
             if re.search(r"=\s*[-+]?\d+,\d", "".join(self.text.split("\n")[line - 1 : line])):
@@ -386,7 +386,7 @@ def plain(value: Any, key: str, depth: int = 0) -> Any:
         depth: how many tables and lists it is in.
 
     Raises:
-        ParameterError: whose argument is the key of what is no data, of numbers that are none,
+        ParameterError: whose argument is the key of a value that is not data, of infinite numbers,
             whole ones of more bits than TOML keeps, and of what is nested too deeply.
 
     >>> import numpy as np

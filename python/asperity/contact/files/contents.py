@@ -26,7 +26,7 @@ SPARSE, DENSE, ASSEMBLED = "sparse", "dense", "assembled"
 
 Files hold it sparse always; a problem that is read keeps it as the one that was written did."""
 Shape = tuple[int | None, int | None]
-"""Rows and columns that a matrix must have, ``None`` where nothing else in the file tells them."""
+"""Rows and columns that a matrix must have, ``None`` where any number is allowed."""
 FRICTIONLESS = 1e-12
 """Radius of the reservoir that stands for μ = 0: sets have the origin inside."""
 

@@ -24,7 +24,7 @@ def read(text: str, key: str) -> list[FrictionLaw]:
     """Return the laws of a text.
 
     Raises:
-        ParameterError: whose argument is the key, and whose message tells what in it is wrong.
+        ParameterError: whose argument is the key, and whose message says why it is wrong.
     """
     try:
         tables = json.loads(text)

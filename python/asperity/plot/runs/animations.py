@@ -61,7 +61,7 @@ def save_animation(
         run: a `Trajectory`, a `Motion` or a `LimitCycle`, of which one period is shown.
         path: ends in ``.gif``, which needs Pillow, or ``.mp4``, which needs PyAV (extra
             ``video``).
-        system: the `RigidBodies` of a run that does not know them.
+        system: the `RigidBodies` of a run without its system.
         view: as of `plot_bodies`.
         bodies: likewise.
         contacts: likewise.

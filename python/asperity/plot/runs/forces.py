@@ -95,7 +95,7 @@ def _shared_law(runs: Sequence[Run], contacts: int | Sequence[int] | None) -> Fr
     for run in runs:
         wanted = chosen.numbers(contacts, run.phase.shape[1], "contacts")
         if run.system is None:
-            raise ParameterError("law", "must be given, the run does not know its system")
+            raise ParameterError("law", "must be given, the run has no system")
         laws = laws_of(run.system)
         for number in wanted:
             law = laws[number]
