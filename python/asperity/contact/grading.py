@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -50,18 +50,11 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     # A solver may have ended anywhere.
     if not np.isfinite(given).all():
         return math.inf
-    xi = problem.delassus @ given + free
-    squares = 0.0
-    for law, forces, rows in _groups(problem):
-        p, v = given[rows], rho * xi[rows]
-        if forces is None:
-            if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
-                squares += _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
-                continue
-            forces = p[:, 0]
-            squares += float(((forces - np.maximum(0.0, forces - v[:, 0])) ** 2).sum())
-            p, v = p[:, 1:], v[:, 1:]
-        squares += _friction(law, forces, p, v)
+    xi = rho * (problem.delassus @ given + free)
+    squares = sum(
+        _defect(law, force, given[rows], xi[rows]) ** 2
+        for law, (rows, force) in zip(problem.laws, _contacts(problem), strict=True)
+    )
     scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
     return math.sqrt(squares) / scale
 
@@ -199,17 +192,14 @@ def _frictions(law: FrictionLaw) -> tuple[Array, Array]:
     if law.dimension == 1:
         both = np.array([[1.0], [-1.0]])
         return both, law.force(both, normal_force=1.0)
-    angle = np.linspace(0.0, 2.0 * np.pi, 20_001)
-    directions = np.column_stack([np.cos(angle), np.sin(angle)])
+    directions = arrays.unit_vectors(np.arange(20_002) * 2.0 * np.pi / 20_000)
     ends = law.direction.support_point(directions)
     steps = np.linalg.norm(np.diff(ends, axis=0), axis=1)
-    flats = np.flatnonzero(steps > 20.0 * steps.mean())
-    part = np.linspace(0.0, 1.0, 1001)[:, None]
-    for k in flats[::-1]:
-        along = ends[k] + part * (ends[k + 1] - ends[k])
-        ends = np.insert(ends, k + 1, along, axis=0)
-        directions = np.insert(directions, k + 1, np.tile(directions[k], (len(part), 1)), axis=0)
-    return directions, -ends / law.reservoir.gauge(ends)[:, None]
+    pieces = np.where(steps > 20.0 * steps.mean(), 1000, 1)
+    k = np.repeat(np.arange(len(steps)), pieces)
+    part = (np.arange(len(k)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[k]
+    along = ends[k] + part[:, None] * (ends[k + 1] - ends[k])
+    return directions[k], -along / law.reservoir.gauge(along)[:, None]
 
 
 def _contacts(problem: ContactProblem) -> Iterator[tuple[slice, float | None]]:
@@ -228,92 +218,68 @@ def _free_velocity(problem: ContactProblem) -> Array:
     return free
 
 
-def _groups(
-    problem: ContactProblem,
-) -> Iterator[tuple[FrictionLaw, Array | None, NDArray[np.int64]]]:
-    """Yield contacts of one law and kind together: law, prescribed forces if any, their rows."""
-    members: dict[tuple[int, bool], list[int]] = {}
-    for i, (law, force) in enumerate(zip(problem.laws, problem.normal_force, strict=True)):
-        members.setdefault((id(law), force is None), []).append(i)
-    for (_, unilateral), contacts in members.items():
-        slices = [problem.row_slices[i] for i in contacts]
-        within = np.arange(slices[0].stop - slices[0].start)
-        forces = (
-            None if unilateral else np.array([problem.normal_force[i] for i in contacts], float)
-        )
-        yield (
-            problem.laws[contacts[0]],
-            forces,
-            np.array([s.start for s in slices])[:, None] + within,
-        )
+def _defect(law: FrictionLaw, force: float | None, p: Array, v: Array) -> float:
+    """Return the defect of a contact with v = ρξ and the normal force that is given, if any."""
+    if force is not None:
+        return _friction(law, force, p, v)
+    if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
+        return _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
+    return math.hypot(p[0] - max(0.0, p[0] - v[0]), _friction(law, float(p[0]), p[1:], v[1:]))
 
 
 def _cone(mu: float, p: Array, v: Array) -> float:
-    """Return the squared defect of P = proj_K(P − ρξ̃), ξ̃_N = ξ_N + μ‖ξ_T‖, K the friction cone."""
+    """Return the defect of P = proj_K(P − ρξ̃), ξ̃_N = ξ_N + μ‖ξ_T‖, K the friction cone."""
     moved = p - v
-    moved[:, 0] -= mu * _lengths(v[:, 1:])
-    normal, tangent = moved[:, 0], moved[:, 1:]
-    length = _lengths(tangent)
-    on_edge = np.maximum((normal + mu * length) / (1.0 + mu**2), 0.0)
-    scale = mu * on_edge / np.where(length > 0.0, length, 1.0)
-    edge = np.column_stack([on_edge, scale[:, None] * tangent])
-    nearest = np.where((length <= mu * normal)[:, None], moved, edge)
-    return float(((p - nearest) ** 2).sum())
+    moved[0] -= mu * _norm(v[1:])
+    length = _norm(moved[1:])
+    if length > mu * moved[0]:
+        normal = max((moved[0] + mu * length) / (1.0 + mu**2), 0.0)
+        moved = np.append(normal, moved[1:] * (mu * normal / length if length else 0.0))
+    return _norm(p - moved)
 
 
-def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> float:
-    """Return the squared distance of P_T, v = ρξ_T from the law; all of P_T where P_N ≤ 0.
+def _friction(law: FrictionLaw, normal: float, p: Array, v: Array) -> float:
+    """Return the distance of P_T, v = ρξ_T from the law; ‖P_T‖ where P_N ≤ 0.
 
     Per unit of P_N two pairs obey the law near (x, v): the end of a prox step, x′ = z′/α(z′) with
     the rest of the step as velocity, whose larger part is counted, and x in C at rest. Beside cusps
     of C there may be a nearer one.
     """
-    closed = normal > 0.0
-    open_defect = float((p[~closed] ** 2).sum())
-    force = normal[closed][:, None]
-    x, v = -p[closed] / force, v[closed] / force
-    excess = law.direction.gauge(x) - law.reservoir.gauge(x)
-    z = x / (1.0 + excess)[:, None]
-    end = law.direction.project(z + v / (1.0 + excess)[:, None])
+    if normal <= 0.0:
+        return _norm(p)
+    x, v = -p / normal, v / normal
+    gauge = float(law.reservoir.gauge(x))
+    inverse = 1.0 + float(law.direction.gauge(x)) - gauge  # 1/α
+    end = law.direction.project((x + v) / inverse)
     # 1/α(z′) is k_C(z′) − k_D(z′) + 1, and k_C(z′) where the step ends on the boundary of D.
-    depth = np.minimum(law.direction.gauge(end), 1.0)
-    there = end / (law.reservoir.gauge(end) - depth + 1.0)[:, None]
-    turned = _lengths(end - z) * (1.0 + excess)
-    slip = np.maximum(_lengths(x - there), turned)
+    depth = min(float(law.direction.gauge(end)), 1.0)
+    there = end / (law.reservoir.gauge(end) - depth + 1.0)
+    slip = max(_norm(x - there), _norm(end * inverse - x))
     if not law.reservoir.is_convex:
-        slip = np.minimum(slip, _beside(law, x, v))
-    held = x / np.maximum(law.reservoir.gauge(x), 1.0)[:, None]
-    rest = _lengths(x - held) + _lengths(v)
-    return open_defect + float(((np.minimum(slip, rest) * normal[closed]) ** 2).sum())
+        slip = min(slip, _beside(law, x, v))
+    rest = _norm(x) * max(0.0, 1.0 - 1.0 / max(gauge, 1.0)) + _norm(v)
+    return float(min(slip, rest) * normal)
 
 
-def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
-    """Return distances to slip where a step along the gradient of k_C crosses the boundary of C.
+def _beside(law: FrictionLaw, x: Array, v: Array) -> float:
+    """Return the distance to slip where a step along the gradient of k_C crosses the boundary of C.
 
-    They are infinite where it crosses none, or begins or ends at the origin, which has no gradient.
+    It is infinite where it crosses none, or begins or ends at the origin, which has no gradient.
     """
-    C, D = law.reservoir, law.direction
-    distance = np.full(len(x), np.inf)
-    pushed = np.flatnonzero(x.any(axis=1))
-    excess, slope = C.gauge(x[pushed]) - 1.0, C.gauge_gradient(x[pushed])
-    step = slope * (2.0 * excess / (slope**2).sum(axis=1))[:, None]
-    near = x[pushed] - step
-    crosses = ((C.gauge(near) - 1.0) * excess <= 0.0) & near.any(axis=1)
-    rows = pushed[crosses]
+    if not x.any():
+        return math.inf
+    excess, slope = law.reservoir.gauge(x) - 1.0, law.reservoir.gauge_gradient(x)
+    step = slope * (2.0 * excess / (slope @ slope))
+    near = x - step
+    if not near.any() or (law.reservoir.gauge(near) - 1.0) * excess > 0.0:
+        return math.inf
     aside = []
-    for at in (x[rows], near[crosses]):
-        normal = D.gauge_gradient(at)
-        normal /= _lengths(normal)[:, None]
-        along = np.maximum((v[rows] * normal).sum(axis=1), 0.0)[:, None]
-        aside.append(_lengths(v[rows] - along * normal))
-    found = _lengths(step[crosses]) + np.maximum(*aside)
-    distance[rows] = np.where(np.isfinite(found), found, np.inf)
-    return distance
-
-
-def _lengths(vectors: Array) -> Array:
-    found: Array = np.linalg.norm(vectors, axis=1)
-    return found
+    for at in (x, near):
+        normal = law.direction.gauge_gradient(at)
+        normal = normal / _norm(normal)
+        aside.append(_norm(v - max(float(v @ normal), 0.0) * normal))
+    found = _norm(step) + max(aside)
+    return found if math.isfinite(found) else math.inf
 
 
 def _norm(values: Array) -> float:
