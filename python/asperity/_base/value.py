@@ -485,7 +485,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def _is_sparse(value: Any) -> bool:
-    """Whether it is a CSR array, without importing SciPy; values keep canonical ones."""
+    """Whether it is a CSR array, told without importing SciPy; values keep canonical ones."""
     return hasattr(value, "indptr")
 
 
