@@ -7,7 +7,7 @@ import subprocess
 import sys
 import textwrap
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import asperity as asp
@@ -248,6 +248,30 @@ def test_ctrl_c_ends_a_sweep_at_once_and_leaves_a_good_store(tmp_path):
     with xarray.open_zarr(store, chunks=None) as chart:
         there = chart.status.values == 1
         np.testing.assert_array_equal(chart.value.values[there], np.arange(5000.0)[there])
+
+
+class KilledWorker(Exception):
+    """As dask says of a task whose workers have died, while others go on."""
+
+
+class Losing(ThreadPoolExecutor):
+    """An executor that loses its second task."""
+
+    tasks = 0
+
+    def submit(self, function, /, *arguments, **options):
+        self.tasks += 1
+        if self.tasks != 2:
+            return super().submit(function, *arguments, **options)
+        lost = Future()
+        lost.set_exception(KilledWorker("three times"))
+        return lost
+
+
+def test_a_task_that_a_cluster_gives_up_is_a_failure():
+    chart = asp.sweep(lambda a: 2.0 * a, {"a": [1.0, 2.0, 3.0]}, chunk=1, executor=Losing(1))
+    assert chart.status.values.tolist() == [1, 2, 1]
+    assert chart.message[1] == "KilledWorker: three times"
 
 
 ORPHANS = """

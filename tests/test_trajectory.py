@@ -3,6 +3,7 @@
 import csv
 import io
 import pickle
+import zipfile
 
 import asperity as asp
 import numpy as np
@@ -114,6 +115,18 @@ def test_unknown_arrays_are_refused(motion, tmp_path):
     with np.load(path) as file:
         np.savez(path, **{**file, "note": "unknown"})
     with pytest.raises(asp.ParameterError, match="note: does not belong to it"):
+        asp.Trajectory.load(path)
+
+
+def test_bytes_behind_an_array_are_refused(motion, tmp_path):
+    path = tmp_path / "run.npz"
+    motion.save(path)
+    with zipfile.ZipFile(path) as file:
+        entries = {name: file.read(name) for name in file.namelist()}
+    with zipfile.ZipFile(path, "w") as file:
+        for name, whole in entries.items():
+            file.writestr(name, whole + b"more" * (name == "content.npy"))
+    with pytest.raises(asp.ParameterError, match=r"content: .* more than it states"):
         asp.Trajectory.load(path)
 
 
