@@ -897,6 +897,22 @@ def test_a_law_is_identified_from_files(folder, capsys):
     assert len(launches) == 4
 
 
+def test_the_command_takes_a_robust_loss(folder, capsys):
+    """A point that was tracked wrongly widens the intervals of least squares, hardly the others."""
+    table = folder / "path_1.csv"
+    lines = table.read_text().splitlines()
+    cells = lines[6].split(",")
+    lines[6] = ",".join([cells[0], str(float(cells[1]) + 0.01), *cells[2:]])
+    table.write_text("\n".join(lines))
+    found = {}
+    for loss in ("linear", "cauchy"):
+        identify(folder, "--loss", loss)
+        law = IdentifiedLaw.load(folder / "out" / "law.toml")
+        found[loss] = law.standard_errors[0]
+        assert f"--loss {loss}" in law.provenance.made_by
+    assert found["cauchy"] < 0.5 * found["linear"], found
+
+
 def test_the_command_inspects_a_path(folder, capsys):
     files = [str(folder / f"path_{k}.csv") for k in range(3)]
     config = folder / "read.toml"

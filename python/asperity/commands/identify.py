@@ -67,13 +67,6 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "which seems to hold the data. The configuration that is written names it",
     )
     add_models(parser, "best")
-    parser.add_argument(
-        "--loss",
-        choices=("linear", "soft_l1", "huber", "cauchy"),
-        default="linear",
-        help="how forces far from the law count: linear fully, by least squares; soft_l1, huber "
-        "and cauchy less and less, for records with outliers. Default linear",
-    )
     return parser
 
 

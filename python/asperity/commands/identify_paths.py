@@ -74,6 +74,7 @@ def run(options: argparse.Namespace) -> int:
         options.out,
         reservoir=options.reservoir,
         direction=options.direction,
+        loss=options.loss,
         confidence=options.confidence,
     )
     print(fit.summary())
