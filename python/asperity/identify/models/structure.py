@@ -25,6 +25,11 @@ class Structure:
         """Names of the parameters, and the coordinates that the models have for them."""
         raise NotImplementedError
 
+    @property
+    def named(self) -> dict[str, Any]:
+        """The models as `IdentifiedLaw` takes them."""
+        raise NotImplementedError
+
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""
         raise NotImplementedError
@@ -96,6 +101,11 @@ class PlanarStructure(Structure):
             for one in model.coordinates
         )
 
+    @property
+    def named(self) -> dict[str, Any]:
+        """The models as `IdentifiedLaw` takes them."""
+        return {"reservoir_model": self.reservoir, "direction_model": self.direction}
+
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""
         (_, _, first), (_, _, second) = self.models
@@ -146,6 +156,11 @@ class PatchStructure(Structure):
     def coordinates(self) -> tuple[tuple[str, Coordinate], ...]:
         """Names of the parameters, and the coordinates that the model has for them."""
         return tuple((one.name, one) for one in self.model.coordinates)
+
+    @property
+    def named(self) -> dict[str, Any]:
+        """The model as `IdentifiedLaw` takes it."""
+        return {"reservoir_model": self.model}
 
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""
