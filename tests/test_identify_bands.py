@@ -15,7 +15,7 @@ from asperity.identify import (
     fit_law,
     process,
 )
-from asperity.identify.campaign import Identification
+from asperity.identify.campaigns.forces import Identification
 from asperity.law import Provenance
 from profiles import counts
 from scipy.stats import binom

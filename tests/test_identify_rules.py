@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from asperity.errors import FitError, ParameterError
 from asperity.identify import IdentifiedLaw, Launch, fit_law, fit_patch, fit_paths, fit_supports
+from asperity.identify.estimator.loss import Loss
 from asperity.track import MeasuredPath
+from scipy.integrate import cumulative_trapezoid
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 POINTS = np.array([[0.05, 0.0], [-0.03, 0.04], [-0.03, -0.04]])
@@ -69,6 +71,22 @@ FITS = {
     "fit_paths": (paths, "reservoir.radius"),
 }
 every_fit = pytest.mark.parametrize("name", FITS)
+
+
+@pytest.mark.parametrize("components", [1, 2])
+@pytest.mark.parametrize("kind", LOSSES)
+def test_weights_and_curvatures_are_derivatives_of_the_loss(kind, components):
+    """ρ is the integral of its weight, and the curvature the mean slope of ρ′e."""
+    loss = Loss(kind, 0.7, components=components)
+    size = np.linspace(0.0, 8.0, 16_001)
+    value, weight, bend = loss.at(size**2)
+    assert (value[0], weight[0]) == (0.0, 1.0)
+    np.testing.assert_allclose(cumulative_trapezoid(weight, size**2), value[1:], rtol=1e-5)
+    along = np.gradient(weight * size, size)
+    # Across the residual, the slope of the gradient is ρ′.
+    mean = along if components == 1 else 0.5 * (along + weight)
+    smooth = np.abs(size - loss.bend) > 0.01
+    np.testing.assert_allclose(bend[smooth], mean[smooth], atol=2e-3)
 
 
 @every_fit

@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
         config="must be given: --inspect FILE writes one",
         out="must be given",
     )
-    from asperity.identify.campaign import identify_campaign
+    from asperity.identify.campaigns.forces import identify_campaign
 
     with bar_if_there("stage") as bar:
         found = identify_campaign(

@@ -370,7 +370,7 @@ def identified(
         whole = covariance.merged()
         known = dict(zip(_PARTS, whole.parts, strict=True))
         known["degrees_of_freedom"] = (max(whole.degrees[0], 1.0), *whole.degrees[1:])
-    return IdentifiedLaw(law, **structure.named, values=structure.values(p), **known)
+    return IdentifiedLaw(law, **structure.named(), values=structure.values(p), **known)
 
 
 def _structure(reservoir: Any, direction: Any = None) -> PlanarStructure | PatchStructure:

@@ -25,9 +25,8 @@ class Structure:
         """Names of the parameters, and the coordinates that the models have for them."""
         raise NotImplementedError
 
-    @property
     def named(self) -> dict[str, Any]:
-        """The models as `IdentifiedLaw` takes them."""
+        """Return the models as `IdentifiedLaw` takes them."""
         raise NotImplementedError
 
     def law(self, coordinates: Array) -> FrictionLaw:
@@ -101,9 +100,8 @@ class PlanarStructure(Structure):
             for one in model.coordinates
         )
 
-    @property
     def named(self) -> dict[str, Any]:
-        """The models as `IdentifiedLaw` takes them."""
+        """Return the models as `IdentifiedLaw` takes them."""
         return {"reservoir_model": self.reservoir, "direction_model": self.direction}
 
     def law(self, coordinates: Array) -> FrictionLaw:
@@ -157,9 +155,8 @@ class PatchStructure(Structure):
         """Names of the parameters, and the coordinates that the model has for them."""
         return tuple((one.name, one) for one in self.model.coordinates)
 
-    @property
     def named(self) -> dict[str, Any]:
-        """The model as `IdentifiedLaw` takes it."""
+        """Return the model as `IdentifiedLaw` takes it."""
         return {"reservoir_model": self.model}
 
     def law(self, coordinates: Array) -> FrictionLaw:
