@@ -183,6 +183,9 @@ def test_comparisons_have_one_rule():
         saved = found.improvement(second, over=first)
         assert saved.value == pytest.approx(1.0 - (whole[1] / whole[0]) ** 2)
         assert found.to_pandas().shape == (len(whole), 6)
+    # What a fit has not seen it misses by more than what it has.
+    for one in patch().comparison.candidates:
+        assert one.left_out > 1.001 * one.rms
 
 
 @pytest.mark.parametrize("name", ["fit_law", "fit_supports", "fit_paths"])
