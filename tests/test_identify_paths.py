@@ -13,8 +13,8 @@ from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
 from asperity.identify import FourierReservoir, IdentifiedLaw, Launch, PathFit, fit_paths
-from asperity.identify.estimator.loss import Loss
 from asperity.identify.campaigns.paths import FILES
+from asperity.identify.estimator.loss import Loss
 from asperity.identify.evidence.paths.launch import known_of
 from asperity.identify.evidence.paths.misfits import Misfits
 from asperity.identify.evidence.paths.motions import Motions
