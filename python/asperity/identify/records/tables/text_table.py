@@ -275,7 +275,8 @@ class _Wanted:
                 words = f"{says}: its digits stand in groups of three: say what parts them"
                 raise RecordError(self.source, words, ("thousands",))
             if not self.texts:
-                raise RecordError(self.source, f"{says}, which is no number")
+                at = f"{self.source}, line {lines[row]}"
+                raise RecordError(at, f"must hold numbers, holds {cell!r}")
         return values
 
 
