@@ -435,6 +435,18 @@ def test_one_path_has_no_intervals(few):
         _ = fit.identified_law.covariance
 
 
+@pytest.mark.parametrize("confidence", [0.95, None])
+def test_parameters_that_are_fixed_have_no_errors(few, confidence):
+    paths, launches = few.draw(1)
+    models = {"reservoir": "ellipse", "direction": "ellipse", "fixed": AXES}
+    fit = fit_paths(paths, system=few.system, launch=launches, confidence=confidence, **models)
+    for name in AXES:
+        found = fit.parameters[name]
+        assert found.identifiable
+        assert (found.low, found.high, found.standard_error) == (0.0, 0.0, 0.0)
+        assert str(found) == "0 (fixed)"
+
+
 def test_unknowns_that_paths_do_not_tell_are_refused(few):
     paths, launches = few.draw(0)
     straight = [SimpleNamespace(**{**vars(p), "time": p.time[:4], "position": p.position[:4],
