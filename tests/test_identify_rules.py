@@ -8,6 +8,7 @@ import pytest
 from asperity.errors import FitError, ParameterError
 from asperity.identify import IdentifiedLaw, Launch, fit_law, fit_patch, fit_paths, fit_supports
 from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.mistakes import Mistake, explaining
 from asperity.track import MeasuredPath
 from scipy.integrate import cumulative_trapezoid
 
@@ -197,6 +198,14 @@ def test_bands_take_the_law_of_every_fit_in_the_plane(name, tmp_path):
     done = predict.simulate_scenario(scenario, bands=True)
     assert len(done.bands.draws) == 400
     assert (done.bands.low < done.bands.high).any()
+
+
+def test_mistakes_that_explain_as_much_are_all_named():
+    cases = [Mistake("sign", 0.104), Mistake("unit", 0.1), Mistake("swap", 0.2)]
+    found = explaining(cases, most=0.15, as_good=1.1)
+    assert [one.words for one in found] == ["sign", "unit"]
+    assert explaining(cases, most=0.09, as_good=1.1) == []
+    assert explaining([], most=0.09, as_good=1.1) == []
 
 
 def test_one_turn_has_no_intervals():
