@@ -19,7 +19,7 @@ from asperity.steady_sliding.linearised.linearisation import (
     total,
 )
 from asperity.steady_sliding.linearised.pencil import Pencil
-from asperity.steady_sliding.linearised.spectrum import Spectrum, spectrum
+from asperity.steady_sliding.linearised.spectrum import Spectrum, growth_rate, spectrum
 
 DAMPING, STIFFNESS = "negative damping", "negative stiffness"
 # What the direction of friction does where its part of B is symmetric.
@@ -54,7 +54,7 @@ def growth_rates(whole: Linearisation) -> dict[str, float]:
     part = whole.reduced
     M, B, K = part.pencil
     return {
-        name: spectrum(Pencil(M, damping, stiffness), part.errors).growth_rate
+        name: growth_rate(Pencil(M, damping, stiffness), part.errors)
         for name, damping, stiffness in _ablated(whole, B, K)
         if not (_same(damping, B) and _same(stiffness, K))
     }
@@ -79,6 +79,8 @@ def _ablated(whole: Linearisation, B: Array, K: Array) -> Iterator[tuple[str, Ar
     """Yield name, damping and stiffness without one mechanism."""
     part = whole.reduced
     for name in (CONE, DIRECTION, SLOPE, FOLLOWER):
+        if not any(np.any(parts.get(name, 0.0)) for parts in (whole.stiffness, whole.damping)):
+            continue
         rest = whole.without(name).reduced
         yield name, total(rest.damping), total(rest.stiffness)
     zero = np.zeros_like(K)
