@@ -6,6 +6,7 @@ import pytest
 import scipy.sparse as sp
 from asperity.steady_sliding.sparse.certificate import Circle, certified
 from asperity.steady_sliding.sparse.dissection import nested_dissection
+from asperity.steady_sliding.sparse.factorisation import Factorisation
 from asperity.steady_sliding.sparse.nearest import nearest
 from brake_pads import dense_eigenvalues, eigenvalues_near, pad, pad_system
 
@@ -138,6 +139,50 @@ def test_dense_and_sparse_stability_agree():
     assert asp.stability(system).growth_rate == dense.growth_rate
     from_dense = asp.stability(system.dense(), near=1e5, count=12)
     np.testing.assert_allclose(from_dense.eigenvalues, near.eigenvalues, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_normals_may_share_coordinates(seed):
+    """Contacts with dense directions, as of a reduced model, against the dense path."""
+    rng = np.random.default_rng(seed)
+    n = 7
+    roots = rng.normal(size=(2, n, n))
+    M, K = (root @ root.T + np.eye(n) for root in roots)
+    contacts = [
+        asp.Contact(
+            LAWS["elliptic"],
+            direction=0.3 * rng.normal(size=(n, 2)),
+            normal=rng.normal(size=n),
+            velocity=rng.normal(size=2),
+        )
+        for _ in range(3)
+    ]
+    pressed = -20.0 * np.sum([one.normal for one in contacts], axis=0)
+    dense = asp.LinearSystem(M, stiffness=K, damping=0.02 * K, force=pressed, contacts=contacts)
+    system = asp.LinearSystem(
+        sp.csc_array(M), stiffness=K, damping=0.02 * K, force=pressed, contacts=contacts
+    )
+    steady = asp.equilibrium(system)
+    assert len(steady.closed)
+    known = asp.equilibrium(dense, closed=steady.closed)
+    np.testing.assert_allclose(steady.q, known.q, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(steady.normal_force, known.normal_force, rtol=1e-8, atol=1e-10)
+    every = asp.stability(dense, equilibrium=known).eigenvalues
+    found = asp.stability(system, equilibrium=steady, near=1.0, count=6).eigenvalues
+    for s in found:
+        assert np.abs(every - s).min() <= 1e-9 * abs(s)
+
+
+def test_determinants_have_the_sign_of_numpys():
+    rng = np.random.default_rng(2)
+    for n in (3, 8, 30):
+        A = rng.normal(size=(n, n)) + 1j * rng.normal(size=(n, n))
+        # The last has no pivots on the diagonal.
+        for matrix in (A, A + A.T, np.roll(np.diag(np.diag(A)), 1, axis=0)):
+            phase, size = np.linalg.slogdet(matrix)
+            log = Factorisation(sp.csc_array(matrix)).log_determinant()
+            assert log.real == pytest.approx(size, abs=1e-9)
+            assert abs(np.exp(1j * log.imag) - phase) < 1e-9
 
 
 def test_causes_are_those_of_the_dense_system():
