@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 
 import numpy as np
 
@@ -95,8 +96,11 @@ def _deficit(matrix: Array, mass: Array) -> Array:
     """Return what the symmetric part lacks to be positive semidefinite, relative to the mass."""
     if not len(matrix):
         return matrix
-    root = np.linalg.cholesky(mass)
     symmetric = 0.5 * (matrix + matrix.T)
+    with suppress(np.linalg.LinAlgError):
+        np.linalg.cholesky(symmetric)
+        return np.zeros_like(matrix)
+    root = np.linalg.cholesky(mass)
     values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, symmetric).T))
     lacking = np.where(values < -1e-9 * np.abs(values).max(initial=0.0), -values, 0.0)
     half = root @ vectors

@@ -30,22 +30,23 @@ class Resolvent:
         """Take eigenvalues and vectors, one column each, and improve the eigenvalues."""
         self.pencil, self.errors = pencil, errors
         n = len(pencil.mass)
-        self.apart = np.abs(values[:, None] - values)
-        np.fill_diagonal(self.apart, np.inf)
-        nearest = self.apart.min(axis=1)
+        apart = np.abs(values[:, None] - values)
+        np.fill_diagonal(apart, np.inf)
+        nearest = apart.min(axis=1)
+        # yᴴMx, yᴴBx and yᴴKx of each eigenvalue.
+        M, B, K = (np.sum(left.conj() * (part @ right), axis=0) for part in pencil)
+        tiny = np.finfo(float).tiny
         for _ in range(2):
-            residual, slope = self._products(values, right, left)
-            step = residual / np.where(slope == 0.0, np.finfo(float).tiny, slope)
+            slope = 2.0 * values * M + B
+            step = ((values * M + B) * values + K) / np.where(slope == 0.0, tiny, slope)
             simple = np.abs(step) * _ISOLATED * n < nearest
             values = values - np.where(simple, step, 0.0)
         self.values = values
-        slope = np.abs(self._products(values, right, left)[1])
-        slope = np.where(slope > 0.0, slope, np.finfo(float).tiny)
+        slope = np.maximum(np.abs(2.0 * values * M + B), tiny)
         x, y = np.abs(right), np.abs(left) / slope
         parts = [y.T @ part @ x for part in errors]
         # The bound depends on the lengths of xᵢ and yᵢ; those that balance S are near the best.
         whole = parts[0] * np.abs(values) ** 2 + parts[1] * np.abs(values) + parts[2]
-        tiny = np.finfo(float).tiny
         balance = np.sqrt((whole.sum(axis=1) + tiny) / (whole.sum(axis=0) + tiny))
         self._parts = Pencil(*(part * balance / balance[:, None] for part in parts))
         self.uncertainty = self._own(np.abs(values))
@@ -78,10 +79,3 @@ class Resolvent:
     def _own(self, size: Array) -> Array:
         M, B, K = (np.diag(part) for part in self._parts)
         return size**2 * M + size * B + K
-
-    def _products(self, values: Complex, right: Complex, left: Complex) -> tuple[Complex, Complex]:
-        """Return yᴴP(z)x and yᴴP′(z)x of each eigenvalue."""
-        M, B, K = (part @ right for part in self.pencil)
-        y = left.conj()
-        residual = np.sum(y * ((values * M + B) * values + K), axis=0)
-        return residual, np.sum(y * (2.0 * values * M + B), axis=0)

@@ -78,11 +78,9 @@ def spectrum(pencil: Pencil, errors: Pencil) -> Spectrum:
 
 def growth_rate(pencil: Pencil, errors: Pencil) -> float:
     """Return `Spectrum.growth_rate`, from the rightmost eigenvalue alone where it is certain."""
-    import scipy.linalg
-
     if len(pencil.mass):
         _, rate, A = _first_order(pencil)
-        values = (rate * scipy.linalg.eigvals(A)).astype(np.complex128)
+        values = (rate * np.linalg.eigvals(A)).astype(np.complex128)
         # The others are the conjugates of these.
         above: Complex = values[values.imag >= 0.0]
         first = above[np.argsort(-above.real)[:2]]
@@ -103,10 +101,16 @@ def _first_order(pencil: Pencil) -> tuple[Array, float, Array]:
         np.linalg.solve(root, np.linalg.solve(root, part).T).T
         for part in (pencil.stiffness, pencil.damping)
     )
-    rate = max(np.sqrt(np.linalg.norm(K, 2)), np.linalg.norm(B, 2)) or 1.0
+    rate = max(np.sqrt(_size(K)), _size(B)) or 1.0
     # Time in units of the fastest motion, so that the entries have one unit.
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / rate**2, -B / rate]])
     return np.asarray(root, dtype=np.float64), float(rate), A
+
+
+def _size(matrix: Array) -> float:
+    """Return a bound of the largest singular value, √(‖A‖₁‖A‖∞)."""
+    size = np.abs(matrix)
+    return float(np.sqrt(size.sum(axis=0).max() * size.sum(axis=1).max()))
 
 
 def _on_axis(near: Resolvent, values: Complex) -> NDArray[np.bool_]:
