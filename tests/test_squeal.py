@@ -4,7 +4,11 @@ import asperity as asp
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from asperity.steady_sliding.sparse.certificate import Circle, certified
+from asperity.steady_sliding.sparse.certificate import (
+    Circle,
+    certified,
+    unexplained_phases,
+)
 from asperity.steady_sliding.sparse.dissection import nested_dissection
 from asperity.steady_sliding.sparse.factorisation import Factorisation
 from asperity.steady_sliding.sparse.nearest import nearest
@@ -301,6 +305,20 @@ def test_a_pad_of_20_000_coordinates():
     gone = int(np.flatnonzero(circle.holds(values))[0])
     less = certified(found.small_motions.pencil, np.delete(values, gone), circle)
     np.testing.assert_allclose(less.missing, values[[gone]], rtol=1e-8)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 5])
+def test_a_zero_in_the_circle_leaves_phase_unexplained(number):
+    rng = np.random.default_rng(number)
+    angles = 2.0 * np.pi * np.arange(12) / 12
+    radii = np.sqrt(rng.uniform(size=(3000, number)))
+    zeros = radii * np.exp(2j * np.pi * rng.uniform(size=radii.shape))
+    logs = np.log(np.exp(1j * angles) - zeros[:, :, None]).sum(axis=1)
+    left = np.abs(unexplained_phases(angles, logs)).max(axis=1)
+    assert left.min() > (0.72 if number == 1 else 0.25)
+    # Those outside, at twice the radius, leave next to nothing.
+    outside = np.log(np.exp(1j * angles) - 2.0 * np.exp(1j * zeros.real)[:, :, None]).sum(axis=1)
+    assert np.abs(unexplained_phases(angles, outside)).max() < 0.01 * number
 
 
 def test_stability_certifies():
