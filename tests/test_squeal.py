@@ -341,10 +341,19 @@ def test_eigenvalues_of_close_pairs_are_missed_one_by_one():
     np.testing.assert_allclose(less.missing, [known[first]], rtol=1e-8)
 
 
-def test_dissection_orders_every_coordinate_once():
-    K = pad((6, 3, 2))[2]
-    order = nested_dissection(K)
-    np.testing.assert_array_equal(np.sort(order), np.arange(K.shape[0]))
+@pytest.mark.parametrize(
+    "K",
+    [
+        pad((6, 3, 2))[2],
+        sp.block_diag([pad((3, 2, 2))[2]] * 3, format="csc"),
+        sp.identity(20000, format="csc"),
+        sp.csc_array(np.ones((70, 70))),
+        sp.diags_array([1.0, 1.0, 1.0], offsets=[-1, 0, 1], shape=(500, 500), format="csc"),
+    ],
+    ids=["pad", "three pads", "apart", "full", "chain"],
+)
+def test_dissection_orders_every_coordinate_once(K):
+    np.testing.assert_array_equal(np.sort(nested_dissection(K)), np.arange(K.shape[0]))
 
 
 def test_dissection_keeps_factors_small():

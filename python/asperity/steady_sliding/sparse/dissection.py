@@ -69,7 +69,7 @@ def _cut(
     inside = graph[part][:, part]
     level = _levels(inside, np.array([0]))
     if (level < 0).any():
-        return part[:0], [part[level < 0], part[level >= 0]]
+        return _components(inside, part)
     for _ in range(2):
         level = _levels(inside, np.flatnonzero(level == level.max()))
     weight = np.bincount(level, weights=sizes[part])
@@ -81,6 +81,20 @@ def _cut(
     cost = weight[1:-1] / np.minimum(np.minimum(below, above)[1:-1], 0.35 * weight.sum())
     middle = 1 + int(np.argmin(cost))
     return part[level == middle], [part[level < middle], part[level > middle]]
+
+
+def _components(
+    inside: csr_array[Any], part: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], list[NDArray[np.intp]]]:
+    """Return the small components of a part one after another, and each of the large ones."""
+    from scipy.sparse.csgraph import connected_components
+
+    _, label = connected_components(inside, directed=False)
+    order = np.argsort(label, kind="stable")
+    members = np.bincount(label)
+    is_small = (members <= _LEAF)[label[order]]
+    large = np.split(part[order], np.cumsum(members)[:-1])
+    return part[order[is_small]], [one for one in large if len(one) > _LEAF]
 
 
 def _levels(graph: csr_array[Any], start: NDArray[np.intp]) -> NDArray[np.intp]:
