@@ -56,7 +56,8 @@ PAIRS = {
 """Callables with several arguments by position, and why: none of these is more the subject."""
 
 RESULTS = {
-    "BifurcationDiagram", "ContactSolution", "CriticalIntervals", "CycleEnsemble", "EngineReport",
+    "BifurcationDiagram", "CalculixModel", "ComplexModes", "ContactSolution", "CriticalIntervals",
+    "CycleEnsemble", "EngineReport",
     "Ensemble", "Equilibrium", "Event", "FlowReport", "GrowthChart", "Island",
     "Labels", "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
     "Stability", "Stage", "SweepStatus", "Trajectory",

@@ -27,6 +27,7 @@ from public_calls import (
     TRIANGLE,
 )
 from samples import ALL_SETS, LAWS, PLANE_LAWS, identify, public_of
+from scipy import sparse
 
 pandas = pytest.importorskip("pandas")
 xarray = pytest.importorskip("xarray")
@@ -66,7 +67,17 @@ RESULTS = [
     asp.limit_cycle_many(mechanisms.stribeck_block()),
     DIAGRAM,
     asp.stability(BELT),
+    asp.stability(BELT, near=1.0, count=2),
     asp.equilibrium(BELT),
+    asp.system.CalculixModel(
+        sparse.identity(3, format="csc"),
+        sparse.identity(3, format="csc"),
+        np.array([4, 4, 4]),
+        np.arange(3),
+        {4: (0.0, 0.0, 0.1)},
+        {"CONTACT": (4,)},
+        ("Its damping is not in the files.",),
+    ),
     asp.critical_directions(asp.FrictionLaw(asp.Ellipse(3.0, 1.0, angle=0.5), asp.Ellipse(3, 1))),
     asp.critical_rotation(asp.Ellipse(3.0, 1.0), asp.Ellipse(3.0, 1.0)),
     asp.critical_rotation(asp.Disk(1.0), asp.Ellipse(3.0, 1.0)),

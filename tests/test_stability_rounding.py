@@ -6,7 +6,9 @@ from fractions import Fraction
 import asperity as asp
 import numpy as np
 import pytest
+import scipy.linalg
 from asperity.steady_sliding.linearised.pencil import Pencil
+from asperity.steady_sliding.linearised.resolvent import Resolvent
 
 ISOTROPIC = asp.FrictionLaw.isotropic(0.5)
 
@@ -132,3 +134,31 @@ def test_regular_means_regular_for_all_matrices_within_the_errors():
         assert may or len(signs) == 1
         answers.add((bool(may), len(signs)))
     assert {(False, 1), (True, 2)} <= answers
+
+
+@pytest.mark.parametrize("rates", [[1.0, 2.0], [1.0, 2.0, 3.0], np.arange(1.0, 9.0)])
+def test_equidistant_rates_are_no_multiple_one(rates):
+    """Half-way between two eigenvalues another one may be, which does not make them one."""
+    found = asp.stability(asp.LinearSystem(np.eye(len(rates)), stiffness=np.square(rates)))
+    assert not found.is_defective
+    assert found.kind == "neutral"
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_eigenvectors_decide_as_inverses_do(seed):
+    """What may be an eigenvalue: the bounds agree with the inverse wherever they decide."""
+    rng = np.random.default_rng(seed)
+    n = 7
+    K, B = rng.normal(size=(2, n, n))
+    if seed % 2:
+        # Soft and stiff directions, undamped: eigenvalues on the axis, some of them together.
+        scale = np.diag(10.0 ** rng.uniform(-4.0, 4.0, n))
+        K, B = scale @ (K @ K.T + np.eye(n)) @ scale, 0.0 * B
+    pencil = Pencil(np.eye(n), B, K)
+    errors = Pencil(*(1e-9 * np.abs(part) for part in pencil))
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-K, -B]])
+    values, left, right = scipy.linalg.eig(A, left=True)
+    near = Resolvent(pencil, errors, values, right[:n], left[n:])
+    for distance in (0.0, 1e-14, 1e-11, 1e-9, 1e-7, 1e-3, 0.3):
+        z = near.values * (1.0 + distance * np.exp(2j * np.pi * rng.uniform(size=2 * n)))
+        np.testing.assert_array_equal(near.may_be_singular(z), pencil.may_be_singular(errors, z))

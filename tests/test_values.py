@@ -22,6 +22,7 @@ LAW = PLANE_LAWS[3]
 PROBLEM = asp.ContactProblem(
     np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW, normal_restitution=0.5
 )
+MESH = asp.MeshContacts(LAW, coordinates=[[0, 1, 2]], velocity=[1.0, 2.0, 0.0], gap=0.1)
 CONTACT = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0, velocity=[0.0, -1.0])
 MOTION = asp.simulate(asp.SlidingPoint(1.0, law=LAW), dt=0.01, t_end=0.1, u0=[1.0, 0.0])
 BELT = asp.MassOnBelt(
@@ -111,6 +112,8 @@ VALUES = [
     asp.Contact(LAW, direction=np.eye(2), normal=[0.0, 1.0], gap=0.2, normal_restitution=0.4),
     asp.ContactLaw(LAW),
     asp.LinearSystem(2.0, stiffness=[1.0, 2.0], force=[0.0, 1.0], contacts=[CONTACT]),
+    MESH,
+    asp.LinearSystem(csc_array(np.eye(3)), stiffness=[1.0, 2.0, 3.0], contacts=[MESH]),
     asp.SlidingPoint(0.018, law=LAW),
     asp.SlidingDisk(LAW, velocity=(1.0, 0.5), spin=2.0),
     asp.MassOnBelt(1.0, stiffness=2.0, law=LAW, normal_force=1.0, belt_velocity=[1.0, 0.0]),
@@ -197,7 +200,7 @@ def test_repr_is_the_constructor_call(value):
     if isinstance(value, SUMMARISED):
         assert repr(value).startswith(f"<{type(value).__name__}: ")
     else:
-        assert eval(repr(value), {**NAMES, "csr_array": csr_array}) == value
+        assert eval(repr(value), {**NAMES, "csr_array": csr_array, "csc_array": csc_array}) == value
 
 
 def test_long_curves_are_not_printed():

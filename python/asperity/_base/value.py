@@ -466,7 +466,7 @@ def _text(value: Any) -> str:
         return f"({', '.join(map(_text, value))}{',' * (len(value) == 1)})"
     if _is_sparse(value):
         parts = ", ".join(repr(part.tolist()) for part in _parts(value))
-        return f"csr_array(({parts}), shape={value.shape})"
+        return f"{value.format}_array(({parts}), shape={value.shape})"
     return repr(value.tolist()) if isinstance(value, np.ndarray) else repr(value)
 
 
@@ -485,7 +485,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def _is_sparse(value: Any) -> bool:
-    """Whether it is a CSR array, told without importing SciPy; values keep canonical ones."""
+    """Whether it is a CSR or CSC array, without importing SciPy; values keep canonical ones."""
     return hasattr(value, "indptr")
 
 

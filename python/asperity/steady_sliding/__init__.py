@@ -11,6 +11,7 @@ from asperity.steady_sliding.critical.directions import (
 from asperity.steady_sliding.critical.intervals import CriticalIntervals as CriticalIntervals
 from asperity.steady_sliding.critical.rotations import critical_rotation
 from asperity.steady_sliding.incremental import incremental_distance
+from asperity.steady_sliding.sparse.modes import ComplexModes as ComplexModes
 from asperity.steady_sliding.steady_state import Equilibrium as Equilibrium
 from asperity.steady_sliding.steady_state import equilibrium
 

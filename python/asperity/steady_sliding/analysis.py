@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
@@ -26,6 +26,10 @@ from asperity.steady_sliding.linearised.sliding import Sliding
 from asperity.steady_sliding.linearised.spectrum import Spectrum
 from asperity.steady_sliding.steady_state import Equilibrium, closed_contacts
 from asperity.steady_sliding.steady_state import equilibrium as find
+from asperity.system import SparseLinearSystem
+
+if TYPE_CHECKING:
+    from asperity.steady_sliding.sparse.modes import ComplexModes
 
 Kind = Literal["unstable", "neutral", "asymptotically stable"]
 
@@ -234,9 +238,40 @@ KNOWN: Kinds = {
 """Classes that a stability is made of."""
 
 
+@overload
 def stability(
     system: Model, *, equilibrium: Equilibrium | None = None, step: float = STEP
-) -> Stability:
+) -> Stability: ...
+@overload
+def stability(
+    system: Model,
+    *,
+    equilibrium: Equilibrium | None = None,
+    near: complex,
+    count: int = 20,
+    certify: bool = False,
+) -> ComplexModes: ...
+@overload
+def stability(
+    system: Model,
+    *,
+    equilibrium: Equilibrium | None = None,
+    band: tuple[float, float],
+    growth: float | None = None,
+    count: int = 20,
+    certify: bool = False,
+) -> ComplexModes: ...
+def stability(
+    system: Model,
+    *,
+    equilibrium: Equilibrium | None = None,
+    step: float = STEP,
+    near: complex | None = None,
+    band: tuple[float, float] | None = None,
+    growth: float | None = None,
+    count: int = 20,
+    certify: bool = False,
+) -> Stability | ComplexModes:
     """Linearise a system about steady sliding and judge by the eigenvalues.
 
     An eigenvalue counts as being on the imaginary axis unless it is certain that it is not: that no
@@ -247,13 +282,22 @@ def stability(
         system: `LinearSystem`, `MassOnBelt`, `RigidBodies` or a `System`, at time 0.
         equilibrium: steady sliding. Default: what `equilibrium` finds.
         step: largest displacement for difference quotients in m or rad; linear systems need none.
+        near: angular frequency in rad/s, or a point in 1/s: of a `LinearSystem`, dense or sparse,
+            only the `count` eigenvalues nearest to it.
+        band: lowest and highest angular frequency in rad/s, instead of `near`: all eigenvalues
+            between them.
+        growth: largest |Re s| in 1/s of eigenvalues within `band`; default 5 % of its upper end.
+        count: number of eigenvalues per shift.
+        certify: whether to count by the argument principle what `near` or `band` may have missed.
 
     Returns:
-        Matrices, eigenvalues, the tangent-cone test, the verdict and its reason.
+        Matrices, eigenvalues, the tangent-cone test, the verdict and its reason; with `near` or
+        `band`, `asperity.steady_sliding.ComplexModes`.
 
     Raises:
         ParameterError: as `equilibrium`; if a contact is in the Painlevé zone.
-        ConvergenceError: as `equilibrium`.
+        ConvergenceError: as `equilibrium`; with `near` or `band` also if eigenvalues do not reach
+            a backward error of 1e-12.
 
     Reference: [WL19] §4, (85)–(88), (111)–(114).
 
@@ -267,6 +311,15 @@ def stability(
     >>> found.kind, round(found.growth_rate, 6), sorted(found.mechanisms)
     ('unstable', 0.517057, ['tangent cone'])
     """
+    if near is not None or band is not None:
+        # SciPy's sparse matrices are imported by the first use of them.
+        from asperity.steady_sliding.sparse.modes import complex_modes
+
+        return complex_modes(
+            system, equilibrium, near=near, band=band, growth=growth, count=count, certify=certify
+        )
+    if isinstance(system, SparseLinearSystem):
+        system = system.dense()
     step = arrays.positive(step, "step")
     steady = find(system, step=step) if equilibrium is None else equilibrium
     if not isinstance(steady, Equilibrium):

@@ -18,8 +18,11 @@ from asperity.errors import ConvergenceError, ParameterError
 from asperity.runs.model import Model
 from asperity.steady_sliding.linearised.field import STEP, Field, start
 from asperity.steady_sliding.linearised.linearisation import Linearisation, linearisation, total
+from asperity.system import SparseLinearSystem
 
 _ITERATIONS = 50
+# Numbers of coordinates and contacts that a summary lists one by one.
+_LISTED = 100
 # Residual that is rounding.
 _EXACT = 1e-15
 
@@ -58,6 +61,8 @@ class Equilibrium(Result, Record):
 
     def summary(self) -> str:
         """Return where the system is and how its contacts slide."""
+        if max(len(self.q), len(self.normal_force)) > _LISTED:
+            return self._short_summary()
         q = ", ".join(f"{value:.6g}" for value in self.q.tolist())
         lines = [
             f"The system slides steadily at q = ({q}), with a residual of {self.residual:.2g}."
@@ -70,6 +75,15 @@ class Equilibrium(Result, Record):
                 f"{force:.6g} N; its friction is {friction:.6g} N."
             )
         return "\n".join(lines)
+
+    def _short_summary(self) -> str:
+        loaded = self.normal_force[self.normal_force > 0.0]
+        return (
+            f"The system of {len(self.q)} coordinates slides steadily, with a residual of "
+            f"{self.residual:.2g}. Of {len(self.normal_force)} contacts {len(loaded)} are loaded, "
+            f"with {loaded.min(initial=np.inf):.6g} N to {loaded.max(initial=0.0):.6g} N, "
+            f"{loaded.sum():.6g} N together."
+        )
 
 
 def equilibrium(
@@ -86,7 +100,8 @@ def equilibrium(
         system: `LinearSystem`, `MassOnBelt`, `RigidBodies` or a `System`, at time 0.
         q0: coordinates to start from, shape ``(coordinates,)``; default 0, of `RigidBodies` the
             state of the bodies.
-        closed: numbers of the unilateral contacts that are closed. Default all.
+        closed: numbers of the unilateral contacts that are closed. Default all. Of a system with
+            sparse matrices they are a first guess: its contacts open and close.
         tolerance: of the residual, and of closed gaps in m.
         step: largest displacement for difference quotients in m or rad; linear systems need none.
 
@@ -112,6 +127,10 @@ def equilibrium(
     [2.5, 0.0]
     """
     tolerance, step = arrays.positive(tolerance, "tolerance"), arrays.positive(step, "step")
+    if isinstance(system, SparseLinearSystem):
+        from asperity.steady_sliding.sparse.steady_state import sparse_equilibrium
+
+        return sparse_equilibrium(system, closed, tolerance)
     of = Field(system, start(system, q0))
     touching = closed_contacts(of, closed)
     load = np.array([0.0 if known is None else known for known in of.normal_forces])

@@ -21,6 +21,11 @@ from asperity.system.rigid import (
     axis_angle,
 )
 from asperity.system.sliding_disk import SlidingDisk
+from asperity.system.sparse.files.calculix import CalculixModel as CalculixModel
+from asperity.system.sparse.files.calculix import read_calculix
+from asperity.system.sparse.files.matrix_market import read_matrix_market
+from asperity.system.sparse.linear import SparseLinearSystem as SparseLinearSystem
+from asperity.system.sparse.mesh_contacts import MeshContacts
 from asperity.system.time_functions import Signal, Sine
 
 __all__ = [
@@ -32,6 +37,7 @@ __all__ = [
     "Line",
     "LinearSystem",
     "MassOnBelt",
+    "MeshContacts",
     "PlanarBody",
     "Plane",
     "PlaneMotion",
@@ -46,4 +52,6 @@ __all__ = [
     "Spring",
     "System",
     "axis_angle",
+    "read_calculix",
+    "read_matrix_market",
 ]

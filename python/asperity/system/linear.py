@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,11 +18,19 @@ from asperity.system import labels
 from asperity.system.contacts import Contact, relawed
 from asperity.system.labels import Labels
 
+if TYPE_CHECKING:
+    from scipy.sparse import sparray, spmatrix
+
+    from asperity.system.sparse.mesh_contacts import MeshContacts
+
+    AnySparse: TypeAlias = sparray | spmatrix
+
 
 class LinearSystem(Value):
     """M q̈ + B q̇ + K q = f + W_N λ_N + W λ with constant matrices and contact directions.
 
-    A matrix may be given as a scalar (times the identity), as its diagonal, or in full.
+    A matrix may be given as a scalar (times the identity), as its diagonal, in full, or as a sparse
+    array of SciPy: then the system is a `SparseLinearSystem`, with contacts of a mesh if there are.
 
     In time stepping K q + B q̇ acts explicitly, so that `simulate` needs Δt² k + 2 Δt b ≤ 4 for the
     largest such sum of a direction with unit mass that contacts do not hold: Δt ≤ 2/ω undamped.
@@ -62,20 +70,39 @@ class LinearSystem(Value):
     """Names and units of coordinates and contacts."""
     _core: _core.LinearSystem
 
+    def __new__(
+        cls,
+        mass: ArrayLike | AnySparse,
+        *,
+        stiffness: ArrayLike | AnySparse | None = None,
+        damping: ArrayLike | AnySparse | None = None,
+        force: ArrayLike | None = None,
+        contacts: Sequence[Contact | MeshContacts] | Contact | MeshContacts = (),
+        coordinate_names: Sequence[str] | None = None,
+        coordinate_units: Sequence[str] | None = None,
+    ) -> LinearSystem:
+        """Make the class that holds dense or sparse matrices."""
+        is_sparse = any(hasattr(one, "tocsc") for one in (mass, stiffness, damping))
+        if cls is LinearSystem and is_sparse:
+            from asperity.system.sparse.linear import SparseLinearSystem
+
+            return super().__new__(SparseLinearSystem)
+        return super().__new__(cls)
+
     def __init__(
         self,
-        mass: ArrayLike,
+        mass: ArrayLike | AnySparse,
         *,
-        stiffness: ArrayLike | None = None,
-        damping: ArrayLike | None = None,
+        stiffness: ArrayLike | AnySparse | None = None,
+        damping: ArrayLike | AnySparse | None = None,
         force: ArrayLike | None = None,
-        contacts: Sequence[Contact] = (),
+        contacts: Sequence[Contact | MeshContacts] | Contact | MeshContacts = (),
         coordinate_names: Sequence[str] | None = None,
         coordinate_units: Sequence[str] | None = None,
     ) -> None:
         listed = _contacts(contacts)
         n = _dof(mass, listed)
-        if np.ndim(mass) == 0 and not listed:
+        if arrays.array(cast(ArrayLike, mass), "mass").ndim == 0 and not listed:
             _refuse_more_than_one(stiffness=stiffness, damping=damping, force=force)
         self._set(
             mass=_matrix(mass, "mass", n),
@@ -83,8 +110,8 @@ class LinearSystem(Value):
             damping=_matrix(damping, "damping", n),
             force=arrays.constant(np.zeros(n) if force is None else force, "force", (n,)),
             contacts=listed,
-            coordinate_names=_texts(coordinate_names, "coordinate_names", n),
-            coordinate_units=_texts(coordinate_units, "coordinate_units", n),
+            coordinate_names=texts_of_coordinates(coordinate_names, "coordinate_names", n),
+            coordinate_units=texts_of_coordinates(coordinate_units, "coordinate_units", n),
         )
         for contact in listed:
             arrays.array(contact.direction, "direction", (n, contact.law.dimension))
@@ -125,14 +152,17 @@ class LinearSystem(Value):
         return len(self.force)
 
 
-def _contacts(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+def _contacts(contacts: Any) -> tuple[Contact, ...]:
     listed = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,)
     for contact in listed:
         arrays.of_kind(contact, "contacts", Contact, "a sequence of Contact")
     return listed
 
 
-def _texts(given: Sequence[str] | None, argument: str, n: int) -> tuple[str, ...] | None:
+def texts_of_coordinates(
+    given: Sequence[str] | None, argument: str, n: int
+) -> tuple[str, ...] | None:
+    """Return names or units, one per coordinate."""
     if given is None:
         return None
     listed = labels.texts(given, argument)
@@ -143,7 +173,7 @@ def _texts(given: Sequence[str] | None, argument: str, n: int) -> tuple[str, ...
     return listed
 
 
-def _dof(mass: ArrayLike, contacts: Sequence[Contact]) -> int:
+def _dof(mass: Any, contacts: Sequence[Contact]) -> int:
     converted = arrays.array(mass, "mass")
     if converted.ndim:
         if converted.size == 0:
@@ -168,5 +198,5 @@ def _refuse_more_than_one(**given: Any) -> None:
             )
 
 
-def _matrix(value: ArrayLike | None, argument: str, n: int) -> Array:
+def _matrix(value: Any, argument: str, n: int) -> Array:
     return arrays.square(0.0 if value is None else value, argument, n)

@@ -16,7 +16,14 @@ from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.runs.model import Model
 from asperity.runs.time_stepping import initial_state
-from asperity.system import LinearSystem, MassOnBelt, RigidBodies, SlidingPoint, System
+from asperity.system import (
+    LinearSystem,
+    MassOnBelt,
+    RigidBodies,
+    SlidingPoint,
+    SparseLinearSystem,
+    System,
+)
 
 # Largest of the steps with which differences are taken, in m, rad, m/s or rad/s, and their number.
 STEP = 1e-3
@@ -106,9 +113,10 @@ class Field:
         """
         linear = constant(self.system)
         if linear is not None:
-            rest = np.zeros((len(load(self.at(), np.zeros(self.n))) - self.n, self.n))
-            slope = np.vstack([-linear.stiffness, rest])
-            return Slopes(slope, -linear.damping, 0.0 * slope, 0.0 * linear.damping)
+            slope = np.zeros((len(load(self.at(), np.zeros(self.n))), self.n))
+            slope[: self.n] = -linear.stiffness
+            exact = np.zeros_like(slope), np.zeros_like(linear.damping)
+            return Slopes(slope, -linear.damping, *exact)
         displacement, error = _difference(lambda x: load(self.at(x), x), self.n, step)
         velocity, other = _difference(lambda x: self.at(None, x)["forces"], self.n, step)
         return Slopes(displacement, velocity, error, other)
@@ -150,6 +158,8 @@ def constant(system: object) -> LinearSystem | None:
     """Return the linear system that a system is, if it is one."""
     if isinstance(system, MassOnBelt | SlidingPoint):
         return system.linear
+    if isinstance(system, SparseLinearSystem):
+        system = system.dense()
     return system if isinstance(system, LinearSystem) else None
 
 

@@ -78,7 +78,7 @@ class Pencil(NamedTuple):
         """
         n = self.mass.shape[-1]
         apart = np.abs(values[..., None] - values[..., None, :])
-        apart += np.where(np.eye(2 * n, dtype=bool), np.inf, 0.0)
+        apart += np.where(np.eye(values.shape[-1], dtype=bool), np.inf, 0.0)
         inverse, regular = _inverse(self.at(values))
         slope = 2.0 * values[..., None, None] * self.mass[..., None, :, :]
         slope = slope + self.damping[..., None, :, :]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from asperity.steady_sliding.linearised.linearisation import (
     total,
 )
 from asperity.steady_sliding.linearised.pencil import Pencil
-from asperity.steady_sliding.linearised.spectrum import Spectrum, spectrum
+from asperity.steady_sliding.linearised.spectrum import Spectrum, growth_rate, spectrum
 
 DAMPING, STIFFNESS = "negative damping", "negative stiffness"
 # What the direction of friction does where its part of B is symmetric.
@@ -54,7 +55,7 @@ def growth_rates(whole: Linearisation) -> dict[str, float]:
     part = whole.reduced
     M, B, K = part.pencil
     return {
-        name: spectrum(Pencil(M, damping, stiffness), part.errors).growth_rate
+        name: growth_rate(Pencil(M, damping, stiffness), part.errors)
         for name, damping, stiffness in _ablated(whole, B, K)
         if not (_same(damping, B) and _same(stiffness, K))
     }
@@ -79,6 +80,8 @@ def _ablated(whole: Linearisation, B: Array, K: Array) -> Iterator[tuple[str, Ar
     """Yield name, damping and stiffness without one mechanism."""
     part = whole.reduced
     for name in (CONE, DIRECTION, SLOPE, FOLLOWER):
+        if not any(np.any(parts.get(name, 0.0)) for parts in (whole.stiffness, whole.damping)):
+            continue
         rest = whole.without(name).reduced
         yield name, total(rest.damping), total(rest.stiffness)
     zero = np.zeros_like(K)
@@ -93,8 +96,11 @@ def _deficit(matrix: Array, mass: Array) -> Array:
     """Return what the symmetric part lacks to be positive semidefinite, relative to the mass."""
     if not len(matrix):
         return matrix
-    root = np.linalg.cholesky(mass)
     symmetric = 0.5 * (matrix + matrix.T)
+    with suppress(np.linalg.LinAlgError):
+        np.linalg.cholesky(symmetric)
+        return np.zeros_like(matrix)
+    root = np.linalg.cholesky(mass)
     values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, symmetric).T))
     lacking = np.where(values < -1e-9 * np.abs(values).max(initial=0.0), -values, 0.0)
     half = root @ vectors

@@ -1,0 +1,1 @@
+"""Steady sliding of systems with sparse matrices: equilibria, eigenvalues near a frequency."""

@@ -1,0 +1,225 @@
+"""Eigenvalues of a sparse pencil near a point, by shift and invert."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base.arrays import Array
+from asperity.errors import ConvergenceError, ParameterError
+from asperity.steady_sliding.linearised.pencil import SAFETY, Complex
+from asperity.steady_sliding.sparse.factorisation import Factorisation, SingularMatrixError
+from asperity.steady_sliding.sparse.pencil import SparsePencil
+
+# Backward error of a pair that is right to rounding.
+EXACT = 1e-12
+# Share of it below which a pair is not corrected, and rounds of correction.
+_GOOD, _CORRECTIONS = 0.01, 2
+# |Re s|/|s| below which the sign of growth is examined.
+_SMALL = 1e-4
+# Distance of two eigenvalues, relative to them, that are one found twice.
+_SAME = 1e-8
+# Rate of slow motions, as a share of that of the fastest, where the shift names none.
+_SLOW = 0.01
+# Largest matrix whose eigenvalues are all computed, and share of the largest one of its inverse
+# that belongs to an eigenvalue at infinity.
+_FEW, _INFINITE = 60, 1e-12
+# Shares of its size by which a shift beside an eigenvalue is moved.
+_ASIDE = (1e-4, 3e-3, 3e-2)
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Eigenvalues and modes, P(sᵢ)xᵢ = 0."""
+
+    values: Complex
+    """In 1/s, shape ``(k,)``."""
+    modes: Complex
+    """Of length 1, shape ``(n, k)``."""
+    backward_errors: Array
+    error: Array
+    """Bound of |δs| in 1/s where |Re s| is small, NaN elsewhere."""
+
+    @property
+    def sign_is_certain(self) -> NDArray[np.bool_]:
+        """Whether no error of rounding changes the sign of Re s."""
+        return ~(np.abs(self.values.real) <= SAFETY * np.nan_to_num(self.error))
+
+    def taken(self, chosen: NDArray[Any]) -> Pairs:
+        """Return some of them."""
+        return Pairs(
+            self.values[chosen],
+            self.modes[:, chosen],
+            self.backward_errors[chosen],
+            self.error[chosen],
+        )
+
+    def joined(self, other: Pairs) -> Pairs:
+        """Return both."""
+        return Pairs(
+            np.concatenate([self.values, other.values]),
+            np.concatenate([self.modes, other.modes], axis=1),
+            np.concatenate([self.backward_errors, other.backward_errors]),
+            np.concatenate([self.error, other.error]),
+        )
+
+
+def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, float]:
+    """Return eigenvalues nearest to a shift and the radius about it in which they are all found.
+
+    A shift beside an eigenvalue hides the others behind it: it is moved a little.
+
+    Raises:
+        ConvergenceError: if pairs do not reach a backward error of 1e-12.
+        ParameterError: if P(s) is singular everywhere.
+    """
+    count = min(count, 2 * pencil.n)
+    unit = max(abs(shift), _SLOW * pencil.fastest) or 1.0
+    worst = np.inf
+    for aside in (0.0, *_ASIDE):
+        point = shift + aside * unit * (1.0 + 0.5j)
+        try:
+            factors = pencil.factorised(point)
+        except SingularMatrixError:
+            continue
+        values, modes = _shift_and_invert(pencil, factors, point, count)
+        values, modes = _corrected(pencil, factors, values, modes)
+        errors = pencil.backward_errors(values, modes)
+        if not (errors <= EXACT).all():
+            worst = min(worst, float(errors.max()))
+            continue
+        pairs = Pairs(values, modes, errors, np.full(len(values), np.nan))
+        if (np.abs(values.real) <= _SMALL * np.abs(values)).any():
+            pairs = _with_errors(pencil, factors, point, pairs)
+        return pairs, float(np.abs(values - point).max()) - abs(point - shift)
+    if not np.isfinite(worst):
+        raise ParameterError(
+            "system", "has a pencil that is singular everywhere: a coordinate without stiffness"
+        )
+    raise ConvergenceError(
+        f"eigenvalues near {shift:.6g} 1/s were found with a backward error of {worst:.2g} only",
+        residual=worst,
+        advice="Move the shift, or ask for fewer of them",
+    )
+
+
+def are_new(values: Complex, known: Complex) -> NDArray[np.bool_]:
+    """Return which eigenvalues are not among those known; members of close pairs are counted."""
+    size = _SAME * np.abs(values)[:, None]
+    times_known = (np.abs(values[:, None] - known) <= size).sum(axis=1)
+    twins = np.abs(values[:, None] - values) <= size
+    return np.asarray(np.tril(twins).sum(axis=1) > times_known)
+
+
+def _shift_and_invert(
+    pencil: SparsePencil, factors: Factorisation, shift: complex, count: int
+) -> tuple[Complex, Complex]:
+    """Run Arnoldi's method for (x, sx/ω), in complex numbers throughout.
+
+    With ω about |σ| both halves have one size. (A − σ)⁻¹ takes (a, b) to (y, (σy + a)/ω) with
+    P(σ)y = −ωMb − (C + σM)a.
+    """
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
+
+    n, unit = pencil.n, max(abs(shift), _SLOW * pencil.fastest) or 1.0
+    first = csc_array(pencil.damping + pencil.mass * np.complex128(shift))
+
+    def inverted(x: NDArray[Any]) -> Complex:
+        a, b = x[:n].ravel(), x[n:].ravel()
+        y = factors.solve(-unit * (pencil.mass @ b) - first @ a)
+        return np.concatenate([y, (shift * y + a) / unit])
+
+    if 2 * n <= max(_FEW, count + 1):
+        return _largest(np.stack([inverted(x) for x in np.eye(2 * n)], axis=1), shift, count)
+    operator = LinearOperator((2 * n, 2 * n), matvec=inverted, dtype=np.complex128)
+    start = np.cos(np.arange(1.0, 2 * n + 1.0)).astype(np.complex128)
+    try:
+        found, vectors = eigs(operator, k=count, which="LM", v0=start)
+    except ArpackError as error:
+        raise ConvergenceError(
+            f"Arnoldi's method near {shift:.6g} 1/s: {error}",
+            residual=float("nan"),
+            advice="Ask for fewer eigenvalues or move the shift",
+        ) from None
+    return shift + 1.0 / found, vectors[:n]
+
+
+def _largest(inverse: Complex, shift: complex, count: int) -> tuple[Complex, Complex]:
+    """Return the eigenvalues next to the shift from the whole matrix (A − σ)⁻¹."""
+    found, vectors = np.linalg.eig(inverse)
+    # Coordinates without mass have eigenvalues at infinity.
+    finite = np.abs(found) > _INFINITE * np.abs(found).max()
+    order = np.argsort(-np.abs(found))[: min(count, int(finite.sum()))]
+    values: Complex = (shift + 1.0 / found[order]).astype(np.complex128)
+    return values, vectors[: len(inverse) // 2, order].astype(np.complex128)
+
+
+def _corrected(
+    pencil: SparsePencil, factors: Factorisation, values: Complex, modes: Complex
+) -> tuple[Complex, Complex]:
+    """Take away what the factors at the shift see of the residuals: x ← x − P(σ)⁻¹P(s)x.
+
+    What Arnoldi's method leaves is of eigenvalues far away, which this divides by their distance;
+    what is of nearer ones grows, so that each pair is kept as it was where that was better.
+    """
+    modes = modes / np.linalg.norm(modes, axis=0)
+    values = _rayleigh(pencil, values, modes)
+    errors = pencil.backward_errors(values, modes)
+    for _ in range(_CORRECTIONS):
+        rough = np.flatnonzero(errors > _GOOD * EXACT)
+        if not len(rough):
+            break
+        s, x = values[rough], modes[:, rough]
+        x = x - factors.solve(pencil.times(s, x))
+        x /= np.linalg.norm(x, axis=0)
+        s = _rayleigh(pencil, s, x)
+        left = pencil.backward_errors(s, x)
+        better = left < errors[rough]
+        if not better.any():
+            break
+        chosen = rough[better]
+        values[chosen], modes[:, chosen], errors[chosen] = s[better], x[:, better], left[better]
+    return values, modes
+
+
+def _rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
+    """Solve xᴴP(s)x = 0 for s by Newton's method, two steps."""
+    for _ in range(2):
+        left = modes.conj()
+        slope = np.sum(left * pencil.slopes(values, modes), axis=0)
+        moved = np.sum(left * pencil.times(values, modes), axis=0)
+        values = values - np.where(slope != 0.0, moved / np.where(slope != 0.0, slope, 1.0), 0.0)
+    return values
+
+
+def _with_errors(
+    pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs
+) -> Pairs:
+    """Bound the errors of the eigenvalues near the imaginary axis by their left eigenvectors."""
+    left = _left(pencil, factors, shift, pairs)
+    error = pencil.errors_of(pairs.values, pairs.modes, left)
+    doubtful = np.abs(pairs.values.real) <= _SMALL * np.abs(pairs.values)
+    return replace(pairs, error=np.where(doubtful, error, np.nan))
+
+
+def _left(pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs) -> Complex:
+    """Return y with yᵀP(s) = 0 for each eigenvalue, by the same factors."""
+    across = _Transposed(factors)
+    turned = pencil.transposed
+    values, modes = _shift_and_invert(turned, across, shift, len(pairs.values))
+    order = np.abs(pairs.values[:, None] - values).argmin(axis=1)
+    return _corrected(turned, across, pairs.values, modes[:, order])[1]
+
+
+class _Transposed(Factorisation):
+    """Factors of Aᵀ by those of A."""
+
+    def __init__(self, factors: Factorisation) -> None:
+        self.lu, self.is_complex, self.order = factors.lu, factors.is_complex, factors.order
+
+    def solve(self, right: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        return super().solve(right, transposed=not transposed)

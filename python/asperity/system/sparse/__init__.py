@@ -1,0 +1,1 @@
+"""Linear systems of finite elements: sparse matrices, contacts of the nodes of a mesh."""

@@ -1,0 +1,1 @@
+"""Matrices of finite-element codes from their files."""

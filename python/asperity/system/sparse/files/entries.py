@@ -1,0 +1,88 @@
+"""Entries of a matrix in lines of "row column value", numbered from 1."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asperity._base.arrays import Array
+from asperity.errors import ParameterError
+
+if TYPE_CHECKING:
+    from asperity.system.sparse.matrices import SparseMatrix
+
+# Programs in Fortran write 1.0D+03.
+_TO_PYTHON = str.maketrans("Dd", "Ee")
+
+
+def text_of(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file."""
+    try:
+        return Path(path).read_text(encoding="ascii", errors="replace")
+    except OSError as error:
+        raise ParameterError("path", f"cannot be read: {error}") from None
+
+
+def table(lines: Sequence[str], name: str, columns: int) -> Array:
+    """Return the numbers of lines, with exponents of C or of Fortran."""
+    text = "\n".join(lines).translate(_TO_PYTHON)
+    if not text.strip():
+        return np.zeros((0, columns))
+    try:
+        numbers = np.loadtxt(io.StringIO(text), dtype=np.float64, ndmin=2)
+    except ValueError as error:
+        raise ParameterError("path", f"{name} holds no table of numbers: {error}") from None
+    if numbers.shape[1] != columns:
+        raise ParameterError(
+            "path", f"{name} must have {columns} numbers per line, has {numbers.shape[1]}"
+        )
+    return numbers
+
+
+def symmetric(entries: Array, n: int, name: str, *, sign: float = 1.0) -> SparseMatrix:
+    """Return the matrix of which one triangle is stored."""
+    from scipy.sparse import csc_array
+
+    rows, columns = _places(entries, (n, n), name)
+    off = rows != columns
+    keys = np.minimum(rows, columns) * n + np.maximum(rows, columns)
+    above = rows < columns
+    both = np.intersect1d(keys[off & above], keys[off & ~above])
+    if len(both):
+        i, j = divmod(int(both[0]), n)
+        raise ParameterError(
+            "path",
+            f"{name} says that one triangle is stored and holds both, such as ({i + 1}, {j + 1}) "
+            f"and ({j + 1}, {i + 1}): it is not clear whether they are to be added",
+        )
+    values = entries[:, 2]
+    stacked = np.concatenate([values, sign * values[off]])
+    places = np.concatenate([rows, columns[off]]), np.concatenate([columns, rows[off]])
+    return csc_array((stacked, places), shape=(n, n))
+
+
+def general(entries: Array, shape: tuple[int, int], name: str) -> SparseMatrix:
+    """Return the matrix of which all entries are stored."""
+    from scipy.sparse import csc_array
+
+    rows, columns = _places(entries, shape, name)
+    return csc_array((entries[:, 2], (rows, columns)), shape=shape)
+
+
+def _places(
+    entries: Array, shape: tuple[int, int], name: str
+) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], np.ndarray[tuple[int], np.dtype[np.intp]]]:
+    numbers = entries[:, :2]
+    wrong = (numbers != np.floor(numbers)) | (numbers < 1) | (numbers > shape)
+    if wrong.any():
+        place = numbers[wrong.any(axis=1)][0].tolist()
+        raise ParameterError(
+            "path", f"{name} must hold places from (1, 1) to {shape}, holds {tuple(place)}"
+        )
+    places = numbers.astype(np.intp) - 1
+    return places[:, 0], places[:, 1]
