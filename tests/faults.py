@@ -249,8 +249,8 @@ def folder():
 
         return write
 
-    # Each lacks a file that the other one has.
-    return writer(b"a", names[1:]), writer(b"b", names[:-1])
+    # Each lacks a file that the other one has; every result has the first.
+    return writer(b"a", [names[0], *names[2:]]), writer(b"b", names[:-1])
 
 
 WRITERS = {

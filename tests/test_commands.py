@@ -143,6 +143,23 @@ def test_a_folder_holds_one_result(tmp_path, monkeypatch):
             assert files_of(mixed) == {**alone[last], "mine.csv": b"mine"}
 
 
+def test_results_of_two_commands_do_not_share_a_folder(tmp_path, capsys):
+    """Both write report.html: the second one would take the place of the first."""
+    law = tmp_path / "law.toml"
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(2.0, 1.0)).save(law)
+    out = tmp_path / "out"
+    assert main(["law", str(law), "--out", str(out)]) == 0
+    before = files_of(out)
+    assert main(["stability", str(law), "--out", str(out)]) == 2
+    assert "--out: holds report.html, of another command" in capsys.readouterr().err
+    assert files_of(out) == before
+    # After a kill between two files, the same command writes all of them again.
+    for name in ("report.html", "sets.png"):
+        (out / name).unlink()
+    assert main(["law", str(law), "--out", str(out)]) == 0
+    assert files_of(out) == before
+
+
 @pytest.mark.parametrize("verb", ["identify", "law"])
 def test_help_explains_the_sets_of_a_law(verb, capsys):
     with pytest.raises(SystemExit) as ended:

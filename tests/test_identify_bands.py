@@ -15,7 +15,9 @@ from asperity.identify import (
     fit_law,
     process,
 )
-from asperity.identify.campaign import Identification
+from asperity.identify.campaigns.forces import Identification
+from asperity.identify.estimator.descent import Sums
+from asperity.identify.evidence.forces.mountings import mountings_of
 from asperity.law import Provenance
 from profiles import counts
 from scipy.stats import binom
@@ -526,3 +528,15 @@ def test_ordinary_records_have_no_outliers_no_drift_and_no_steps(options):
         assert not fit.outliers.matters
         assert not fit.drift.matters
         assert not fit.coarse_channels
+
+
+def test_the_mean_of_two_runs_is_as_uncertain_as_half_their_difference():
+    noise = 1e-3 * np.array([1.0, -2.0, 1.0, 2.0, -1.0, -1.0])
+    gradient = np.repeat([-0.1, 0.1], 3) + noise
+    sums = Sums(np.zeros(6), gradient[:, None], np.ones((6, 1, 1)))
+    run = np.repeat([0, 1], 3)
+    one, none = np.ones(1), np.zeros((1, 1))
+    found = mountings_of(sums, run, inverse=np.full((1, 1), 1.0 / 6.0), level=one, shared=none)
+    assert found.matters
+    assert found.steps[0] == pytest.approx(0.2)
+    assert found.covariance[0, 0] == pytest.approx(0.1**2)

@@ -9,7 +9,7 @@ from asperity import Ellipse, FrictionLaw
 from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.identify import MeasuredSets, VirtualTribometer, write_raw
-from asperity.identify.campaign import FILES
+from asperity.identify.campaigns.forces import FILES
 from scipy.stats import t
 
 LAW = table1.LAWS["extended, superellipses C, D"]
@@ -208,7 +208,7 @@ def test_results_are_replaced_all_or_none(campaign, tmp_path, monkeypatch):
 
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "sets.png").write_text("old")
-    monkeypatch.setattr("asperity.identify.campaign.write_report", fails)
+    monkeypatch.setattr("asperity.identify.campaigns.forces.write_report", fails)
     for out in (tmp_path / "old", tmp_path / "new" / "out"):
         assert identify(campaign, "run_1.csv", out=out) == 2
     assert [path.read_text() for path in (tmp_path / "old").iterdir()] == ["old"]

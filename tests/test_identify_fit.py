@@ -255,9 +255,9 @@ def test_calibration_and_zero_move_the_fit_as_predicted():
         fit = fit_law(data)
         parts = [(grouped(s, 1).bins(), axes) for s, axes in by_axes(fit._samples, data)]
         pulls = sum(
-            _pulls(fit._family, bins, sense, fit.coordinates, data.matrix) for bins, sense in parts
+            _pulls(fit.family, bins, sense, fit.coordinates, data.matrix) for bins, sense in parts
         )
-        matrix = fit._descent.sums.matrix.sum(axis=0)
+        matrix = fit.descent.sums.matrix.sum(axis=0)
         predicted = np.linalg.solve(matrix, pulls)[:-1]
         for entry in range(12):
             changed = {"matrix": data.matrix.copy(), "zero": data.zero.copy()}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from asperity import ConfigurationError, DimensionError, ParameterError
 from asperity.identify import RawData, VirtualTribometer, fit_law, process, read_raw, write_raw
+from asperity.identify.evidence.forces.errors import _joint_degrees
 from profiles import counts
 from table_1 import TABLE_1, TRUTH
 
@@ -176,3 +177,13 @@ def test_a_model_that_is_too_simple_is_not_blamed_on_channels():
     )
     assert fit.mistake is None
     assert any("the model does not fit" in warning for warning in fit.warnings)
+
+
+def test_degrees_of_freedom_of_a_variance_that_is_known_in_part():
+    """Welch's and Satterthwaite's: those of a chi-square of the same mean and scatter."""
+    estimated = np.random.default_rng(0).chisquare(6, 400_000) / 6.0
+    for known in (0.5, 1.0, 3.0):
+        total = known + estimated
+        found = _joint_degrees(6.0, (known + 1.0) * np.eye(2), known * np.eye(2))
+        assert found == pytest.approx(2.0 * total.mean() ** 2 / total.var(), rel=0.02)
+    assert _joint_degrees(6.0, np.eye(2), np.eye(2)) == np.inf

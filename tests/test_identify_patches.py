@@ -509,6 +509,8 @@ def test_arguments_are_refused_by_name():
             function(*subject, **options)
 
     refused("power of 100% of the pairs is negative", subject=(-wrench, twist))
+    most = np.where(np.arange(len(wrench))[:, None] < 0.6 * len(wrench), -wrench, wrench)
+    refused("power of 60% of the pairs is negative", subject=(most, twist))
     refused("2 pairs do not tell 6 parameters", subject=(wrench[:2], twist[:2]), blocks=2)
     refused(
         "twist: must not vanish, does so in row 3",

@@ -13,8 +13,8 @@ from asperity.commands.main import main
 from asperity.demo import table1
 from asperity.errors import FitError, ParameterError, RecordError
 from asperity.identify import FourierReservoir, IdentifiedLaw, Launch, PathFit, fit_paths
+from asperity.identify.campaigns.paths import FILES
 from asperity.identify.estimator.loss import Loss
-from asperity.identify.evidence.paths.campaign import FILES
 from asperity.identify.evidence.paths.launch import known_of
 from asperity.identify.evidence.paths.misfits import Misfits
 from asperity.identify.evidence.paths.motions import Motions
@@ -433,6 +433,18 @@ def test_one_path_has_no_intervals(few):
     assert math.isnan(fit.parameters["reservoir.radius"].low)
     with pytest.raises(ParameterError, match="covariance"):
         _ = fit.identified_law.covariance
+
+
+@pytest.mark.parametrize("confidence", [0.95, None])
+def test_parameters_that_are_fixed_have_no_errors(few, confidence):
+    paths, launches = few.draw(1)
+    models = {"reservoir": "ellipse", "direction": "ellipse", "fixed": AXES}
+    fit = fit_paths(paths, system=few.system, launch=launches, confidence=confidence, **models)
+    for name in AXES:
+        found = fit.parameters[name]
+        assert found.identifiable
+        assert (found.low, found.high, found.standard_error) == (0.0, 0.0, 0.0)
+        assert str(found) == "0 (fixed)"
 
 
 def test_unknowns_that_paths_do_not_tell_are_refused(few):
@@ -895,6 +907,22 @@ def test_a_law_is_identified_from_files(folder, capsys):
     launches = (folder / "out" / "launches.csv").read_text().splitlines()
     assert launches[0].startswith("path,speed [m/s],speed error [m/s],direction [rad]")
     assert len(launches) == 4
+
+
+def test_the_command_takes_a_robust_loss(folder, capsys):
+    """A point that was tracked wrongly widens the intervals of least squares, hardly the others."""
+    table = folder / "path_1.csv"
+    lines = table.read_text().splitlines()
+    cells = lines[6].split(",")
+    lines[6] = ",".join([cells[0], str(float(cells[1]) + 0.01), *cells[2:]])
+    table.write_text("\n".join(lines))
+    found = {}
+    for loss in ("linear", "cauchy"):
+        identify(folder, "--loss", loss)
+        law = IdentifiedLaw.load(folder / "out" / "law.toml")
+        found[loss] = law.standard_errors[0]
+        assert f"--loss {loss}" in law.provenance.made_by
+    assert found["cauchy"] < 0.5 * found["linear"], found
 
 
 def test_the_command_inspects_a_path(folder, capsys):

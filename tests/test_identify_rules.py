@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 from asperity.errors import FitError, ParameterError
 from asperity.identify import IdentifiedLaw, Launch, fit_law, fit_patch, fit_paths, fit_supports
+from asperity.identify.estimator.loss import Loss
+from asperity.identify.estimator.mistakes import Mistake, explaining
 from asperity.track import MeasuredPath
+from scipy.integrate import cumulative_trapezoid
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 POINTS = np.array([[0.05, 0.0], [-0.03, 0.04], [-0.03, -0.04]])
@@ -69,6 +72,22 @@ FITS = {
     "fit_paths": (paths, "reservoir.radius"),
 }
 every_fit = pytest.mark.parametrize("name", FITS)
+
+
+@pytest.mark.parametrize("components", [1, 2])
+@pytest.mark.parametrize("kind", LOSSES)
+def test_weights_and_curvatures_are_derivatives_of_the_loss(kind, components):
+    """ρ is the integral of its weight, and the curvature the mean slope of ρ′e."""
+    loss = Loss(kind, 0.7, components=components)
+    size = np.linspace(0.0, 8.0, 16_001)
+    value, weight, bend = loss.at(size**2)
+    assert (value[0], weight[0]) == (0.0, 1.0)
+    np.testing.assert_allclose(cumulative_trapezoid(weight, size**2), value[1:], rtol=1e-5)
+    along = np.gradient(weight * size, size)
+    # Across the residual, the slope of the gradient is ρ′.
+    mean = along if components == 1 else 0.5 * (along + weight)
+    smooth = np.abs(size - loss.bend) > 0.01
+    np.testing.assert_allclose(bend[smooth], mean[smooth], atol=2e-3)
 
 
 @every_fit
@@ -165,6 +184,9 @@ def test_comparisons_have_one_rule():
         saved = found.improvement(second, over=first)
         assert saved.value == pytest.approx(1.0 - (whole[1] / whole[0]) ** 2)
         assert found.to_pandas().shape == (len(whole), 6)
+    # What a fit has not seen it misses by more than what it has.
+    for one in patch().comparison.candidates:
+        assert one.left_out > 1.001 * one.rms
 
 
 @pytest.mark.parametrize("name", ["fit_law", "fit_supports", "fit_paths"])
@@ -176,6 +198,14 @@ def test_bands_take_the_law_of_every_fit_in_the_plane(name, tmp_path):
     done = predict.simulate_scenario(scenario, bands=True)
     assert len(done.bands.draws) == 400
     assert (done.bands.low < done.bands.high).any()
+
+
+def test_mistakes_that_explain_as_much_are_all_named():
+    cases = [Mistake("sign", 0.104), Mistake("unit", 0.1), Mistake("swap", 0.2)]
+    found = explaining(cases, most=0.15, as_good=1.1)
+    assert [one.words for one in found] == ["sign", "unit"]
+    assert explaining(cases, most=0.09, as_good=1.1) == []
+    assert explaining([], most=0.09, as_good=1.1) == []
 
 
 def test_one_turn_has_no_intervals():

@@ -133,3 +133,20 @@ def test_exact_forces_can_be_compared():
 def test_fits_compare_models_of_their_data():
     data = sampled(LAWS["collinear"][0])
     assert fit_law(data).comparison == compare_models(data)
+
+
+def test_copies_of_samples_tell_no_more_of_models():
+    """Noise that neighbours share is worth fewer samples: copies of all leave BIC as it is."""
+    phi, force = sampled(LAWS["superellipses"][0], samples=4000, noise=0.0)
+    noise = np.repeat(np.random.default_rng(0).normal(size=(400, 2)), 10, axis=0)
+    force = force + 0.003 * noise
+    series = phi, force, np.arange(4000) // 400
+    pairs = [("ellipse", "ellipse"), ("superellipse", "superellipse")]
+    once, twice = (
+        compare_models(tuple(np.repeat(one, copies, axis=0) for one in series), pairs=pairs)
+        for copies in (1, 3)
+    )
+    assert once.effective_samples < 2000
+    assert twice.effective_samples == pytest.approx(once.effective_samples, rel=1e-6)
+    for one, other in zip(once.candidates, twice.candidates, strict=True):
+        assert other.bic == pytest.approx(one.bic, rel=1e-6, abs=1e-6)

@@ -78,7 +78,7 @@ def test_the_scatter_is_that_of_all_strokes_alone():
         fit = fit_law(
             strokes(ELLIPSES, 8, repeats=2, seed=seed), reservoir="ellipse", direction="ellipse"
         )
-        matrix = fit._descent.sums.matrix.sum(axis=0)
+        matrix = fit.descent.sums.matrix.sum(axis=0)
         size = np.hypot(*ELLIPSES.force(np.array([[1.0, 0.0], [0.0, 1.0]])).T).mean()
         exact = np.linalg.inv(matrix) * 10 * (0.01 * size) ** 2
         ratio += np.diag(fit.covariance.scatter) / np.diag(exact) / 60
@@ -114,7 +114,7 @@ def test_gaps_widen_bands_and_are_reported():
     assert "at most 3" in str(gap.coverage)
     assert str(gap.coverage) in gap.summary()
     # What noise of one size makes of them; the scatter of five turns is itself uncertain by half.
-    errors = [np.diag(np.linalg.inv(f._descent.sums.matrix.sum(axis=0))) for f in (whole, gap)]
+    errors = [np.diag(np.linalg.inv(f.descent.sums.matrix.sum(axis=0))) for f in (whole, gap)]
     assert (errors[1] > errors[0]).all()
     assert is_near(gap)
 

@@ -226,8 +226,6 @@ def test_tables_of_x_and_y_give_the_same_law(motion, turning):
     means = data.averaged(36)
     resistance = lab.LAW.force(np.stack([np.cos(means.phi), np.sin(means.phi)], axis=-1))
     np.testing.assert_allclose(means.force / lab.LOAD, -resistance, atol=0.02)
-    with pytest.raises(ParameterError, match=r"ProcessedData\.perturbed"):
-        means.perturbed(zero=[0.1, 0.0, 0.0])
 
 
 ANGLES = np.deg2rad(np.arange(0.0, 180.0, 10.0))

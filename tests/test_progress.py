@@ -7,7 +7,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import identify, mechanisms, predict, track
-from asperity.identify.campaign import STAGES, identify_campaign
+from asperity.identify.campaigns.forces import STAGES, identify_campaign
 
 LAW = asp.FrictionLaw.isotropic(0.5)
 BLOCK = asp.SlidingPoint(1.0, law=LAW)

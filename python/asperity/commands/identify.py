@@ -67,13 +67,6 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "which seems to hold the data. The configuration that is written names it",
     )
     add_models(parser, "best")
-    parser.add_argument(
-        "--loss",
-        choices=("linear", "soft_l1", "huber", "cauchy"),
-        default="linear",
-        help="how forces far from the law count: linear fully, by least squares; soft_l1, huber "
-        "and cauchy less and less, for records with outliers. Default linear",
-    )
     return parser
 
 
@@ -92,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
         config="must be given: --inspect FILE writes one",
         out="must be given",
     )
-    from asperity.identify.campaign import identify_campaign
+    from asperity.identify.campaigns.forces import identify_campaign
 
     with bar_if_there("stage") as bar:
         found = identify_campaign(

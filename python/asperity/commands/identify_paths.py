@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
 
         return show_inspection(inspect_path(options.inspect), options)
     require(options, paths="names no file", out="must be given")
-    from asperity.identify.evidence.paths.campaign import identify_paths
+    from asperity.identify.campaigns.paths import identify_paths
 
     fit = identify_paths(
         options.paths,
@@ -74,6 +74,7 @@ def run(options: argparse.Namespace) -> int:
         options.out,
         reservoir=options.reservoir,
         direction=options.direction,
+        loss=options.loss,
         confidence=options.confidence,
     )
     print(fit.summary())

@@ -70,7 +70,7 @@ def require(options: argparse.Namespace, **needed: str) -> None:
 
 
 def add_models(parser: argparse.ArgumentParser, *further: str) -> None:
-    """Add the choice of models of C and D, and the level of the confidence intervals.
+    """Add the choice of models of C and D, the loss, and the level of the confidence intervals.
 
     Args:
         parser: of a verb that fits a law.
@@ -86,6 +86,13 @@ def add_models(parser: argparse.ArgumentParser, *further: str) -> None:
             default="superellipse",
             help=f"shape of the {meaning}; default superellipse",
         )
+    parser.add_argument(
+        "--loss",
+        choices=("linear", "soft_l1", "huber", "cauchy"),
+        default="linear",
+        help="how data far from the law count: linear fully, by least squares; soft_l1, huber and "
+        "cauchy less and less, for records with outliers. Default linear",
+    )
     parser.add_argument(
         "--confidence",
         metavar="LEVEL",

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any
+from dataclasses import KW_ONLY
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import (
+    Count,
+    Fraction,
+    Given,
+    Index,
+    NonNegative,
+    Number,
+    Positive,
+    Record,
+    field,
+)
 from asperity.errors import ParameterError
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import RawData, Recording
@@ -22,7 +33,27 @@ _CHUNK = 1 << 18
 _DIRECTIONS = 720
 
 
-class VirtualTribometer(Value):
+def _planar(law: Any, name: str) -> FrictionLaw:
+    if not isinstance(law, FrictionLaw) or law.dimension != 2:
+        raise ParameterError(name, f"must be a FrictionLaw of the plane, got {law!r}")
+    return law
+
+
+def _moving(rate: Any, name: str) -> float:
+    number = arrays.number(rate, name)
+    if number == 0.0:
+        raise ParameterError(name, "must not vanish")
+    return number
+
+
+def _mixed(crosstalk: Any, name: str) -> float | Array:
+    mixed = arrays.array(crosstalk, name)
+    if mixed.ndim == 0:
+        return arrays.non_negative(float(mixed), name)
+    return arrays.array(mixed, name, (3, 3))
+
+
+class VirtualTribometer(Record):
     """A pin on a rotating disk whose contact obeys a friction law, and a sensor that does not.
 
     The sensor reads F = Xλ + zero + drift + noise, rounded to its resolution. Amplitudes of noise
@@ -60,77 +91,25 @@ class VirtualTribometer(Value):
     True
     """
 
-    law: FrictionLaw
-    normal_force: float
-    turns: float
-    turn_rate: float
-    sample_rate: float
-    start_angle: float
-    radius: float
-    noise: float
-    noise_bandwidth: float | None
-    crosstalk: float | Array
-    calibration_loads: int
-    reading_error: float
-    no_load_time: float
-    zero: float
-    load_ripple: float
-    drift: float
-    bits: int | None
-    seed: int
-
-    def __init__(
-        self,
-        law: FrictionLaw,
-        *,
-        normal_force: float,
-        turns: float = 10.0,
-        turn_rate: float = 0.16,
-        sample_rate: float = 10_000.0,
-        start_angle: float = 0.0,
-        radius: float = 0.05,
-        noise: float = 0.01,
-        noise_bandwidth: float | None = None,
-        crosstalk: ArrayLike = 0.05,
-        calibration_loads: int = 6,
-        reading_error: float = 1e-3,
-        no_load_time: float = 10.0,
-        zero: float = 0.02,
-        load_ripple: float = 0.03,
-        drift: float = 0.01,
-        bits: int | None = 16,
-        seed: int = 0,
-    ) -> None:
-        if not isinstance(law, FrictionLaw) or law.dimension != 2:
-            raise ParameterError("law", f"must be a FrictionLaw of the plane, got {law!r}")
-        rate = arrays.number(turn_rate, "turn_rate")
-        if rate == 0.0:
-            raise ParameterError("turn_rate", "must not vanish")
-        mixed = arrays.array(crosstalk, "crosstalk")
-        self._set(
-            law=law,
-            normal_force=arrays.positive(normal_force, "normal_force"),
-            turns=arrays.positive(turns, "turns"),
-            turn_rate=rate,
-            sample_rate=arrays.positive(sample_rate, "sample_rate"),
-            start_angle=arrays.number(start_angle, "start_angle"),
-            radius=arrays.positive(radius, "radius"),
-            noise=arrays.non_negative(noise, "noise"),
-            noise_bandwidth=None
-            if noise_bandwidth is None
-            else arrays.positive(noise_bandwidth, "noise_bandwidth"),
-            crosstalk=arrays.non_negative(float(mixed), "crosstalk")
-            if mixed.ndim == 0
-            else arrays.read_only(arrays.array(mixed, "crosstalk", (3, 3))),
-            calibration_loads=arrays.count(calibration_loads, "calibration_loads", least=0),
-            reading_error=arrays.non_negative(reading_error, "reading_error"),
-            no_load_time=arrays.non_negative(no_load_time, "no_load_time"),
-            zero=arrays.non_negative(zero, "zero"),
-            load_ripple=arrays.fraction(load_ripple, "load_ripple"),
-            drift=arrays.non_negative(drift, "drift"),
-            bits=None if bits is None else arrays.count(bits, "bits"),
-            seed=arrays.count(seed, "seed", least=0),
-        )
+    law: Annotated[FrictionLaw, _planar]
+    _: KW_ONLY
+    normal_force: Positive
+    turns: Positive = 10.0
+    turn_rate: Annotated[float, _moving] = 0.16
+    sample_rate: Positive = 10_000.0
+    start_angle: Number = 0.0
+    radius: Positive = 0.05
+    noise: NonNegative = 0.01
+    noise_bandwidth: Positive | None = None
+    crosstalk: Annotated[Given[ArrayLike, float | Array], _mixed] = field(default=0.05)
+    calibration_loads: Index = 6
+    reading_error: NonNegative = 1e-3
+    no_load_time: NonNegative = 10.0
+    zero: NonNegative = 0.02
+    load_ripple: Fraction = 0.03
+    drift: NonNegative = 0.01
+    bits: Count | None = 16
+    seed: Index = 0
 
     @classmethod
     def perfect(cls, law: FrictionLaw, *, normal_force: float, **options: Any) -> VirtualTribometer:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _LOST_AT_MOST = 0.1
 _LISTED = 20
-FILES = ("path.csv", "frames.csv", "overlay.png", "motion.png", "report.html")
+FILES = ("frames.csv", "path.csv", "overlay.png", "motion.png", "report.html")
 """What `track_recording` writes."""
 
 

@@ -66,10 +66,12 @@ class ResultFolder:
     Args:
         out: the folder, made when it is filled.
         names: of all files that any result may have: one that a result does not have is removed.
+            Every result has the first one, and those of other commands do not.
 
     Raises:
         ParameterError: before anything is worked out, if the folder, or one above it, is a file or
-            cannot be written into, or holds a folder of one of the names.
+            cannot be written into, or holds a folder of one of the names, or a file that is not of
+            an earlier result.
     """
 
     def __init__(self, out: Path, names: Sequence[str]) -> None:
@@ -83,6 +85,11 @@ class ResultFolder:
         for name in names:
             if (out / name).is_dir():
                 raise ParameterError("out", f"must hold no folder of the name {name}: remove it")
+        there = [name for name in names if (out / name).exists()]
+        if there and names[0] not in there:
+            raise ParameterError(
+                "out", f"holds {there[0]}, of another command or yours: name another folder"
+            )
         self._out = out
         self._names = names
 
@@ -115,7 +122,8 @@ def _exchange(fresh: Path, old: Path, out: Path, names: Sequence[str]) -> None:
     """Put the fresh files in the place of the old ones, or leave those where they are."""
     written = [name for name in names if (fresh / name).exists()]
     try:
-        for name in names:
+        # The first goes last and comes first: what a kill leaves is known by it.
+        for name in reversed(names):
             if (out / name).exists():
                 (out / name).replace(old / name)
         for name in written:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import KW_ONLY
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.tables import aligned
-from asperity._base.value import Record, Value
+from asperity._base.value import AnyArray, Fraction, Given, Positive, Record, a_tuple
 from asperity.identify.models.coordinates import Estimate
 from asperity.identify.models.names import name_of
 
@@ -52,7 +53,7 @@ class Candidate(Record):
         return name_of(self.models[-1]) if self.models else self.name
 
 
-class Comparison(TableResult, Value):
+class Comparison(TableResult, Record):
     """Models that were fitted to the same data.
 
     Args:
@@ -63,26 +64,15 @@ class Comparison(TableResult, Value):
         confidence: level of the confidence intervals of improvements.
     """
 
-    candidates: tuple[Candidate, ...]
-    errors: Array
-    effective_samples: float
-    confidence: float
+    candidates: Annotated[Given[Iterable[Candidate], tuple[Candidate, ...]], a_tuple]
+    _: KW_ONLY
+    errors: AnyArray
+    effective_samples: Positive
+    confidence: Fraction = 0.95
 
-    def __init__(
-        self,
-        candidates: Iterable[Candidate],
-        *,
-        errors: Array,
-        effective_samples: float,
-        confidence: float = 0.95,
-    ) -> None:
-        listed = tuple(candidates)
-        self._set(
-            candidates=listed,
-            errors=arrays.array(errors, "errors", (len(listed), None)),
-            effective_samples=arrays.positive(effective_samples, "effective_samples"),
-            confidence=arrays.fraction(confidence, "confidence"),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        shape = len(given["candidates"]), None
+        given["errors"] = arrays.array(given["errors"], "errors", shape)
 
     @property
     def best(self) -> Candidate:

@@ -119,13 +119,13 @@ class Covariance:
         return np.sqrt(np.maximum(squares, 0.0))
 
 
-def level_of(confidence: float | None) -> float | None:
+def level_of(confidence: float | None, name: str = "confidence") -> float | None:
     """Return a level of confidence intervals, or None for none."""
     if confidence is None:
         return None
-    confidence = arrays.fraction(confidence, "confidence")
+    confidence = arrays.fraction(confidence, name)
     if not 0.0 < confidence < 1.0:
-        raise ParameterError("confidence", f"must lie between 0 and 1, got {confidence!r}")
+        raise ParameterError(name, f"must lie between 0 and 1, got {confidence!r}")
     return confidence
 
 
@@ -185,21 +185,45 @@ def known_angles(
     return result
 
 
+def widths(
+    covariance: Covariance | None, directions: Array, confidence: float | None
+) -> tuple[Array, Array]:
+    """Return half widths and standard errors of combinations ``(n, k)`` of coordinates, or NaN."""
+    if covariance is None or confidence is None:
+        return np.full(len(directions), np.nan), np.full(len(directions), np.nan)
+    errors = np.sqrt(covariance.variances(directions))
+    return covariance.half_widths(directions, confidence), errors
+
+
 def estimates(
     structure: PlanarStructure,
     p: Array,
     told: NDArray[np.bool_],
     *,
-    half_widths: Array,
-    standard_errors: Array,
+    covariance: Covariance | None,
+    confidence: float | None,
+    fixed: NDArray[np.bool_] | None = None,
 ) -> Mapping[str, Estimate]:
-    """Return the parameters of a planar law by name; the scale of D has no value."""
-    result = {
-        name: _estimate(float(p[at]), one, half_widths[at], standard_errors[at], bool(told[at]))
-        for at, (name, one) in enumerate(structure.coordinates)
-    }
+    """Return the parameters of a planar law by name; the scale of D has no value.
+
+    Args:
+        structure: the models.
+        p: the coordinates.
+        told: whether the data determine them, apart from the angles of round sets.
+        covariance: of the coordinates.
+        confidence: level of the intervals.
+        fixed: which were given, and not fitted.
+    """
+    angles = known_angles(structure, p, covariance)
+    half, errors = widths(covariance, np.eye(p.size), confidence)
+    found = {}
+    for at, (name, one) in enumerate(structure.coordinates):
+        given = fixed is not None and bool(fixed[at])
+        width, error = (0.0, 0.0) if given else (float(half[at]), float(errors[at]))
+        known = given or (bool(told[at]) and angles.get(name, True))
+        found[name] = _estimate(float(p[at]), one, width, error, known)
     nothing = Estimate(math.nan, 0.0, math.inf, math.inf, identifiable=False)
-    return {**result, "direction.scale": nothing}
+    return {**found, "direction.scale": nothing}
 
 
 def _estimate(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,24 @@ class Descent(NamedTuple):
     converged: bool
 
 
+class Found(Record):
+    """Where a search ended.
+
+    Args:
+        p: the coordinates.
+        cost: half the sum of the losses of the residuals.
+        evaluations: how often residuals were computed.
+        converged: whether the search has ended by itself.
+        scale: of a robust loss that was found with them; 0 for least squares.
+    """
+
+    p: Array
+    cost: float
+    evaluations: int
+    converged: bool
+    scale: float = 0.0
+
+
 def search(
     residuals: Callable[[Array], Array],
     slopes: Callable[[Array], Array],
@@ -50,7 +68,7 @@ def search(
     most: int,
     bounds: tuple[Array | float, Array | float] = (-np.inf, np.inf),
     shortest: float = 1e-8,
-) -> Any:
+) -> Found:
     """Return what SciPy's least squares find, for residuals by which all samples can be kept.
 
     Args:
@@ -65,7 +83,7 @@ def search(
     """
     from scipy.optimize import least_squares
 
-    return least_squares(
+    found = least_squares(
         residuals,
         start,
         jac=slopes,
@@ -79,6 +97,7 @@ def search(
         gtol=None,
         max_nfev=most,
     )
+    return Found(found.x, float(found.cost), int(found.nfev), found.status > 0)
 
 
 def descend(

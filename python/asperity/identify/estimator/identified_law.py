@@ -361,6 +361,18 @@ class IdentifiedLaw(LawFile):
             raise type(error)(at, error.message) from None
 
 
+def identified(
+    law: FrictionLaw, structure: Structure, p: Array, covariance: Covariance | None
+) -> IdentifiedLaw:
+    """Return the law of coordinates with their covariance, None if it is not known."""
+    known: dict[str, Any] = {}
+    if covariance is not None:
+        whole = covariance.merged()
+        known = dict(zip(_PARTS, whole.parts, strict=True))
+        known["degrees_of_freedom"] = (max(whole.degrees[0], 1.0), *whole.degrees[1:])
+    return IdentifiedLaw(law, **structure.named(), values=structure.values(p), **known)
+
+
 def _structure(reservoir: Any, direction: Any = None) -> PlanarStructure | PatchStructure:
     if isinstance(reservoir, PatchModel):
         if direction is not None:

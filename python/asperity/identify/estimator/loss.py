@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, TypeAlias
+from dataclasses import KW_ONLY
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import Positive, Record, field
 
 LossName: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 
@@ -26,7 +27,11 @@ _MEDIANS = (0.6744897501960817, math.sqrt(2.0 * math.log(2.0)))
 MEDIAN_LENGTH = _MEDIANS[1]
 
 
-class Loss(Value):
+def _kind(given: LossName, _: str) -> LossName:
+    return arrays.choice(given, "loss", tuple(_TUNING))
+
+
+class Loss(Record):
     """Loss ρ(‖e‖²) of a residual e of two components, or of one.
 
     Args:
@@ -39,20 +44,17 @@ class Loss(Value):
     [1.0, 0.5]
     """
 
-    kind: LossName
-    scale: float
-    components: int
-
-    def __init__(
-        self, kind: LossName = "linear", scale: float = 1.0, *, components: int = 2
-    ) -> None:
-        kind = arrays.choice(kind, "loss", tuple(_TUNING))
-        self._set(kind=kind, scale=arrays.positive(scale, "scale"), components=components)
-        self._keep(is_linear=kind == "linear", bend=_TUNING[kind][components - 1] * self.scale)
-
-    is_linear: bool
-    bend: float
+    kind: Annotated[LossName, _kind] = "linear"
+    scale: Positive = 1.0
+    _: KW_ONLY
+    components: int = 2
+    is_linear: bool = field(init=False)
+    bend: float = field(init=False)
     """Size of residuals where the loss turns from squares."""
+
+    def _derive(self) -> None:
+        bend = _TUNING[self.kind][self.components - 1] * self.scale
+        self._keep(is_linear=self.kind == "linear", bend=bend)
 
     def at(self, squared: Array) -> tuple[Array, Array, Array]:
         """Return ρ, the weight ρ′ and the mean of (ρ′e)′ over all directions of e."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 
@@ -15,3 +17,16 @@ class Mistake(NamedTuple):
 
     words: str
     misfit: float
+
+
+def explaining(cases: Iterable[Mistake], *, most: float, as_good: float) -> list[Mistake]:
+    """Return the mistakes that explain a misfit; none if the best of them leaves too much.
+
+    Args:
+        cases: the likely ones first.
+        most: misfit up to which the best one explains.
+        as_good: up to this factor of the least misfit, none can be told from the best.
+    """
+    found = list(cases)
+    least = min((one.misfit for one in found), default=math.inf)
+    return [one for one in found if least <= most and one.misfit <= as_good * least]

@@ -3,35 +3,64 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
-from asperity.identify.estimator.identified_law import IdentifiedLaw
-from asperity.law import Provenance
+from asperity._base.value import Record
+from asperity.identify.estimator.covariance import Covariance
+from asperity.identify.estimator.identified_law import IdentifiedLaw, identified
+from asperity.identify.models.coordinates import Estimate
+from asperity.identify.models.names import name_of
+from asperity.identify.models.structure import PlanarStructure, Structure
+from asperity.law import FrictionLaw, Provenance
 
 
-class LawFit(SavedResult, Value):
+class LawFit(SavedResult, Record):
     """A law that was fitted to measurements, with its uncertainty."""
 
-    _unit = "-"
+    _unit: ClassVar[str] = "-"
     """Of parameters that are no angles."""
 
-    # The kinds of evidence give what follows, as attributes or properties.
+    # The kinds of evidence give what follows, as fields or properties.
     if TYPE_CHECKING:
-        confidence: Any
-        law: Any
-        parameters: Any
-        covariance: Any
-        rms: Any
-        warnings: Any
 
-    def _models(self) -> dict[str, Any]:
-        """Return the models and values of the parameters, as `IdentifiedLaw` takes them."""
+        @property
+        def confidence(self) -> float | None:
+            """Level of the confidence intervals; None for none."""
+
+        @property
+        def law(self) -> FrictionLaw:
+            """The friction law."""
+
+        @property
+        def parameters(self) -> Mapping[str, Estimate]:
+            """Estimates with confidence intervals by name."""
+
+        @property
+        def covariance(self) -> Covariance | None:
+            """Covariance of the coordinates by its causes."""
+
+        @property
+        def rms(self) -> float:
+            """Root mean square of the residuals."""
+
+        @property
+        def warnings(self) -> tuple[str, ...]:
+            """Sentences on what the data cannot tell."""
+
+        @property
+        def coordinates(self) -> Array:
+            """What was fitted, in the order of the models."""
+
+    @property
+    def _structure(self) -> Structure:
+        """What the coordinates are."""
         raise NotImplementedError
 
     def _words(self) -> tuple[str, str, str]:
@@ -45,13 +74,7 @@ class LawFit(SavedResult, Value):
         Raises:
             FitError: if the fitted D is not convex.
         """
-        known = None if self.covariance is None else self.covariance.merged()
-        uncertain: dict[str, Any] = {}
-        if known is not None:
-            names = ("turns", "calibration", "zeros")
-            uncertain = dict(zip(names, known.parts, strict=True))
-            uncertain["degrees_of_freedom"] = known.degrees
-        return IdentifiedLaw(self.law, **self._models(), **uncertain)
+        return identified(self.law, self._structure, self.coordinates, self.covariance)
 
     def save_law(
         self, path: str | os.PathLike[str], *, provenance: Provenance | None = None
@@ -110,3 +133,22 @@ class LawFit(SavedResult, Value):
         }
         axis = Axis(tuple(self.parameters), "", "parameter")
         return Table({"parameter": axis}, series, {"rms": self.rms})
+
+
+class PlanarFit(LawFit):
+    """A law in the plane, with models of C and of D."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def _structure(self) -> PlanarStructure: ...
+
+    @property
+    def reservoir_model(self) -> str:
+        """Name of the model of C."""
+        return name_of(self._structure.reservoir)
+
+    @property
+    def direction_model(self) -> str:
+        """Name of the model of D."""
+        return name_of(self._structure.direction)

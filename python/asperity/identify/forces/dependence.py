@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import KW_ONLY
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Fraction, Record, Vector, field
 from asperity.errors import ParameterError
 from asperity.identify.forces.processing import ProcessedData
 
@@ -19,7 +19,7 @@ from asperity.identify.forces.processing import ProcessedData
 _LEAST_RATIO = 1.05
 
 
-class Dependence(Value):
+class Dependence(Record):
     """The exponent n of μ ∝ xⁿ over runs at different normal loads or speeds x.
 
     Args:
@@ -41,37 +41,38 @@ class Dependence(Value):
     (True, True)
     """
 
-    values: Array
-    coefficients: Array
-    confidence: float
-    exponent: float
-    low: float
-    high: float
+    values: Vector
+    coefficients: AnyArray
+    _: KW_ONLY
+    confidence: Fraction = 0.95
+    exponent: float = field(init=False)
+    low: float = field(init=False)
+    high: float = field(init=False)
 
-    def __init__(
-        self, values: ArrayLike, coefficients: ArrayLike, *, confidence: float = 0.95
-    ) -> None:
-        from scipy.stats import t
-
-        x = arrays.array(values, "values", (None,))
-        y = arrays.array(coefficients, "coefficients", (x.size,))
+    def _complete(self, given: dict[str, Any]) -> None:
+        x = given["values"]
+        y = arrays.array(given["coefficients"], "coefficients", (x.size,))
+        given["coefficients"] = y
         if x.size < 3:
             raise ParameterError("values", f"must be those of three runs or more, got {x.size}")
-        for name, given in (("values", x), ("coefficients", y)):
-            if given.min() <= 0.0:
-                raise ParameterError(name, f"must be positive, got {given.min()}")
+        for name, one in (("values", x), ("coefficients", y)):
+            if one.min() <= 0.0:
+                raise ParameterError(name, f"must be positive, got {one.min()}")
         if x.max() < _LEAST_RATIO * x.min():
             raise ParameterError(
                 "values", f"must differ by 5 % or more, lie in {x.min():.4g}..{x.max():.4g}"
             )
-        level = arrays.fraction(confidence, "confidence")
-        self._set(values=x, coefficients=y, confidence=level)
+
+    def _derive(self) -> None:
+        from scipy.stats import t
+
+        x, y = self.values, self.coefficients
         away = np.log(x) - np.log(x).mean()
         spread = float(away @ away)
         exponent = float(away @ np.log(y)) / spread
         left = np.log(y) - np.log(y).mean() - exponent * away
         error = math.sqrt(float(left @ left) / (x.size - 2) / spread)
-        half = float(t.ppf(0.5 * (1.0 + level), x.size - 2)) * error
+        half = float(t.ppf(0.5 * (1.0 + self.confidence), x.size - 2)) * error
         self._keep(exponent=exponent, low=exponent - half, high=exponent + half)
 
     @property

@@ -8,11 +8,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import NonNegative, Record, Value
+from asperity._base.value import AnyArray, NonNegative, Record, Vector, field
 from asperity.errors import ParameterError
 from asperity.law import FrictionLaw
 from asperity.sets import Polygon
@@ -24,7 +23,7 @@ _NEAR = np.deg2rad(np.linspace(-3.0, 3.0, 13))
 _ROUNDS = 4
 
 
-class MeasuredSets(Value):
+class MeasuredSets(Record):
     """Points of bdry C and of D from forces over one turn of the sliding direction.
 
     C is the curve of the forces −λ/λ_N themselves. D follows up to its scale from the deflection
@@ -64,24 +63,25 @@ class MeasuredSets(Value):
     (True, 0.0, True)
     """
 
-    phi: Array
-    force: Array
-    theta: Array
-    radius: Array
-    reservoir_points: Array
-    closure: float
-    convexity_defect: float
-    asymmetry: float
-    direction_by_integration: Array
-    direction_by_support: Array
-    difference: float
-    _slope: Array
+    phi: Vector
+    force: AnyArray
+    theta: Array = field(init=False)
+    radius: Array = field(init=False)
+    reservoir_points: Array = field(init=False)
+    closure: float = field(init=False)
+    convexity_defect: float = field(init=False)
+    asymmetry: float = field(init=False)
+    direction_by_integration: Array = field(init=False)
+    direction_by_support: Array = field(init=False)
+    difference: float = field(init=False)
+    _slope: Array = field(init=False)
 
-    def __init__(self, phi: ArrayLike, force: ArrayLike) -> None:
-        angle = arrays.array(phi, "phi", (None,))
-        f = arrays.array(force, "force", (angle.size, 2))
-        _check_directions(angle)
-        self._set(phi=angle, force=f)
+    def _complete(self, given: dict[str, Any]) -> None:
+        given["force"] = arrays.array(given["force"], "force", (len(given["phi"]), 2))
+        _check_directions(given["phi"])
+
+    def _derive(self) -> None:
+        angle, f = self.phi, self.force
         along, across = _parts(angle, f)
         slope = across / along
         theta = angle + np.arctan(slope)

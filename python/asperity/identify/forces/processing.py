@@ -284,8 +284,7 @@ class ProcessedData(Value):
             zero: mean reading without load, shape ``(3,)``; its drift stays.
 
         Returns:
-            Forces ``(n, 2)`` and normal forces ``(n,)``. `averaged` has the same method for means,
-            at a thousandth of the cost.
+            Forces ``(n, 2)`` and normal forces ``(n,)``.
         """
         t = self.matrix if matrix is None else arrays.array(matrix, "matrix", (3, 3))
         shift = (self.zero if zero is None else arrays.array(zero, "zero", (3,))) - self.zero
@@ -304,68 +303,22 @@ class ProcessedData(Value):
         """
         given = 720 if bins is None else arrays.count(bins, "bins", least=8)
         k = self.full_bins(720) if bins is None and self.goes_round else given
-        forwards, backwards, turned = np.zeros((6, k)), np.zeros((6, k)), np.zeros((9, k))
-        for number in range(len(self.raw.recordings)):
-            angle = self._turned[number]
-            if not isinstance(angle, float):
-                self._add_turned(number, angle, turned)
-            else:
-                self._add(number, forwards if angle == 0.0 else backwards)
-        count = forwards[0] + backwards[0] + turned[0]
-        held = count > 0
+        # Of 1, φ from the centre, l_t, l_p, λ_N.
+        sums = np.zeros((5, k))
+        for first in range(0, len(self.phi), _CHUNK):
+            rows = first + np.flatnonzero(self.turn[first : first + _CHUNK] >= 0)
+            phi = self.phi[rows]
+            cell, within = cells(phi, k)
+            parts = arrays.along_and_across(self.force[rows], phi)
+            columns = (np.ones(rows.size), within, *parts, self.normal_force[rows])
+            for row, column in enumerate(columns):
+                sums[row] += np.bincount(cell, column, k)
+        held = sums[0] > 0.0
         if not held.all() and self.goes_round:
             raise ParameterError("bins", f"must be fewer: of {k}, some hold no sample")
-        count = count[held]
-        total = (forwards + backwards + turned[:6])[:, held] / count
-        signed = (forwards - backwards)[:, held] / count
-        readings = signed[2:5] - signed[0] * self.zero[:, None] + turned[6:, held] / count
-        return Averaged(
-            bin_centres(k)[held] + total[1],
-            readings.T,
-            total[5],
-            count,
-            unsigned_readings=(total[2:5] - self.zero[:, None]).T,
-            sense=signed[0],
-            matrix=self.matrix,
-            zero=self.zero,
-            is_load_given=self.is_load_given,
-            is_fixed=bool(turned.any()),
-        )
-
-    def _add_turned(self, number: int, angle: Array, sums: Array) -> None:
-        """Add a run whose sliding turns against the sensor, by an angle at each sample.
-
-        Behind the sums of `_add` are those of readings above the zero of a sensor that turns with
-        the sliding.
-        """
-        self._add(number, sums[:6])
-        k, inverse = sums.shape[1], np.linalg.inv(self.matrix)
-        rows = slice(self.run[number], self.run[number + 1])
-        used = self.turn[rows] >= 0
-        cell, _ = cells(self.phi[rows][used], k)
-        along, across = arrays.along_and_across(self.force[rows][used], self.phi[rows][used])
-        forces = np.stack([along, across, self.normal_force[rows][used]])
-        for row, reading in enumerate(inverse @ forces):
-            sums[6 + row] += np.bincount(cell, reading, k)
-
-    def _add(self, number: int, sums: Array) -> None:
-        """Add a run to the sums of 1, φ from the centre, readings, λ_N in bins.
-
-        Readings are as if the run had the mean zero of all.
-        """
-        run, k, zero = self.raw.recordings[number], sums.shape[1], self._zeros[number]
-        off = (0.0, 0.0, *(zero.mean - self.zero), 0.0)
-        drift = (0.0, 0.0, *zero.slope, 0.0)
-        for first in range(0, len(run), _CHUNK):
-            rows = slice(first, min(first + _CHUNK, len(run)))
-            here = slice(self.run[number] + rows.start, self.run[number] + rows.stop)
-            cell, within = cells(self.phi[here], k)
-            later = run.time[rows] - zero.middle
-            # Incomplete turns have no weight.
-            used = (self.turn[here] >= 0).astype(np.float64)
-            columns = (1.0, within, *run.readings[rows].T, self.normal_force[here])
-            for row, (column, start, rate) in enumerate(zip(columns, off, drift, strict=True)):
-                sums[row] += np.bincount(cell, used * (column - start - rate * later), k)
+        count = sums[0, held]
+        within, *resistance, normal = sums[1:, held] / count
+        return Averaged(bin_centres(k)[held] + within, np.stack(resistance, axis=-1), normal, count)
 
     @cached_property
     def sets(self) -> MeasuredSets:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import KW_ONLY
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Fraction, Record, Vector, field
 from asperity.errors import ParameterError
 from asperity.identify.records.record import Recording
 
@@ -50,7 +52,7 @@ def turn_numbers(recording: Recording, sign: float) -> NDArray[np.int32]:
     return numbers
 
 
-class TurnAverage(Value):
+class TurnAverage(Record):
     """A signal over the angle, averaged turn by turn.
 
     Args:
@@ -66,24 +68,21 @@ class TurnAverage(Value):
         drift: slope of the turns' means, per turn.
     """
 
-    phi: Array
-    turns: Array
-    confidence: float
-    mean: Array
-    low: Array
-    high: Array
-    offset: Array
-    drift: float
+    phi: Vector
+    turns: AnyArray
+    _: KW_ONLY
+    confidence: Fraction = 0.95
+    mean: Array = field(init=False)
+    low: Array = field(init=False)
+    high: Array = field(init=False)
+    offset: Array = field(init=False)
+    drift: float = field(init=False)
 
-    def __init__(self, phi: ArrayLike, turns: ArrayLike, *, confidence: float = 0.95) -> None:
-        centres = arrays.array(phi, "phi", (None,))
-        values = arrays.array(turns, "turns", (None, centres.size))
-        level = arrays.fraction(confidence, "confidence")
-        self._set(
-            phi=centres,
-            turns=values,
-            confidence=level,
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        given["turns"] = arrays.array(given["turns"], "turns", (None, len(given["phi"])))
+
+    def _derive(self) -> None:
+        values, level = self.turns, self.confidence
         mean: Array = values.mean(axis=0)
         half = _half_width(values, level)
         offset = values.mean(axis=1) - values.mean()
@@ -155,9 +154,7 @@ def average_turns(
 
 def bin_numbers(phi: Array, bins: int) -> NDArray[np.int64]:
     """Return the number of the bin around each angle; the first is centred at half a bin."""
-    # Angles on the edge of a bin count for the upper one, whatever their rounding.
-    scaled = np.floor(phi * (bins / _TURN) + _ROUNDING).astype(np.int64)
-    return scaled % bins
+    return cells(phi, bins)[0]
 
 
 def cells(phi: Array, bins: int) -> tuple[NDArray[np.int64], Array]:

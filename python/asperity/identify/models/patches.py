@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from dataclasses import KW_ONLY
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.storage.data import Kinds
-from asperity._base.value import Value
+from asperity._base.value import OptionalArray, Record, field, unchecked
 from asperity.identify.models.coordinates import Coordinate, Scale
 from asperity.law import FrictionLaw
 from asperity.sets import (
@@ -58,13 +59,18 @@ class Reported(NamedTuple):
     is_length: bool = False
 
 
-class PatchModel(Value):
+class PatchModel(Record):
     """A family of laws of a patch with coordinates p."""
 
-    coordinates: tuple[Coordinate, ...]
-    """Their names and scales."""
-    frame: Frame
-    """Whether the sets keep their axes in the body or in the ground."""
+    if TYPE_CHECKING:
+
+        @property
+        def coordinates(self) -> tuple[Coordinate, ...]:
+            """Their names and scales."""
+
+        @property
+        def frame(self) -> Frame:
+            """Whether the sets keep their axes in the body or in the ground."""
 
     @property
     def size(self) -> int:
@@ -122,11 +128,9 @@ class EllipsoidPatch(PatchModel):
         frame: whether C keeps its axes in the body or in the ground.
     """
 
-    frame: Frame
+    _: KW_ONLY
+    frame: Frame = "body"
     coordinates = _entries("reservoir")
-
-    def __init__(self, *, frame: Frame = "body") -> None:
-        self._set(frame=frame)
 
     @property
     def words(self) -> str:
@@ -208,59 +212,46 @@ class PointsPatch(PatchModel):
     """
 
     count: int
-    radius: float | None
-    friction: Friction
-    frame: Frame
-    places: Array | None
-    loads: Array | None
-    known: bool
-    pressure: Pressure
-    _unit: FrictionLaw | None
+    _: KW_ONLY
+    radius: float | None = None
+    friction: Friction = "isotropic"
+    frame: Frame = "body"
+    places: OptionalArray = field(default=None)
+    loads: OptionalArray = field(default=None)
+    known: bool = False
+    pressure: Pressure = "hertz"
+    coordinates: tuple[Coordinate, ...] = field(init=False)
+    _parts: tuple[slice, slice, slice, slice] = field(init=False)
+    _unit: FrictionLaw | None = field(init=False)
 
-    def __init__(
-        self,
-        count: int,
-        *,
-        radius: float | None = None,
-        friction: Friction = "isotropic",
-        frame: Frame = "body",
-        places: Array | None = None,
-        loads: Array | None = None,
-        known: bool = False,
-        pressure: Pressure = "hertz",
-    ) -> None:
-        self._set(
-            count=count,
-            radius=radius,
-            friction=friction,
-            frame=frame,
-            places=None if places is None else arrays.array(places, "places", (count, 2)),
-            loads=None if loads is None else arrays.array(loads, "loads", (count,)),
-            known=known,
-            pressure=pressure,
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        for name, columns in (("places", (2,)), ("loads", ())):
+            if given[name] is not None:
+                given[name] = arrays.array(given[name], name, (given["count"], *columns))
+
+    def _derive(self) -> None:
+        count, radius, known = self.count, self.radius, self.known
         points = range(1, count + 1)
         loads_of = [f"point_{i}.load" for i in points]
         places_of = [f"point_{i}.x{axis}" for i in points for axis in (1, 2)]
         if radius is None:
             loads_of, places_of = ["mu"], ["centre.1", "centre.2"]
         names = (
-            ["mu"] if loads is not None or known else loads_of,
-            [] if places is not None or known else places_of,
+            ["mu"] if self.loads is not None or known else loads_of,
+            [] if self.places is not None or known else places_of,
             ["radius"] if radius is None else [],
         )
         scales = (Scale.LOG, Scale.PLAIN, Scale.LOG)
         listed = [
             *(tuple(Coordinate(n, s) for n in own) for own, s in zip(names, scales, strict=True)),
-            _half_logarithm("friction") if friction == "ellipse" else (),
+            _half_logarithm("friction") if self.friction == "ellipse" else (),
         ]
         ends = np.cumsum([len(own) for own in listed]).tolist()
         parts = tuple(slice(a, b) for a, b in zip([0, *ends], ends, strict=False))
-        area = CoulombContensou(1.0, pressure=pressure) if radius is None else None
-        unit = None if area is None else FrictionLaw.associated(area)
+        unit = None
+        if radius is None:
+            unit = FrictionLaw.associated(CoulombContensou(1.0, pressure=self.pressure))
         self._keep(coordinates=sum(listed, ()), _parts=parts, _unit=unit)
-
-    _parts: tuple[slice, slice, slice, slice]
 
     @property
     def words(self) -> str:
@@ -462,11 +453,13 @@ class ExtendedPatch(PatchModel):
         of: the model of C.
     """
 
-    of: EllipsoidPatch | PointsPatch
+    of: Annotated[EllipsoidPatch | PointsPatch, unchecked]
+    coordinates: tuple[Coordinate, ...] = field(init=False)
+    frame: Frame = field(init=False)
 
-    def __init__(self, of: EllipsoidPatch | PointsPatch) -> None:
-        self._set(of=of)
-        self._keep(coordinates=(*of.coordinates, *_entries("direction")[1:]), frame=of.frame)
+    def _derive(self) -> None:
+        coordinates = *self.of.coordinates, *_entries("direction")[1:]
+        self._keep(coordinates=coordinates, frame=self.of.frame)
 
     @property
     def spot(self) -> float:
@@ -551,15 +544,13 @@ class ExtendedPoints(PatchModel):
         frame: whether the ellipses keep their axes in the body or in the ground.
     """
 
-    frame: Frame
+    _: KW_ONLY
+    frame: Frame = "ground"
     coordinates = (
         Coordinate("mu", Scale.LOG),
         *_half_logarithm("friction"),
         *_half_logarithm("direction"),
     )
-
-    def __init__(self, *, frame: Frame = "ground") -> None:
-        self._set(frame=frame)
 
     @property
     def words(self) -> str:
@@ -619,11 +610,12 @@ class OffsetPatch(PatchModel):
     """
 
     of: PatchModel
+    coordinates: tuple[Coordinate, ...] = field(init=False)
+    frame: Frame = field(init=False)
 
-    def __init__(self, of: PatchModel) -> None:
-        self._set(of=of)
+    def _derive(self) -> None:
         places = (Coordinate(f"point.x{axis}", Scale.PLAIN) for axis in (1, 2))
-        self._keep(coordinates=(*of.coordinates, *places), frame=of.frame)
+        self._keep(coordinates=(*self.of.coordinates, *places), frame=self.of.frame)
 
     @property
     def words(self) -> str:

@@ -25,6 +25,10 @@ class Structure:
         """Names of the parameters, and the coordinates that the models have for them."""
         raise NotImplementedError
 
+    def named(self) -> dict[str, Any]:
+        """Return the models as `IdentifiedLaw` takes them."""
+        raise NotImplementedError
+
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""
         raise NotImplementedError
@@ -96,6 +100,10 @@ class PlanarStructure(Structure):
             for one in model.coordinates
         )
 
+    def named(self) -> dict[str, Any]:
+        """Return the models as `IdentifiedLaw` takes them."""
+        return {"reservoir_model": self.reservoir, "direction_model": self.direction}
+
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""
         (_, _, first), (_, _, second) = self.models
@@ -146,6 +154,10 @@ class PatchStructure(Structure):
     def coordinates(self) -> tuple[tuple[str, Coordinate], ...]:
         """Names of the parameters, and the coordinates that the model has for them."""
         return tuple((one.name, one) for one in self.model.coordinates)
+
+    def named(self) -> dict[str, Any]:
+        """Return the model as `IdentifiedLaw` takes it."""
+        return {"reservoir_model": self.model}
 
     def law(self, coordinates: Array) -> FrictionLaw:
         """Return the law of coordinates."""

@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, TypeAlias
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Given, Record, field, optional, shaped
 from asperity.errors import DimensionError, ParameterError
 
 # Beyond this condition number the digits of the readings are lost.
 _WORST_CONDITION = 1e6
 
 
-class Calibration(Value):
+def by_channel(error: ArrayLike, name: str) -> Array:
+    """Return the errors of the three channels from one number for all, or from three."""
+    values = arrays.array(error, name)
+    if values.ndim == 0:
+        values = np.full(3, values)
+    if values.shape != (3,):
+        raise DimensionError(name, f"must be one number or three, got {values.shape}")
+    if values.min() < 0.0:
+        raise ParameterError(name, f"must not be negative, got {values.tolist()}")
+    return arrays.read_only(values)
+
+
+ByChannel: TypeAlias = Annotated[Given[ArrayLike | None, Array | None], optional(by_channel)]
+"""Errors of the three channels, given as one number for all or as three; None if not known."""
+
+
+class Calibration(Record):
     """The matrix T of λ = T (F − zero), from readings F under known loads.
 
     The readings are fitted as F = X λ by least squares over all loads, and T = X⁻¹; three loads
@@ -48,32 +67,21 @@ class Calibration(Value):
     True
     """
 
-    loads: Array
-    readings: Array
-    reading_error: Array | None
-    fit_zero: bool
-    matrix: Array
-    condition: float
-    covariance: Array
-    residuals: Array
+    loads: Annotated[Given[ArrayLike, Array], shaped(None, 3)]
+    readings: AnyArray
+    _: KW_ONLY
+    reading_error: ByChannel = field(default=None)
+    fit_zero: bool = False
+    matrix: Array = field(init=False)
+    condition: float = field(init=False)
+    covariance: Array = field(init=False)
+    residuals: Array = field(init=False)
 
-    def __init__(
-        self,
-        loads: ArrayLike,
-        readings: ArrayLike,
-        *,
-        reading_error: ArrayLike | None = None,
-        fit_zero: bool = False,
-    ) -> None:
-        given = arrays.array(loads, "loads", (None, 3))
-        read = arrays.array(readings, "readings", (len(given), 3))
-        error = None if reading_error is None else by_channel(reading_error, "reading_error")
-        self._set(
-            loads=given,
-            readings=read,
-            reading_error=None if error is None else error,
-            fit_zero=bool(fit_zero),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        given["readings"] = arrays.array(given["readings"], "readings", (len(given["loads"]), 3))
+
+    def _derive(self) -> None:
+        given, read, fit_zero = self.loads, self.readings, self.fit_zero
         design = np.hstack([given, np.ones((len(given), 1))]) if fit_zero else given
         if np.linalg.matrix_rank(design) < design.shape[1]:
             raise ParameterError(
@@ -89,7 +97,9 @@ class Calibration(Value):
             )
         matrix = np.linalg.inv(crosstalk)
         residuals = read - design @ gains
-        variance = _variance(residuals, design.shape[1]) if error is None else error**2
+        variance = _variance(residuals, design.shape[1])
+        if self.reading_error is not None:
+            variance = self.reading_error**2
         spread = np.linalg.inv(design.T @ design)[:3, :3]
         # dT = −T dX T, entries row by row.
         sensitivity = np.kron(matrix, matrix.T)
@@ -111,18 +121,6 @@ class Calibration(Value):
             return None
         used = np.repeat([1.0, 1.0, 0.0 if is_load_given else 1.0], 3)
         return arrays.read_only(np.outer(used, used) * self.covariance)
-
-
-def by_channel(error: ArrayLike, name: str) -> Array:
-    """Return the errors of the three channels from one number for all, or from three."""
-    values = arrays.array(error, name)
-    if values.ndim == 0:
-        values = np.full(3, values)
-    if values.shape != (3,):
-        raise DimensionError(name, f"must be one number or three, got {values.shape}")
-    if values.min() < 0.0:
-        raise ParameterError(name, f"must not be negative, got {values.tolist()}")
-    return arrays.read_only(values)
 
 
 def _variance(residuals: Array, parameters: int) -> Array:

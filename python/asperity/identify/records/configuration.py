@@ -18,6 +18,7 @@ from asperity._base.value import Value
 from asperity.errors import AsperityError, ParameterError, RecordError
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.reading import (
+    FORM,
     PathLike,
     Window,
     read_csv,
@@ -35,7 +36,6 @@ from asperity.identify.records.tables.text_table import (
     read_table,
 )
 
-_FORMAT = ("delimiter", "decimal", "header", "encoding", "names", "thousands", "sheet")
 _TIME = Kind(
     "a number, or a time of day in quotes", lambda value: NUMBER.holds(value) or TEXT.holds(value)
 )
@@ -225,7 +225,7 @@ class Configuration(Value):
 
     @property
     def _format(self) -> Format:
-        return Format(**{k: v for k, v in self._section("file").items() if k in _FORMAT})
+        return Format(**{k: v for k, v in self._section("file").items() if k in FORM})
 
     def _constant_normal(self, files: Sequence[Source]) -> float | None:
         """Return the load that stands for a normal channel; None if the files have one.

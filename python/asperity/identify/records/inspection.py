@@ -45,6 +45,7 @@ from asperity.identify.records.tables.text_table import (
     Format,
     cells_of,
     number_in,
+    number_of,
     read_table,
     sheets_of,
 )
@@ -270,16 +271,10 @@ def _used(row: Sequence[Any]) -> int:
 def _numbers(path: Path, found: Guess, form: Format) -> tuple[Array, Sequence[labview.Part]]:
     """Return the numbers of all lines, NaN where there are none, clocks in s; and the parts."""
     width = max(map(len, found.body))
-    form_of = found.form
 
     def value(cell: Any) -> float:
-        if not isinstance(cell, str):
-            try:
-                return clock.of_cell(cell) if not isinstance(cell, int | float) else float(cell)
-            except (TypeError, ValueError):
-                return math.nan
-        number = number_in(cell, form_of)
-        return clock.seconds(cell) if math.isnan(number) else number
+        number = number_of(cell, found.form)
+        return clock.of_cell(cell) if math.isnan(number) else number
 
     body = np.array(
         [[value(cell) for cell in (*row, *[""] * (width - len(row)))] for row in found.body]
@@ -477,9 +472,7 @@ def _order(by_role: Mapping[str, int]) -> list[str]:
 def _is_clock(found: Guess, at: int) -> bool:
     """Return whether the cells of a column are times of day, or durations, in words."""
     cell = next((row[at] for row in found.body if at < len(row) and row[at] != ""), "")
-    if not isinstance(cell, str):
-        return not isinstance(cell, int | float)
-    return math.isnan(number_in(cell, found.form)) and not math.isnan(clock.seconds(cell))
+    return math.isnan(number_of(cell, found.form)) and not math.isnan(clock.of_cell(cell))
 
 
 def _by_numbers(role: str, column: Array) -> str:

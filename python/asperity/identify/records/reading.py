@@ -53,7 +53,7 @@ _LEVELS = 16.0
 # those of a time that is rounded.
 _SEVERAL, _EVEN = 3, 0.1
 _ROUNDED = "rounded or out of order after"
-_FORM = tuple(Format.__dataclass_fields__)
+FORM = tuple(Format.__dataclass_fields__)
 # What stands for a column that is not there.
 _CONSTANTS = {"time": "sample_rate", "angle": "turn_rate", "normal": "normal_load"}
 
@@ -191,7 +191,7 @@ def read_records(
         progress: as of `read_csv`.
         **options: the others of `read_csv`.
     """
-    form = Format(**{name: options.pop(name) for name in _FORM if name in options})
+    form = Format(**{name: options.pop(name) for name in FORM if name in options})
     columns, units = (dict(options.pop(name, None) or {}) for name in ("columns", "units"))
     reader = Reader(form, columns, units, **options)
     files = sources(paths)

@@ -6,16 +6,26 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Count, Number, Positive, Record, Value
+from asperity._base.value import (
+    AnyArray,
+    Count,
+    Given,
+    Number,
+    OptionalArray,
+    Positive,
+    Record,
+    Text,
+    field,
+)
 from asperity.errors import DimensionError, ParameterError, RecordError
-from asperity.identify.records.calibration import Calibration, by_channel
+from asperity.identify.records.calibration import ByChannel, Calibration
 from asperity.identify.records.tables.headings import CHANNELS as CHANNELS
 from asperity.identify.records.tables.headings import READINGS
 
@@ -31,7 +41,7 @@ BACKLASH = 0.1
 _LISTED = 5
 
 
-class Recording(Value):
+class Recording(Record):
     """One run of the tribometer: evenly sampled readings of its channels.
 
     Args:
@@ -53,38 +63,26 @@ class Recording(Value):
     (10.0, 0.796)
     """
 
-    time: Array
-    angle: Array
-    readings: Array
-    source: str
-    velocity: Array | None
+    time: AnyArray
+    _: KW_ONLY
+    angle: AnyArray
+    readings: AnyArray
+    source: Text = ""
+    velocity: OptionalArray = field(default=None)
     # Those of the channels in the file it was read from.
-    _units: tuple[str, ...] = ()
+    _units: ClassVar[tuple[str, ...]] = ()
 
-    def __init__(
-        self,
-        time: ArrayLike,
-        *,
-        angle: ArrayLike,
-        readings: ArrayLike,
-        source: str = "",
-        velocity: ArrayLike | None = None,
-    ) -> None:
-        t = _series(time, "time", source, (None,))
+    def _complete(self, given: dict[str, Any]) -> None:
+        source = given["source"]
+        t = given["time"] = _series(given["time"], "time", source, (None,))
         if len(t) < 2:
             raise DimensionError("time", f"must hold two samples or more, got {len(t)}")
         for what, rows in (("rise", standstill_rows(t)), ("go on without gap", gap_rows(t))):
             if rows.size:
                 raise RecordError(source, f"time: does not {what} after {rows_text(rows + 1)}")
-        self._set(
-            time=t,
-            angle=_series(angle, "angle", source, (len(t),)),
-            readings=_series(readings, "readings", source, (len(t), 3)),
-            source=str(source),
-            velocity=None
-            if velocity is None
-            else _series(velocity, "velocity", source, (len(t), 2)),
-        )
+        for name, columns in (("angle", ()), ("readings", (3,)), ("velocity", (2,))):
+            if given[name] is not None:
+                given[name] = _series(given[name], name, source, (len(t), *columns))
 
     def __len__(self) -> int:
         return len(self.time)
@@ -160,7 +158,18 @@ class Processing(Record):
 _USUAL = Processing()
 
 
-class RawData(Value):
+def _several(values: Any, argument: str) -> tuple[Recording, ...]:
+    found = (values,) if isinstance(values, Recording) else arrays.several(values, argument)
+    for value in found:
+        if not isinstance(value, Recording):
+            raise ParameterError(argument, f"must hold Recordings, got {value!r}")
+    return found
+
+
+_Recordings: TypeAlias = Annotated[Given[Iterable[Recording], tuple[Recording, ...]], _several]
+
+
+class RawData(Record):
     """All that was recorded of one pairing: runs, calibration and records without load.
 
     Args:
@@ -186,54 +195,22 @@ class RawData(Value):
     (1, 2)
     """
 
-    recordings: tuple[Recording, ...]
-    calibration: Calibration | None
-    no_load: tuple[Recording, ...]
-    normal_load: float | None
-    radius: float | None
-    zero_error: Array | None
-    gain_error: Array | None
-    processing: Processing
+    recordings: _Recordings
+    _: KW_ONLY
+    calibration: Calibration | None = None
+    no_load: _Recordings = field(default=())
+    normal_load: Positive | None = None
+    radius: Positive | None = None
+    zero_error: ByChannel = field(default=None)
+    gain_error: ByChannel = field(default=None)
+    processing: Processing = _USUAL
 
-    def __init__(
-        self,
-        recordings: Iterable[Recording],
-        *,
-        calibration: Calibration | None = None,
-        no_load: Iterable[Recording] = (),
-        normal_load: float | None = None,
-        radius: float | None = None,
-        zero_error: ArrayLike | None = None,
-        gain_error: ArrayLike | None = None,
-        processing: Processing = _USUAL,
-    ) -> None:
-        runs = _recordings(recordings, "recordings")
-        if not runs:
+    def _complete(self, given: dict[str, Any]) -> None:
+        if not given["recordings"]:
             raise ParameterError("recordings", "must hold at least one recording")
-        if not isinstance(calibration, Calibration | None):
-            raise ParameterError("calibration", f"must be a Calibration or None, got {calibration}")
-        arrays.of_kind(processing, "processing", Processing, "a Processing")
-        _refuse_copies(runs)
-        if calibration is None:
-            _refuse_voltages(runs)
-        self._set(
-            recordings=runs,
-            calibration=calibration,
-            no_load=_recordings(no_load, "no_load"),
-            normal_load=_optional(normal_load, "normal_load"),
-            radius=_optional(radius, "radius"),
-            zero_error=None if zero_error is None else by_channel(zero_error, "zero_error"),
-            gain_error=None if gain_error is None else by_channel(gain_error, "gain_error"),
-            processing=processing,
-        )
-
-
-def _recordings(values: Any, argument: str) -> tuple[Recording, ...]:
-    found = (values,) if isinstance(values, Recording) else arrays.several(values, argument)
-    for value in found:
-        if not isinstance(value, Recording):
-            raise ParameterError(argument, f"must hold Recordings, got {value!r}")
-    return found
+        _refuse_copies(given["recordings"])
+        if given["calibration"] is None:
+            _refuse_voltages(given["recordings"])
 
 
 def _refuse_voltages(runs: tuple[Recording, ...]) -> None:
@@ -258,10 +235,6 @@ def _refuse_copies(runs: tuple[Recording, ...]) -> None:
             and np.array_equal(one.angle, other.angle)
         ):
             raise RecordError(other.source, f"is the same as {one.source or 'another run'}")
-
-
-def _optional(value: float | None, argument: str) -> float | None:
-    return None if value is None else arrays.positive(value, argument)
 
 
 def _series(values: ArrayLike, name: str, source: str, shape: tuple[int | None, ...]) -> Array:

@@ -73,7 +73,7 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
             "there are no confidence intervals: one complete turn has no scatter between turns; "
             + (WRAPPED if is_wrapped(fit._samples) else cure)
         )
-    sentences += fit._family.structure.stuck(fit.coordinates).values()
+    sentences += fit.family.structure.stuck(fit.coordinates).values()
     if fit.undetermined.any():
         open_ones = [n for n, one in zip(fit.parameters, fit.undetermined, strict=False) if one]
         sentences.append(
@@ -203,7 +203,7 @@ def _records_missing(fit: Fit) -> list[str]:
 
 def _changes(fit: Fit, moved: Array) -> str:
     """Return by how much steps of the coordinates change the parameters that are known."""
-    structure = fit._family.structure
+    structure = fit.family.structure
     changes = [
         (step, structure.change(name, x, step))
         for name, x, step in zip(structure.names, fit.coordinates, moved.tolist(), strict=True)

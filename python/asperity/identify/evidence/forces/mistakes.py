@@ -9,12 +9,11 @@ import numpy as np
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import FitError
-from asperity.identify.estimator.mistakes import Mistake
+from asperity.identify.estimator.mistakes import Mistake, explaining
 from asperity.identify.evidence.forces.bins import Bins, along_sliding
-from asperity.identify.evidence.forces.coverage import coverage
 from asperity.identify.evidence.forces.normal_equations import Family
 from asperity.identify.evidence.forces.samples import channels_turn, is_angled
-from asperity.identify.evidence.forces.starts import fit_bins, start
+from asperity.identify.evidence.forces.starts import fit_bins, has_directions, start
 
 # By what the components that were taken for those along the sliding and across it are multiplied,
 # to give the ones that are meant. The mirror image of a law is a law: nothing tells a wrong
@@ -79,18 +78,16 @@ def mistake(
             (words, _changed(bins, np.array(matrix), of_channels=False))
             for words, matrix in _OF_COMPONENTS
         ]
-    found = []
-    for words, meant in cases:
-        if along_sliding(meant) is None:
-            off = _misfit(family, meant)
-            if off is not None:
-                found.append(Mistake(words, off))
-    if not found:
-        return None
-    least = min(one.misfit for one in found)
-    if least > (_CLOSE if misfit is None else _EXPLAINED * misfit):
-        return None
-    return next(one for one in found if one.misfit <= _AS_GOOD * least)
+    good = explaining(
+        (
+            Mistake(words, off)
+            for words, meant in cases
+            if along_sliding(meant) is None and (off := _misfit(family, meant)) is not None
+        ),
+        most=_CLOSE if misfit is None else _EXPLAINED * misfit,
+        as_good=_AS_GOOD,
+    )
+    return good[0] if good else None
 
 
 def _changed(bins: Bins, matrix: Array, *, of_channels: bool) -> Bins:
@@ -105,7 +102,7 @@ def _changed(bins: Bins, matrix: Array, *, of_channels: bool) -> Bins:
 
 def _misfit(family: Family, bins: Bins) -> float | None:
     """Return how far the model that fits best is from the means, relative to the force."""
-    if len(coverage(bins.phi, is_symmetric=family.is_symmetric).phi) < family.size:
+    if not has_directions(family, bins):
         return None
     try:
         descent = fit_bins(family, bins, start(family, bins))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import KW_ONLY
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,14 +16,14 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.value import View
+from asperity._base.value import View, field
 from asperity.identify.estimator.associativity import Associativity, associativity_of
 from asperity.identify.estimator.comparison import Candidate, Comparison
-from asperity.identify.estimator.covariance import Bands, Covariance, estimates, known_angles
+from asperity.identify.estimator.covariance import Bands, Covariance, estimates, widths
 from asperity.identify.estimator.descent import Descent, Sums
 from asperity.identify.estimator.loss import Loss
 from asperity.identify.estimator.mistakes import Mistake
-from asperity.identify.estimator.result import LawFit
+from asperity.identify.estimator.result import PlanarFit
 from asperity.identify.evidence.forces import defects
 from asperity.identify.evidence.forces.bins import Bins, grouped
 from asperity.identify.evidence.forces.causes import Causes, means_of, weighty
@@ -46,7 +47,8 @@ from asperity.identify.evidence.forces.selection import compare_models
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate, at_bounds
-from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
+from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS
+from asperity.identify.models.structure import PlanarStructure
 from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.record import Processing, RawData, Recording
 from asperity.identify.records.resolution import Steps, coarse_channels
@@ -57,7 +59,7 @@ from asperity.sets import StarSet
 _WIDTH = 5
 
 
-class Fit(LawFit):
+class Fit(PlanarFit):
     """A law fitted to measured forces, with its uncertainty; made by `fit_law`.
 
     What `save` writes holds all readings of the measurement with calibration and records without
@@ -71,63 +73,49 @@ class Fit(LawFit):
         descent: where their coordinates ended.
         loss: of the residuals, with its scale.
         confidence: level of the confidence intervals; None for none.
-        comparison: with other models, where there was one.
+        compared: with other models, where they were.
         held: whether samples on the axes of D hold its angle.
         samples: of `data`, if they are at hand.
         bins: means of these, likewise.
+
+    Attributes:
+        coordinates: of the models, ``(k,)``.
+        covariance: of these by its causes; None without confidence intervals.
     """
 
-    data: Any
+    data: Annotated[Any, frozen]
+    family: Family
+    descent: Descent
     loss: Loss
     confidence: float | None
-    held: bool
-    coordinates: Array
-    _samples: Samples
-    _family: Family
-    _descent: Descent
-    _causes: Causes
-    _covariance: Covariance | None
+    compared: Comparison | None = None
+    _: KW_ONLY
+    held: bool = False
+    coordinates: Array = field(init=False)
+    covariance: Covariance | None = field(init=False)
 
     _picture = "plot_fitted_sets"
+    _samples: ClassVar[Samples]
+    _causes: ClassVar[Causes]
 
     def __init__(
-        self,
-        data: Any,
-        family: Family,
-        descent: Descent,
-        loss: Loss,
-        confidence: float | None,
-        comparison: Comparison | None = None,
-        *,
-        held: bool = False,
-        samples: Samples | None = None,
-        bins: Bins | None = None,
+        self, *args: Any, samples: Samples | None = None, bins: Bins | None = None, **kwargs: Any
     ) -> None:
+        super().__init__(*args, **kwargs)
         # What follows from the data is no parameter: it is neither compared nor kept by pickle.
-        self._set(
-            data=frozen(data),
-            family=family,
-            descent=descent,
-            loss=loss,
-            confidence=confidence,
-            comparison=comparison,
-            held=bool(held),
-        )
+        own = samples_of(self.data) if samples is None else samples
+        means = means_of(own, self.loss) if bins is None else bins
+        causes = Causes(self.family, self.descent, self.loss, self.data, own, means)
         self._keep(
-            coordinates=arrays.read_only(descent.p),
-            _samples=samples_of(self.data) if samples is None else samples,
-            _family=family,
-            _descent=descent,
+            coordinates=arrays.read_only(self.descent.p),
+            covariance=None if self.confidence is None else causes.covariance(held=self.held),
+            _samples=own,
+            _causes=causes,
         )
-        bins = means_of(self._samples, loss) if bins is None else bins
-        causes = Causes(family, descent, loss, self.data, self._samples, bins)
-        covariance = None if confidence is None else causes.covariance(held=held)
-        self._keep(_covariance=covariance, _causes=causes)
 
     @property
-    def covariance(self) -> Covariance | None:
-        """Covariance of the coordinates by its causes; None without confidence intervals."""
-        return self._covariance
+    def _structure(self) -> PlanarStructure:
+        return self.family.structure
 
     def _words(self) -> tuple[str, str, str]:
         models = f"reservoir={self.reservoir_model!r}, direction={self.direction_model!r}"
@@ -154,25 +142,15 @@ class Fit(LawFit):
         """Number of complete turns."""
         return self._samples.turns
 
-    @property
-    def reservoir_model(self) -> str:
-        """Name of the model of C."""
-        return name_of(self._family.reservoir)
-
-    @property
-    def direction_model(self) -> str:
-        """Name of the model of D."""
-        return name_of(self._family.direction)
-
     @cached_property
     def reservoir(self) -> StarSet:
         """The force reservoir C, per unit normal force."""
-        return self._family.reservoir.reservoir(self.coordinates[: self._family.split])
+        return self.family.reservoir.reservoir(self.coordinates[: self.family.split])
 
     @cached_property
     def direction(self) -> StarSet:
         """The direction set D, of any scale."""
-        return self._family.direction.direction(self.coordinates[self._family.split :])
+        return self.family.direction.direction(self.coordinates[self.family.split :])
 
     @cached_property
     def law(self) -> FrictionLaw:
@@ -186,13 +164,6 @@ class Fit(LawFit):
         """
         return FrictionLaw(self.reservoir, self.direction)
 
-    def _models(self) -> dict[str, Any]:
-        return {
-            "reservoir_model": self._family.structure.reservoir,
-            "direction_model": self._family.structure.direction,
-            "values": self._family.structure.values(self.coordinates),
-        }
-
     @cached_property
     def parameters(self) -> Mapping[str, Estimate]:
         """Estimates with confidence intervals by name: ``reservoir.a``, ``direction.ratio`` ….
@@ -202,23 +173,16 @@ class Fit(LawFit):
         what ended at a bound of its model or strokes in few directions leave open, nor the shape of
         C where forces leap over 30° and more of their directions; `warnings` says so.
         """
-        structure = self._family.structure
         told = ~(self.at_bounds | self.undetermined)
         if self.gaps:
-            told[: self._family.split] = False
-        angles = known_angles(structure, self.coordinates, self.covariance)
-        told &= [angles.get(name, True) for name in structure.names]
-        units = np.eye(len(told))
-        deviations = np.full(len(told), np.nan)
-        if self.covariance is not None:
-            deviations = np.sqrt(np.maximum(np.diag(self.covariance.total), 0.0))
+            told[: self.family.split] = False
         return View(
             estimates(
-                structure,
+                self.family.structure,
                 self.coordinates,
                 told,
-                half_widths=self._width(units),
-                standard_errors=deviations,
+                covariance=self.covariance,
+                confidence=self.confidence,
             )
         )
 
@@ -240,18 +204,18 @@ class Fit(LawFit):
     @cached_property
     def at_bounds(self) -> NDArray[np.bool_]:
         """Which coordinates ended at a bound of their model, in the order of the parameters."""
-        return at_bounds(self.coordinates, self._family.coordinates)
+        return at_bounds(self.coordinates, self.family.coordinates)
 
     @cached_property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Arcs of directions θ in rad that the force leaps over, where C has a shape to be told."""
-        has_shape = len(self._family.reservoir.coordinates) > 1
+        has_shape = len(self.family.reservoir.coordinates) > 1
         return tuple(gaps(*self.means)) if has_shape else ()
 
     @cached_property
     def coverage(self) -> Coverage:
         """The sliding directions that hold forces, and the gaps between them."""
-        return coverage(self.means[0], is_symmetric=self._family.is_symmetric)
+        return coverage(self.means[0], is_symmetric=self.family.is_symmetric)
 
     @cached_property
     def undetermined(self) -> NDArray[np.bool_]:
@@ -259,16 +223,15 @@ class Fit(LawFit):
 
         Without intervals, none are known to be.
         """
-        if self.covariance is None or self.confidence is None or not self.coverage.gaps:
-            return np.zeros(self._family.size, dtype=np.bool_)
-        widths = self.covariance.half_widths(np.eye(self._family.size), self.confidence)
-        return self._causes.undetermined(widths)
+        if self.covariance is None or not self.coverage.gaps:
+            return np.zeros(self.family.size, dtype=np.bool_)
+        return self._causes.undetermined(self._width(np.eye(self.family.size)))
 
     @cached_property
     def defects(self) -> Mapping[str, Defect]:
         """Asymmetry, closure and lack of fit with whether they matter; none if data are sparse."""
         samples = weighty(self._samples, self.loss)
-        left = self._family.left(samples, self.coordinates)
+        left = self.family.left(samples, self.coordinates)
         return View(defects.all_of(samples, left, self.data))
 
     @cached_property
@@ -279,9 +242,7 @@ class Fit(LawFit):
             return None
         means = grouped(weighty(self._samples, self.loss), 1).bins(width=_WIDTH)
         turning = channels_turn(self.data)
-        return mistake(
-            self._family, means, found.size, turning=turning, angled=is_angled(self.data)
-        )
+        return mistake(self.family, means, found.size, turning=turning, angled=is_angled(self.data))
 
     @cached_property
     def associativity(self) -> Associativity:
@@ -292,10 +253,9 @@ class Fit(LawFit):
 
         Reference: [WL19] Def. 12, Prop. 2–4.
         """
-        family = self._family
 
-        def force(directions: Array, p: Array) -> Array:
-            return family.forces(np.arctan2(directions[:, 1], directions[:, 0]), p)[0]
+        def force(phi: Array, p: Array) -> Array:
+            return self.family.forces(phi, p)[0]
 
         return associativity_of(
             force, self.coordinates, self.covariance, confidence=self.confidence
@@ -326,7 +286,7 @@ class Fit(LawFit):
     @cached_property
     def residuals(self) -> Array:
         """Measured minus model force of all samples, in N, ``(n, 2)``; in turns or not."""
-        return self._family.left(self._samples, self.coordinates).force
+        return self.family.left(self._samples, self.coordinates).force
 
     @cached_property
     def means(self) -> tuple[Array, Array]:
@@ -342,28 +302,28 @@ class Fit(LawFit):
     @property
     def joint(self) -> bool:
         """Whether C and D were fitted together."""
-        return self._family.joint
+        return self.family.joint
 
     @property
     def rms(self) -> float:
         """Root mean square of a component of the residuals in N, or the scale of a robust loss."""
         if not self.loss.is_linear:
             return self.loss.scale
-        return float(np.sqrt(max(self._descent.cost, 0.0) / (2 * self.samples)))
+        return float(np.sqrt(max(self.descent.cost, 0.0) / (2 * self.samples)))
 
     def forces(self, phi: ArrayLike) -> Array:
         """Return −λ/λ_N of the model while sliding along φ in rad, ``(n, 2)``."""
         angles = arrays.array(phi, "phi", (None,))
-        return self._family.forces(angles, self.coordinates)[0]
+        return self.family.forces(angles, self.coordinates)[0]
 
     def bands(self, phi: ArrayLike) -> Bands:
         """Return the model forces at sliding directions φ in rad with confidence bands."""
         angles = arrays.array(phi, "phi", (None,))
-        force, derivative = self._family.forces(angles, self.coordinates)
+        force, derivative = self.family.forces(angles, self.coordinates)
         e = arrays.unit_vectors(angles)
         turned = np.stack([-e[:, 1], e[:, 0]], axis=-1)
 
-        def widths(first: Array, second: Array) -> Array:
+        def both(first: Array, second: Array) -> Array:
             return np.stack([self._width(first.T), self._width(second.T)], axis=-1)
 
         against, across = (np.einsum("knc,nc->kn", derivative, axis) for axis in (e, turned))
@@ -371,19 +331,19 @@ class Fit(LawFit):
         return Bands(
             angles,
             force,
-            widths(derivative[..., 0], derivative[..., 1]),
+            both(derivative[..., 0], derivative[..., 1]),
             resistance,
-            widths(against, across),
+            both(against, across),
         )
 
     def radius_band(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """Return r_C at angles θ in rad and the ends of its confidence band, each ``(n,)``."""
         angles = arrays.array(theta, "theta", (None,))
-        part = slice(0, self._family.split)
-        log_radius, _, by = self._family.reservoir.log_radius(
+        part = slice(0, self.family.split)
+        log_radius, _, by = self.family.reservoir.log_radius(
             np.cos(angles), np.sin(angles), self.coordinates[part]
         )
-        directions = np.zeros((angles.size, self._family.size))
+        directions = np.zeros((angles.size, self.family.size))
         directions[:, part] = by.T
         width = self._width(directions)
         return np.exp(log_radius), np.exp(log_radius - width), np.exp(log_radius + width)
@@ -391,10 +351,7 @@ class Fit(LawFit):
     @cached_property
     def comparison(self) -> Comparison:
         """Other models of the same data, by BIC and by leave-one-turn-out cross-validation."""
-        given: Comparison | None = self._parameters["comparison"]
-        if given is not None:
-            return given
-        return compare_models(self.data, loss=self.loss.kind)
+        return self.compared or compare_models(self.data, loss=self.loss.kind)
 
     def report(self, path: str | os.PathLike[str], *, title: str = "Friction law") -> Path:
         """Write one HTML file with parameters, figures and the comparison of models.
@@ -414,9 +371,7 @@ class Fit(LawFit):
         return write_report(self, path, title)
 
     def _width(self, directions: Array) -> Array:
-        if self.covariance is None or self.confidence is None:
-            return np.full(len(directions), np.nan)
-        return self.covariance.half_widths(directions, self.confidence)
+        return widths(self.covariance, directions, self.confidence)[0]
 
 
 _KNOWN: stored.Kinds = {

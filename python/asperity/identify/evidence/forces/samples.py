@@ -54,7 +54,7 @@ class Samples:
         return int((self.runs[:, 1] - self.runs[:, 0]).sum())
 
 
-def frozen(data: Any) -> Any:
+def frozen(data: Any, _: str = "data") -> Any:
     """Return data that nobody else can change: arrays that can be are copied."""
     if not isinstance(data, tuple | list):
         return data

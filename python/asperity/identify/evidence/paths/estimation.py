@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from asperity._base.log import log
 from asperity._base.storage.toml import advice_on
 from asperity.errors import DimensionError, FitError, ParameterError
 from asperity.identify.estimator.covariance import level_of
-from asperity.identify.estimator.descent import search
+from asperity.identify.estimator.descent import Found, search
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.paths.launch import DIRECTION, Launch, known_of
 from asperity.identify.evidence.paths.misfits import Misfits
@@ -204,14 +204,6 @@ def _held(fixed: Mapping[str, float] | None, structure: PlanarStructure) -> Arra
     return held
 
 
-class _Descent(NamedTuple):
-    """Where a descent ended."""
-
-    z: Array
-    squares: float
-    converged: bool
-
-
 class _Search:
     """Looks for the law and the launches of paths."""
 
@@ -252,30 +244,30 @@ class _Search:
             )
         z = [misfits.joined(one[self._free], launches) for one in starts]
         near = [self._tried(rough, one) for one in z] if len(z) > 1 else []
-        best = min(near, key=lambda d: d.squares).z if near else z[0]
+        best = min(near, key=lambda d: d.cost).p if near else z[0]
         for _ in range(0 if self._loss.is_linear else _ROUNDS):
-            best = self._descend(misfits, best, _SIFTED).z
+            best = self._descend(misfits, best, _SIFTED).p
             before = self._loss.scale
             self._loss = self._loss.scaled_by(np.abs(misfits.residuals(best)))
             if abs(self._loss.scale - before) <= _SETTLED * self._loss.scale:
                 break
         found = self._descend(misfits, best, _CLOSE)
-        if not (found.converged and np.isfinite(found.squares)):
+        if not (found.converged and np.isfinite(found.cost)):
             names = " and ".join(name_of(model) for _, model, _ in self._structure.models)
             raise FitError(
                 f"no minimum of {names} was found: choose a simpler model, or launch in more "
                 "directions"
             )
-        others = [d for d in near if d.squares < found.squares + _ALIKE]
-        log.info("fit_paths: %d paths, squares %.6g", len(self._paths), found.squares)
+        others = [d for d in near if 2.0 * d.cost < 2.0 * found.cost + _ALIKE]
+        log.info("fit_paths: %d paths, squares %.6g", len(self._paths), 2.0 * found.cost)
         return Solution(
             structure=self._structure,
             held=self._held,
             misfits=misfits,
             motions=self._motions,
             loss=self._loss,
-            z=self._folded(found.z, misfits),
-            others=tuple(self._folded(d.z, misfits)[: misfits.size] for d in others),
+            z=self._folded(found.p, misfits),
+            others=tuple(self._folded(d.p, misfits)[: misfits.size] for d in others),
         )
 
     def _starts(self) -> tuple[list[Array], Array]:
@@ -295,11 +287,11 @@ class _Search:
         y = np.zeros(ellipses.size)
         y[0] = best_size(rough, self._rough, launches)
         found = self._descend(rough, rough.joined(y, launches), _NEAR, bounded=False)
-        starts = ellipses.starts(found.z[: ellipses.size])
+        starts = ellipses.starts(found.p[: ellipses.size])
         if not self._turns():
             starts = starts[:1]
         full = [np.where(self._free, one, self._held) for one in starts]
-        return full, rough.launches(found.z)
+        return full, rough.launches(found.p)
 
     def _turns(self) -> bool:
         """Return whether C may be a superellipse at any angle, of which there are false ones."""
@@ -326,16 +318,14 @@ class _Search:
                 full[last] -= math.pi * round(full[last] / math.pi)
         return np.concatenate([full[self._free], z[misfits.size :]])
 
-    def _tried(self, misfits: Misfits, z: Array) -> _Descent:
+    def _tried(self, misfits: Misfits, z: Array) -> Found:
         """Descend from a start that may lead nowhere."""
         try:
             return self._descend(misfits, z, _SIFTED)
         except FitError:
-            return _Descent(z, np.inf, converged=False)
+            return Found(z, np.inf, 0, converged=False)
 
-    def _descend(
-        self, misfits: Misfits, z: Array, close: float, *, bounded: bool = True
-    ) -> _Descent:
+    def _descend(self, misfits: Misfits, z: Array, close: float, *, bounded: bool = True) -> Found:
         """Descend with differences to one side: their errors hardly move the minimum."""
 
         def slopes(at: Array) -> Array:
@@ -348,8 +338,8 @@ class _Search:
             low[: misfits.size], high[: misfits.size] = ends.T
             z = np.clip(z, low + 1e-6, high - 1e-6)
         if not np.isfinite(misfits.residuals(z)).all():
-            return _Descent(z, np.inf, converged=False)
-        found = search(
+            return Found(z, np.inf, 0, converged=False)
+        return search(
             misfits.residuals,
             slopes,
             z,
@@ -359,4 +349,3 @@ class _Search:
             bounds=(low, high),
             shortest=1e-10,
         )
-        return _Descent(np.asarray(found.x), 2.0 * float(found.cost), found.status > 0)

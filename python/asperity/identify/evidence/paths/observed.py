@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,10 +16,7 @@ from asperity.identify.records.inspection import inspect_path
 from asperity.identify.records.tables.headings import known_units
 from asperity.identify.records.tables.text_table import (
     Format,
-    Table,
-    number_in,
     read_table,
-    split,
 )
 from asperity.runs.comparison import TimedPath
 from asperity.runs.run import Run
@@ -171,8 +167,7 @@ def read_path(
     if not {"x1_error", "x2_error"} <= set(columns):
         columns = {name: columns[name] for name in COLUMNS[:3]}
     form = Format(**{k: v for k, v in stated["file"].items() if k in vars(Format())})
-    table = read_table(path, columns, form, units=given.get("units"))
-    _refuse_texts(table, columns)
+    table = read_table(path, columns, form, units=given.get("units"), texts=False)
     bare = {"x1", "x2"} - set(table.units)
     if len(bare) == 1:
         raise RecordError(
@@ -189,18 +184,3 @@ def read_path(
     if not np.isfinite(values[:, 0]).all():
         raise RecordError(str(path), "must hold a time in every line")
     return values[:, 0], values[:, 1:3], values[:, 3:5] if len(columns) == len(COLUMNS) else None
-
-
-def _refuse_texts(table: Table, columns: Mapping[str, str | int]) -> None:
-    """Refuse cells that hold no number; empty ones are gaps."""
-    rows = np.flatnonzero(np.isnan(table.values).any(axis=1))
-    if not rows.size or table.rows is not None:
-        return
-    with open(table.source, encoding=table.format.encoding) as file:
-        lines = file.read().splitlines()
-    for number in table.lines(rows).tolist():
-        for cell in split(lines[number - 1], table.format):
-            if cell and cell.lower() != "nan" and math.isnan(number_in(cell, table.format)):
-                raise RecordError(
-                    f"{table.source}, line {number}", f"must hold numbers, holds {cell!r}"
-                )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY
-from typing import Any
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -12,14 +12,15 @@ from asperity import law, sets
 from asperity._base.arrays import Array
 from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.value import Record, View
+from asperity._base.value import Given, Record, View, a_tuple, field
 from asperity.identify.estimator.covariance import Covariance
 from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.estimator.loss import Loss
-from asperity.identify.estimator.result import LawFit
+from asperity.identify.estimator.result import PlanarFit
 from asperity.identify.evidence.paths.launch import QUANTITIES, UNITS
 from asperity.identify.models.coordinates import Estimate
-from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS, name_of
+from asperity.identify.models.names import DIRECTION_KINDS, RESERVOIR_KINDS
+from asperity.identify.models.structure import PlanarStructure
 from asperity.law import FrictionLaw
 
 
@@ -62,7 +63,10 @@ class FittedPath(Record):
         return float(np.sqrt(np.mean(np.sum((self.simulated - self.position) ** 2, axis=1))))
 
 
-class PathFit(LawFit):
+_Sentences: TypeAlias = Annotated[Given[Sequence[str], tuple[str, ...]], a_tuple]
+
+
+class PathFit(PlanarFit):
     """A law fitted to measured paths, with its uncertainty; made by `fit_paths`.
 
     What `save` writes holds the measured and the simulated paths and all that follows from them;
@@ -70,6 +74,8 @@ class PathFit(LawFit):
 
     Attributes:
         paths: measured and simulated, with their launches.
+        found: the law with the covariance of its parameters: the scatter between paths takes the
+            place of that between turns, the error of the length scale that of the calibration.
         parameters: estimates with confidence intervals by name, as those of `Fit`.
         loss: of the components of the residuals in standard errors.
         misfit: root mean square of these, corrected for the number of unknowns, or the scale of a
@@ -82,44 +88,19 @@ class PathFit(LawFit):
         warnings: sentences on what these paths do not tell or the models do not hold.
     """
 
-    paths: tuple[FittedPath, ...]
+    paths: Annotated[Given[Sequence[FittedPath], tuple[FittedPath, ...]], a_tuple]
+    _: KW_ONLY
+    found: IdentifiedLaw
     parameters: Mapping[str, Estimate]
     loss: Loss
     confidence: float | None
     misfit: float
     slope_error: float
     degrees_of_freedom: float
-    limits: tuple[str, ...]
-    warnings: tuple[str, ...]
+    limits: _Sentences = field(default=())
+    warnings: _Sentences = field(default=())
 
     _picture = "plot_fitted_paths"
-
-    def __init__(
-        self,
-        paths: Sequence[FittedPath],
-        *,
-        identified_law: IdentifiedLaw,
-        parameters: Mapping[str, Estimate],
-        loss: Loss,
-        confidence: float | None,
-        misfit: float,
-        slope_error: float,
-        degrees_of_freedom: float,
-        limits: Sequence[str] = (),
-        warnings: Sequence[str] = (),
-    ) -> None:
-        self._set(
-            paths=tuple(paths),
-            identified_law=identified_law,
-            parameters=dict(parameters),
-            loss=loss,
-            confidence=confidence,
-            misfit=float(misfit),
-            slope_error=float(slope_error),
-            degrees_of_freedom=float(degrees_of_freedom),
-            limits=tuple(limits),
-            warnings=tuple(warnings),
-        )
 
     @classmethod
     def _known(cls) -> stored.Kinds:
@@ -131,19 +112,23 @@ class PathFit(LawFit):
     @property
     def law(self) -> FrictionLaw:
         """The friction law; D has the largest scale inside C."""
-        return self.identified_law.law
+        return self.found.law
 
     @property
-    def reservoir_model(self) -> str:
-        """Name of the model of C."""
-        model: Any = self.identified_law.reservoir_model
-        return model if isinstance(model, str) else name_of(model)
+    def identified_law(self) -> IdentifiedLaw:
+        """The law with the values of its parameters and their covariance, to sample and to save."""
+        return self.found
 
     @property
-    def direction_model(self) -> str:
-        """Name of the model of D."""
-        model: Any = self.identified_law.direction_model
-        return model if isinstance(model, str) else name_of(model)
+    def covariance(self) -> Covariance | None:
+        """Covariance of the coordinates by its causes; None without confidence intervals."""
+        return None if self.found.turns is None else self.found.covariances
+
+    @property
+    def _structure(self) -> PlanarStructure:
+        structure = self.found._structure
+        assert isinstance(structure, PlanarStructure)
+        return structure
 
     @property
     def points(self) -> int:
@@ -166,22 +151,6 @@ class PathFit(LawFit):
         columns["points"] = np.array([len(path.time) for path in self.paths])
         columns["rms [m]"] = np.array([path.rms for path in self.paths])
         return columns
-
-    @property
-    def identified_law(self) -> IdentifiedLaw:
-        """The law with the values of its parameters and their covariance, to sample and to save.
-
-        In it, the scatter between paths takes the place of that between turns, and the error of the
-        length scale that of the calibration.
-        """
-        given: IdentifiedLaw = self._parameters["identified_law"]
-        return given
-
-    @property
-    def covariance(self) -> Covariance | None:
-        """Covariance of the coordinates by its causes; None without confidence intervals."""
-        law = self.identified_law
-        return None if law.turns is None else law.covariances
 
     def _words(self) -> tuple[str, str, str]:
         what = f"{counted(self.points, 'point')} of {counted(len(self), 'path')}"

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from asperity.identify.estimator.covariance import estimates, known_angles
-from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.estimator.covariance import estimates, widths
+from asperity.identify.estimator.identified_law import identified
 from asperity.identify.evidence.paths.launch import QUANTITIES
 from asperity.identify.evidence.paths.limits import (
     SCALE,
@@ -29,53 +29,40 @@ def verdict(solution: Solution, *, confidence: float | None, length_error: float
     """
     structure, at = solution.structure, solution.free
     by_length = solution.response(longer(solution))
-    units = np.eye(len(solution.held))
-    widths, deviations = np.full((2, len(units)), np.nan)
     covariance = None
     alone = np.zeros(len(at), dtype=np.bool_)
+    units = np.eye(len(solution.held))
     if len(solution.misfits.paths) > 1 and confidence is not None:
         covariance = solution.covariance(None if length_error is None else length_error * by_length)
         assert covariance.leverage is not None
         alone = ~covariance.leverage.compares(units[at])
-        widths = covariance.half_widths(units, confidence)
-        widths[at[alone]] = math.inf
-        deviations = np.sqrt(np.maximum(np.diag(covariance.total), 0.0))
+    half = np.where(alone, math.inf, widths(covariance, units[at], confidence)[0])
     told = ~at_bounds(solution.coordinates, [one for _, one in structure.coordinates])
-    told[at] &= ~not_told(solution, widths[at])
-    angles = known_angles(structure, solution.coordinates, covariance)
-    told &= [angles.get(name, True) for name in structure.names]
-    fixed = ~np.isnan(solution.held)
-    widths[fixed], deviations[fixed], told[fixed] = 0.0, 0.0, True
-    degrees = math.inf if covariance is None else covariance.degrees[0]
-    law = IdentifiedLaw(
-        structure.law(solution.coordinates),
-        reservoir_model=structure.reservoir,
-        direction_model=structure.direction,
-        values=structure.values(solution.coordinates),
-        turns=None if covariance is None else covariance.scatter,
-        calibration=None if covariance is None else covariance.calibration,
-        degrees_of_freedom=((max(degrees, 1.0), math.inf, math.inf)),
-    )
-    rate = solution.motions.law.rate
-    if rate is not None:
-        law = law.replace(law=law.law.replace(rate=rate))
+    told[at] &= ~not_told(solution, half)
+    law, rate = structure.law(solution.coordinates), solution.motions.law.rate
     return PathFit(
         _fitted_paths(solution, confidence),
-        identified_law=law,
+        found=identified(
+            law if rate is None else law.replace(rate=rate),
+            structure,
+            solution.coordinates,
+            covariance,
+        ),
         parameters=estimates(
             structure,
             solution.coordinates,
             told,
-            half_widths=widths,
-            standard_errors=deviations,
+            covariance=covariance,
+            confidence=confidence,
+            fixed=~np.isnan(solution.held),
         ),
         loss=solution.loss,
         confidence=confidence,
         misfit=solution.misfit,
         slope_error=solution.slope_error,
-        degrees_of_freedom=math.nan if covariance is None else degrees,
+        degrees_of_freedom=math.nan if covariance is None else covariance.degrees[0],
         limits=(speed_limit(solution), SCALE),
-        warnings=warnings_of(solution, alone, widths[at], by_length, length_error),
+        warnings=warnings_of(solution, alone, half, by_length, length_error),
     )
 
 

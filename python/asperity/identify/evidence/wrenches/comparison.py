@@ -8,11 +8,11 @@ import numpy as np
 
 from asperity.errors import ParameterError
 from asperity.identify.estimator.comparison import Comparison, compared, inflation
+from asperity.identify.estimator.descent import Found
 from asperity.identify.estimator.leverage import leverage_of
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.wrenches.pairs import Pairs
 from asperity.identify.evidence.wrenches.solving import (
-    Found,
     Labels,
     fitted,
     left_out,

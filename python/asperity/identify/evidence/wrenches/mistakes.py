@@ -10,7 +10,7 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.errors import FitError
 from asperity.identify.estimator.loss import LossName
-from asperity.identify.estimator.mistakes import Mistake
+from asperity.identify.estimator.mistakes import Mistake, explaining
 from asperity.identify.evidence.wrenches.pairs import MOST_AGAINST, Pairs
 from asperity.identify.evidence.wrenches.solving import fitted, starts_of
 from asperity.identify.models.patches import OffsetPatch, PatchModel
@@ -64,10 +64,10 @@ def mistake(
         # It has two unknowns more, and must do better than what has none.
         found = [one for one in found if moved.misfit > _EXPLAINED * one.misfit]
         found.append(moved)
-        least = min(one.misfit for one in found)
-    if least > _EXPLAINED * misfit:
+    good = explaining(found, most=_EXPLAINED * misfit, as_good=_AS_GOOD)
+    if not good:
         return None
-    return Mistake(" or ".join(one.words for one in found if one.misfit <= _AS_GOOD * least), least)
+    return Mistake(" or ".join(one.words for one in good), min(one.misfit for one in good))
 
 
 def _meant(pairs: Pairs, *, in_ground: bool) -> Iterator[tuple[str, Pairs]]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY
+from typing import Annotated, Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Given, OptionalArray, Record, field, shaped
 from asperity.errors import FitError, ParameterError
 
 MOST_AGAINST = 0.5
@@ -24,7 +27,7 @@ _SIGNS = {
 }
 
 
-class Pairs(Value):
+class Pairs(Record):
     """Wrenches that a body exerts on the ground, −λ, with its twists, in the body's axes.
 
     Args:
@@ -36,39 +39,28 @@ class Pairs(Value):
         loads: normal forces of these, shape ``(n, K)``; likewise.
     """
 
-    wrench: Array
-    twist: Array
-    angle: Array | None
-    places: Array | None
-    loads: Array | None
-    along: Array
+    wrench: Annotated[Given[ArrayLike, Array], shaped(None, 3)]
+    twist: AnyArray
+    _: KW_ONLY
+    angle: OptionalArray = field(default=None)
+    places: OptionalArray = field(default=None)
+    loads: OptionalArray = field(default=None)
+    along: Array = field(init=False)
     """The twists divided by their sizes."""
 
-    def __init__(
-        self,
-        wrench: ArrayLike,
-        twist: ArrayLike,
-        *,
-        angle: ArrayLike | None = None,
-        places: ArrayLike | None = None,
-        loads: ArrayLike | None = None,
-    ) -> None:
-        forces = arrays.array(wrench, "wrench", (None, 3))
-        motions = arrays.array(twist, "twist", (len(forces), 3))
-        sizes = arrays.lengths(motions)
-        if len(forces) and not sizes.min() > 0.0:
+    def _complete(self, given: dict[str, Any]) -> None:
+        shapes = {"twist": (3,), "angle": (), "places": (None, 2), "loads": (None,)}
+        for name, rest in shapes.items():
+            if given[name] is not None:
+                given[name] = arrays.array(given[name], name, (len(given["wrench"]), *rest))
+        sizes = arrays.lengths(given["twist"])
+        if len(sizes) and not sizes.min() > 0.0:
             at = int(sizes.argmin())
             raise ParameterError("twist", f"must not vanish, does so in row {at}: leave it out")
-        count = len(forces)
-        self._set(
-            wrench=forces,
-            twist=motions,
-            angle=None if angle is None else arrays.array(angle, "angle", (count,)),
-            places=None if places is None else arrays.array(places, "places", (count, None, 2)),
-            loads=None if loads is None else arrays.array(loads, "loads", (count, None)),
-        )
+
+    def _derive(self) -> None:
         # The force does not depend on the size of a twist: equal ones keep derivatives comparable.
-        self._keep(along=motions / sizes[:, None])
+        self._keep(along=self.twist / arrays.lengths(self.twist)[:, None])
 
     def __len__(self) -> int:
         return len(self.wrench)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import KW_ONLY
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,10 +15,10 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import counted
 from asperity._base.storage import data as stored
-from asperity._base.value import View
+from asperity._base.value import Positive, View, unchecked
 from asperity.identify.estimator.comparison import Comparison
-from asperity.identify.estimator.covariance import Covariance, level_of
-from asperity.identify.estimator.descent import Sums
+from asperity.identify.estimator.covariance import Covariance, level_of, widths
+from asperity.identify.estimator.descent import Found, Sums
 from asperity.identify.estimator.leverage import Leverage, leverage_of
 from asperity.identify.estimator.loss import Loss
 from asperity.identify.estimator.mistakes import Mistake
@@ -25,7 +26,7 @@ from asperity.identify.estimator.result import LawFit
 from asperity.identify.evidence.wrenches.comparison import compare
 from asperity.identify.evidence.wrenches.mistakes import mistake
 from asperity.identify.evidence.wrenches.pairs import Pairs
-from asperity.identify.evidence.wrenches.solving import Found, Labels, sums
+from asperity.identify.evidence.wrenches.solving import Labels, sums
 from asperity.identify.models.coordinates import Estimate, Scale
 from asperity.identify.models.patches import (
     PATCH_KINDS,
@@ -82,42 +83,33 @@ class BlockFit(LawFit):
     """
 
     pairs: Pairs
+    _: KW_ONLY
     model: PatchModel
-    loss: Loss
-    length: float
-    confidence: float | None
-    coordinates: Array
-    blocks: Labels
-    folds: Labels
     found: Found
+    loss: Loss
+    blocks: Annotated[Labels, unchecked]
+    folds: Annotated[Labels, unchecked]
+    length: Positive
+    confidence: Annotated[float | None, level_of]
+
     # Those of forces, loads and lengths are the user's.
     _unit = ""
-    _in_ground = False
+    _in_ground: ClassVar[bool] = False
     """Whether wrenches and twists were given in the axes of the ground."""
 
-    def __init__(
-        self,
-        pairs: Pairs,
-        *,
-        model: PatchModel,
-        found: Found,
-        loss: Loss,
-        blocks: Labels,
-        folds: Labels,
-        length: float,
-        confidence: float | None,
-    ) -> None:
-        self._set(
-            pairs=pairs,
-            model=model,
-            found=found,
-            loss=loss,
-            blocks=arrays.array(blocks, "blocks", (len(pairs),)).astype(np.intp),
-            folds=arrays.array(folds, "folds", (len(pairs),)).astype(np.intp),
-            length=arrays.positive(length, "length"),
-            confidence=level_of(confidence),
-        )
-        self._keep(coordinates=found.p)
+    def _complete(self, given: dict[str, Any]) -> None:
+        for name in ("blocks", "folds"):
+            labels = arrays.array(given[name], name, (len(given["pairs"]),))
+            given[name] = labels.astype(np.intp)
+
+    @property
+    def coordinates(self) -> Array:
+        """Where the search ended, in the order of the model's coordinates."""
+        return self.found.p
+
+    @property
+    def _structure(self) -> PatchStructure:
+        return PatchStructure(self.model)
 
     @cached_property
     def residuals(self) -> Array:
@@ -198,10 +190,7 @@ class BlockFit(LawFit):
         the level 0.01.
         """
         reported, by, untold = self._reported
-        half, error = np.full((2, len(reported)), np.nan)
-        if self.covariance is not None and self.confidence is not None:
-            half = self.covariance.half_widths(by, self.confidence)
-            error = np.sqrt(self.covariance.variances(by))
+        half, error = widths(self.covariance, by, self.confidence)
         values = zip(reported, error.tolist(), half.tolist(), untold.tolist(), strict=True)
         return View({one.name: self._estimate(one, *rest) for one, *rest in values})
 
@@ -221,9 +210,8 @@ class BlockFit(LawFit):
                 _difference(one, other) / (2.0 * step) for one, other in zip(*ends, strict=True)
             ]
         untold = np.array([not self._leverage.tells(row) for row in by])
-        if self.covariance is not None and self.confidence is not None:
-            half = self.covariance.half_widths(by, self.confidence)
-            untold |= half > [_says_nothing(one) for one in reported]
+        half = widths(self.covariance, by, self.confidence)[0]
+        untold |= half > [_says_nothing(one) for one in reported]
         return reported, by, untold
 
     def _estimate(self, one: Reported, error: float, half: float, untold: bool) -> Estimate:
@@ -300,10 +288,6 @@ class BlockFit(LawFit):
             confidence=0.95 if self.confidence is None else self.confidence,
             known={self.model: self.found},
         )
-
-    def _models(self) -> dict[str, Any]:
-        values = PatchStructure(self.model).values(self.coordinates)
-        return {"reservoir_model": self.model, "values": values}
 
     def _words(self) -> tuple[str, str, str]:
         pairs, blocks = counted(len(self.pairs), "pair"), int(self.blocks.max()) + 1

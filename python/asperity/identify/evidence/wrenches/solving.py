@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity._base.value import Record
 from asperity.errors import FitError, ParameterError
-from asperity.identify.estimator.descent import Sums, search
+from asperity.identify.estimator.descent import Found, Sums, search
 from asperity.identify.estimator.loss import Loss, LossName
 from asperity.identify.evidence.wrenches.pairs import Pairs
 from asperity.identify.models.patches import (
@@ -37,24 +36,6 @@ _ROUGH, _FINE = 1e-3, 1e-6
 _RINGS = ((0.9, 0.0), (0.9, 1.0 / 3.0), (0.9, 2.0 / 3.0), (0.5, 0.5))
 # Wrenches of which squares can be summed.
 _LARGEST = 1e140
-
-
-class Found(Record):
-    """Coordinates where a fit ended.
-
-    Args:
-        p: the coordinates.
-        cost: half the sum of the losses, in squares of the wrench.
-        scale: of a robust loss; 0 for least squares.
-        evaluations: how often wrenches were computed.
-        converged: whether the search has ended by itself.
-    """
-
-    p: Array
-    cost: float
-    scale: float
-    evaluations: int
-    converged: bool
 
 
 def descend(
@@ -85,19 +66,18 @@ def descend(
 
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         try:
-            found = search(
+            return search(
                 lambda p: both(p)[0],
                 lambda p: both(p)[1],
                 first,
                 loss=Loss(loss, scale or 1.0, components=1),
                 close=tolerance,
                 most=most,
-            )
+            ).replace(scale=scale)
         except (ValueError, np.linalg.LinAlgError):
             raise FitError(
                 "wrench: the fit has left the range of numbers: try a simpler model"
             ) from None
-    return Found(found.x, float(found.cost), scale, int(found.nfev), bool(found.status > 0))
 
 
 def fitted(
@@ -116,7 +96,7 @@ def fitted(
     size = float(np.sqrt((pairs.wrench**2).mean()))
     given = scale is not None or loss == "linear"
     first = (scale or 0.0) if given else _FIRST_SCALE * size
-    best, spent = Found(starts[0], math.inf, first, 0, False), 0
+    best, spent = Found(starts[0], math.inf, 0, False, first), 0
     for start in starts if len(starts) > 1 else ():
         try:
             trial = descend(model, pairs, start, loss, first, _TRIAL, _ROUGH)

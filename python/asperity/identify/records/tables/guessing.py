@@ -7,7 +7,7 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product, zip_longest
 from pathlib import Path
@@ -69,23 +69,8 @@ def guess(path: Path) -> Guess:
         raise RecordError(str(path), unreadable(path, error)) from None
     if not lines:
         raise RecordError(str(path), "is empty")
-    best, score = None, 0.0
-    for delimiter in _DELIMITERS:
-        cells = _cells([*lines, *later], delimiter)
-        groups = [mark for mark in (".", ",") if mark != delimiter and _parts_groups(cells, mark)]
-        for decimal, group in product((".", ","), (None, *THOUSANDS)):
-            if decimal in (delimiter, group, *groups) or (
-                group is not None and delimiter is None and group.isspace()
-            ):
-                continue
-            found = _score(cells, decimal, group)
-            # What needs less to be said comes first.
-            found -= 1e-6 * (group is not None)
-            if found > score + 1e-9:
-                best, score = (delimiter, decimal, group), found
-    if best is None:
-        raise RecordError(str(path), "holds no table of numbers")
-    delimiter, decimal, group = best
+    tables = {delimiter: _cells([*lines, *later], delimiter) for delimiter in _DELIMITERS}
+    delimiter, decimal, group = _best(tables, str(path))
     cells = _cells(lines, delimiter)
     first = _first(cells, decimal, group)
     form = Format(delimiter, decimal, first, encoding, None, group)
@@ -103,19 +88,39 @@ def of_cells(cells: Sequence[Sequence[Any]], source: str, sheet: str | int) -> G
     """
     rows = [["" if cell is None else cell for cell in row] for row in cells]
     some = rows[:_LINES]
-    groups = [mark for mark in (".", ",") if _parts_groups(some, mark)]
-    best, score = None, 0.0
-    for decimal, group in product((".", ","), (None, *THOUSANDS)):
-        if decimal not in (group, *groups):
-            found = _score(some, decimal, group) - 1e-6 * (group is not None)
-            if found > score + 1e-9:
-                best, score = (decimal, group), found
-    if best is None:
-        raise RecordError(source, "holds no table of numbers", ("sheet",))
+    # No character parts cells that are parted already.
+    best = _best({"": some}, source, "sheet")[1:]
     first = _first(some, *best)
     delimiter = Format().delimiter if best[0] == "." else ";"
     form = Format(delimiter, best[0], first, "utf-8-sig", None, best[1], sheet)
     return Guess(form, rows[:first], [row for row in rows[first:] if any(c != "" for c in row)])
+
+
+def _best(
+    tables: Mapping[str | None, Sequence[Sequence[Any]]], source: str, *options: str
+) -> tuple[str | None, str, str | None]:
+    """Return the delimiter, the decimal mark and that of groups by which most cells are numbers.
+
+    Args:
+        tables: the cells of lines by what parts them.
+        source: for messages.
+        options: what else may be wrong where there are none.
+    """
+    best, score = None, 0.0
+    for delimiter, cells in tables.items():
+        groups = [mark for mark in (".", ",") if mark != delimiter and _parts_groups(cells, mark)]
+        for decimal, group in product((".", ","), (None, *THOUSANDS)):
+            if decimal in (delimiter, group, *groups) or (
+                group is not None and delimiter is None and group.isspace()
+            ):
+                continue
+            # What needs less to be said comes first.
+            found = _score(cells, decimal, group) - 1e-6 * (group is not None)
+            if found > score + 1e-9:
+                best, score = (delimiter, decimal, group), found
+    if best is None:
+        raise RecordError(source, "holds no table of numbers", options)
+    return best
 
 
 def _looked_at(path: Path) -> tuple[str, list[str], list[str]]:

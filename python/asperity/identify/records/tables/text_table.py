@@ -6,7 +6,7 @@ import csv
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
@@ -148,6 +148,7 @@ def read_table(
     *,
     units: Mapping[str, str] | None = None,
     check: bool = True,
+    texts: bool = True,
 ) -> Table:
     """Read columns of a table, given by name or by number from 0, in the order of `columns`.
 
@@ -157,12 +158,13 @@ def read_table(
         form: how the file holds numbers.
         units: of columns, as far as the configuration says them; the headings say the others.
         check: whether headings that contradict them are refused.
+        texts: whether cells may hold what is no number; else only gaps.
 
     Raises:
         RecordError: if the file is missing, empty, of another encoding, not a table of numbers, or
             without one of the columns, if it has two of one name, or a heading has another unit.
     """
-    wanted = _Wanted(columns, form, name_of(path), dict(units or {}), check)
+    wanted = _Wanted(columns, form, name_of(path), dict(units or {}), check, texts)
     if is_frame(path):
         return _of_frame(path, wanted)
     place = Path(path)
@@ -172,18 +174,7 @@ def read_table(
     if form.delimiter == form.decimal:
         raise ParameterError("delimiter", "must differ from the decimal mark")
     try:
-        head, width, is_labview = _heading(place, form)
-        at, found = wanted.places(head)
-        if width > 1:
-            # That a single column is no table is said later.
-            wanted.refuse_beyond(at, width)
-        readers = _readers(columns, form, found)
-        with _text(place, form) as file:
-            first = [file.readline() for _ in range(form.header)]
-            parts = labview.Parts(file, first if is_labview else None)
-            values = _quickly(parts if is_labview else file, form, at, readers)
-        if values is None:
-            values, parts = _slowly(place, form, dict(zip(columns, at, strict=True)), readers)
+        return _of_text(place, wanted)
     except UnicodeError:
         raise RecordError(
             str(place),
@@ -194,9 +185,6 @@ def read_table(
         raise RecordError(str(place), f"is not a text table: {error}") from None
     except OSError as error:
         raise RecordError(str(place), unreadable(place, error)) from None
-    if not len(values):
-        raise RecordError(str(place), f"holds no numbers after {form.header} header lines")
-    return Table(str(place), form, values, found, parts=parts.starts)
 
 
 @dataclass(frozen=True)
@@ -208,6 +196,7 @@ class _Wanted:
     source: str
     units: Mapping[str, str]
     check: bool
+    texts: bool
 
     def places(self, head: Headings, *, also: str = "") -> tuple[list[int], dict[str, str]]:
         """Return where the columns are, and their units."""
@@ -232,6 +221,64 @@ class _Wanted:
                     self.source, f"has no column {at} ({name}), {width} columns", ("columns",)
                 )
 
+    def numbers(
+        self, rows: Sequence[Sequence[Any]], lines: Sequence[int], head: Headings, also: str = ""
+    ) -> tuple[Array, dict[str, str]]:
+        """Return the columns of a table cell by cell, NaN for what is no number, and their units.
+
+        Args:
+            rows: cells of its lines.
+            lines: their numbers.
+            head: what heads the columns.
+            also: what may be wrong beside the columns.
+        """
+        places, units = self.places(head, also=also)
+        columns = [[row[at] if at < len(row) else None for row in rows] for at in places]
+        series = [
+            self.column(repr(name), cells, lines, is_clock=_is_clocked(name, units))
+            for name, cells in zip(self.columns, columns, strict=True)
+        ]
+        values = np.stack(series, axis=-1)
+        broken = np.isnan(values).any(axis=1)
+        if not len(values):
+            raise RecordError(
+                self.source, f"holds no numbers after {self.form.header} header lines"
+            )
+        if broken.mean() > _MOSTLY:
+            first = int(broken.argmax())
+            shown = ", ".join(_short("" if one is None else str(one)) for one in rows[first][:4])
+            raise RecordError(
+                self.source,
+                f"is not a table of numbers: line {lines[first]} reads {shown}",
+                ("sheet" if also else "delimiter", "decimal", "header"),
+            )
+        return values, units
+
+    def column(
+        self, called: str, cells: Sequence[Any], lines: Sequence[int], *, is_clock: bool
+    ) -> Array:
+        """Return the numbers in cells; refuse those whose marks are not the ones of the format."""
+        if is_clock:
+            return np.array([clock.of_cell(one) for one in cells], dtype=np.float64)
+        form = self.form
+        values = np.array([number_of(one, form) for one in cells], dtype=np.float64)
+        other = Format(decimal="," if form.decimal == "." else ".")
+        for row in np.flatnonzero(np.isnan(values)).tolist():
+            cell = cells[row].strip('" ') if isinstance(cells[row], str) else ""
+            if not cell or cell.lower() == "nan":
+                continue
+            says = f"column {called}: line {lines[row]} reads {cell!r}"
+            if not math.isnan(number_in(cell, other)) and form.thousands != other.decimal:
+                words = f"{says}: its decimal mark seems to be {other.decimal!r}"
+                raise RecordError(self.source, words, ("decimal",))
+            if form.thousands is None and _GROUPED.fullmatch(cell):
+                words = f"{says}: its digits stand in groups of three: say what parts them"
+                raise RecordError(self.source, words, ("thousands",))
+            if not self.texts:
+                at = f"{self.source}, line {lines[row]}"
+                raise RecordError(at, f"must hold numbers, holds {cell!r}")
+        return values
+
 
 def _is_clocked(role: str, units: Mapping[str, str]) -> bool:
     return units.get(role, "").removeprefix("-") == CLOCK
@@ -250,8 +297,8 @@ def names_in(path: Source, form: Format) -> list[str]:
         return []
 
 
-def _heading(path: Path, form: Format) -> tuple[Headings, int, bool]:
-    """Return the headings of a text table, its width, and whether LabVIEW has written it."""
+def _heading(path: Path, form: Format) -> tuple[Headings, int]:
+    """Return the headings of a text table, and its width."""
     if path.stat().st_size == 0:
         raise RecordError(str(path), "is empty")
     with _text(path, form) as file:
@@ -263,8 +310,7 @@ def _heading(path: Path, form: Format) -> tuple[Headings, int, bool]:
         # That these are no numbers is said later.
         width, least = max((len(split(line, form)) for line in lines), default=0), 0
     rows = [heading_cells(line, form, width) if line.strip() else [] for line in lines]
-    head = headings(rows, width, least=least, line=form.line_of_names)
-    return head, found, bool(lines) and labview.begins_one(lines[0])
+    return headings(rows, width, least=least, line=form.line_of_names), found
 
 
 def _width_of(line: str, form: Format) -> tuple[int, int]:
@@ -315,39 +361,21 @@ def _heading_of_cells(cells: list[list[Any]], form: Format) -> Headings:
 
 
 def _of_spreadsheet(path: Path, wanted: _Wanted) -> Table:
-    columns, form = wanted.columns, wanted.form
+    form = wanted.form
     cells = cells_of(path, form.sheet)
-    places, units = wanted.places(_heading_of_cells(cells, form), also="sheet")
-    wanted.refuse_beyond(places, len(cells[0]) if cells else 0)
-    numbers = [
+    head = _heading_of_cells(cells, form)
+    wanted.refuse_beyond(wanted.places(head, also="sheet")[0], len(cells[0]) if cells else 0)
+    lines = [
         number
         for number, row in enumerate(cells, 1)
         if number > form.header and any(cell is not None for cell in row)
     ]
-    if not numbers:
-        raise RecordError(str(path), f"holds no numbers after {form.header} header lines")
-    values = np.array(
-        [
-            [
-                _cell(cells[number - 1][at], form, is_clock=_is_clocked(name, units))
-                for name, at in zip(columns, places, strict=True)
-            ]
-            for number in numbers
-        ]
-    )
-    if np.isnan(values).any(axis=1).mean() > _MOSTLY:
-        first = numbers[int(np.isnan(values).any(axis=1).argmax())]
-        shown = ", ".join(_short(str(cell)) for cell in cells[first - 1][:4])
-        raise RecordError(
-            str(path),
-            f"is not a table of numbers: line {first} reads {shown}",
-            ("decimal", "header", "sheet"),
-        )
-    return Table(str(path), form, values, units, np.array(numbers, dtype=np.intp))
+    values, units = wanted.numbers([cells[n - 1] for n in lines], lines, head, also="sheet")
+    return Table(str(path), form, values, units, np.array(lines, dtype=np.intp))
 
 
 def _of_frame(frame: Any, wanted: _Wanted) -> Table:
-    columns, form, source = wanted.columns, wanted.form, wanted.source
+    columns, source = wanted.columns, wanted.source
     # What is an index is found by its name as well.
     index = [name for name in frame.index.names if name in columns.values()]
     given = {name: frame.index.get_level_values(name) for name in index if name not in frame}
@@ -355,59 +383,56 @@ def _of_frame(frame: Any, wanted: _Wanted) -> Table:
     names = [str(name) for name in frame.columns]
     places, units = wanted.places(headings([names], len(names), line=1))
     wanted.refuse_beyond(places, len(names))
+    lines = np.arange(1, len(frame) + 1, dtype=np.intp)
     series = []
     for name, at in zip(columns, places, strict=True):
         column, is_clock = frame.iloc[:, at].to_numpy(), _is_clocked(name, units)
-        if column.dtype.kind in "iuf" and not is_clock:
-            series.append(column.astype(np.float64))
-        elif column.dtype.kind in "mM" and not is_clock:
+        called = f"{names[at]!r} ({name})"
+        if column.dtype.kind in "mM" and not is_clock:
             raise RecordError(
                 source,
-                f"column {names[at]!r} ({name}): holds times of day or durations: its unit is "
-                "'clock'",
+                f"column {called}: holds times of day or durations: its unit is 'clock'",
                 ("units",),
             )
+        if column.dtype.kind in "iuf" and not is_clock:
+            series.append(column.astype(np.float64))
         else:
-            series.append(np.array([_cell(one, form, is_clock=is_clock) for one in column]))
-            if not is_clock:
-                _refuse_marks(source, f"{names[at]!r} ({name})", column, series[-1], form)
-    values = np.stack(series, axis=-1).astype(np.float64)
-    if not len(values):
+            series.append(wanted.column(called, column, lines.tolist(), is_clock=is_clock))
+    if not len(frame):
         raise RecordError(source, "holds no numbers")
-    return Table(source, form, values, units, np.arange(1, len(values) + 1, dtype=np.intp))
+    return Table(source, wanted.form, np.stack(series, axis=-1), units, lines)
 
 
-def _refuse_marks(
-    source: str, name: str, cells: Sequence[Any], values: Array, form: Format
-) -> None:
-    """Refuse a column of numbers in words whose decimal mark or mark of groups is another one."""
-    for row in np.flatnonzero(np.isnan(values)).tolist():
-        cell = cells[row]
-        if not isinstance(cell, str):
-            continue
-        says = f"column {name}: line {row + 1} reads {cell!r}: "
-        other = Format(decimal="," if form.decimal == "." else ".")
-        if not math.isnan(number_in(cell, other)) and form.thousands != other.decimal:
-            raise RecordError(
-                source, f"{says}its decimal mark seems to be {other.decimal!r}", ("decimal",)
-            )
-        if form.thousands is None and _GROUPED.fullmatch(cell):
-            raise RecordError(
-                source,
-                f"{says}its digits stand in groups of three: say what parts them",
-                ("thousands",),
-            )
-
-
-def _cell(cell: Any, form: Format, *, is_clock: bool) -> float:
-    if is_clock:
-        return clock.of_cell(cell)
+def number_of(cell: Any, form: Format) -> float:
+    """Return the number that a cell of any table is or holds, NaN if there is none."""
     if isinstance(cell, str):
         return number_in(cell, form)
     try:
         return math.nan if cell is None else float(cell)
     except (TypeError, ValueError):
         return math.nan
+
+
+def _of_text(path: Path, wanted: _Wanted) -> Table:
+    """Return the columns of a text: at once if every line is in order, else cell by cell."""
+    form = wanted.form
+    head, width = _heading(path, form)
+    places, units = wanted.places(head)
+    if width > 1:
+        # That a single column is no table is said later.
+        wanted.refuse_beyond(places, width)
+    values = None
+    if not any(_is_clocked(name, units) for name in wanted.columns):
+        with _text(path, form) as file:
+            lines = _all_lines(file, form)
+            values = _loaded(lines, form, places)
+    if values is None:
+        with _text(path, form) as file:
+            lines = _all_lines(file, form)
+            numbered = enumerate(lines, form.header + 1)
+            rows = {number: split(line, form) for number, line in numbered if line.strip()}
+        values, units = wanted.numbers(list(rows.values()), list(rows), head)
+    return Table(str(path), form, values, units, parts=lines.starts)
 
 
 def _text(path: Path, form: Format) -> TextIO:
@@ -477,116 +502,36 @@ def _short(name: str) -> str:
     return repr(name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…")
 
 
-Reader: TypeAlias = Callable[[str], float]
-"""What a cell says: a number, NaN if it says none."""
+def _replaced(lines: Iterable[str], mark: str, other: str) -> Iterable[str]:
+    return (line.replace(mark, other) for line in lines)
 
 
-def _readers(
-    columns: Mapping[str, str | int], form: Format, units: Mapping[str, str]
-) -> list[Reader | None]:
-    """Return what reads the cells of each column where they are no plain numbers."""
+def _loaded(lines: Iterable[str], form: Format, places: Sequence[int]) -> Array | None:
+    """Return the columns if every line is in order and there are some, else None."""
+    import warnings
 
-    def grouped(cell: str) -> float:
-        return number_in(cell, form)
-
-    usual = None if form.thousands is None else grouped
-    return [clock.seconds if _is_clocked(name, units) else usual for name in columns]
-
-
-def _quickly(
-    file: Iterable[str],
-    form: Format,
-    wanted: Sequence[int],
-    readers: Sequence[Reader | None],
-) -> Array | None:
-    """Return the columns if every line is in order, else None."""
-    lines = file
-    # A clock may have the marks in it that numbers have.
-    plain = clock.seconds not in readers
-    if plain and form.thousands is not None and form.thousands != form.delimiter:
-        mark = form.thousands
-        lines = (line.replace(mark, "") for line in lines)
-        readers = [None] * len(readers)
-    if form.decimal == ",":
-        if plain:
-            lines = (line.replace(",", ".") for line in lines)
-        else:
-            readers = [one or (lambda cell: number_in(cell, form)) for one in readers]
-    with np.errstate(all="ignore"):
+    for mark, plain in ((form.thousands, ""), (form.decimal, ".")):
+        if mark is not None and mark == form.delimiter:
+            return None
+        if mark is not None and mark != plain:
+            lines = _replaced(lines, mark, plain)
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        # That there are no numbers is said in our own words.
+        warnings.simplefilter("ignore", UserWarning)
         try:
-            return np.asarray(_loaded(lines, form, wanted, readers), dtype=np.float64)
+            found = np.loadtxt(
+                lines,
+                delimiter=form.delimiter,
+                usecols=places,
+                ndmin=2,
+                comments=None,
+                quotechar='"',
+            )
         except UnicodeError:
             raise
         except ValueError:
             return None
-
-
-def _loaded(
-    lines: Iterable[str],
-    form: Format,
-    wanted: Sequence[int],
-    readers: Sequence[Reader | None],
-) -> Array:
-    import warnings
-
-    special: dict[int | str, Reader] = {
-        at: one for at, one in zip(wanted, readers, strict=True) if one is not None
-    }
-    with warnings.catch_warnings():
-        # That there are no numbers is said in our own words.
-        warnings.simplefilter("ignore", UserWarning)
-        return np.loadtxt(
-            lines,
-            delimiter=form.delimiter,
-            usecols=wanted,
-            ndmin=2,
-            comments=None,
-            quotechar='"',
-            converters=special or None,
-        )
-
-
-def _slowly(
-    path: Path, form: Format, wanted: Mapping[str, int], readers: Sequence[Reader | None]
-) -> tuple[Array, labview.Parts]:
-    """Return the columns line by line, NaN for what is no number, and the parts of the file."""
-    rows, broken, first = [], 0, ""
-    read = [one or (lambda cell: number_in(cell, form)) for one in readers]
-    with _text(path, form) as file:
-        lines = _all_lines(file, form)
-        for number, line in enumerate(lines, form.header + 1):
-            if not line.strip():
-                continue
-            cells = split(line, form)
-            row = [
-                one(cells[at]) if at < len(cells) else math.nan
-                for at, one in zip(wanted.values(), read, strict=True)
-            ]
-            if math.isnan(sum(row)):
-                broken += 1
-                first = first or f"line {number} reads {line.strip()[:40]!r}"
-                if form.thousands is None:
-                    _refuse_groups(path, number, cells, dict(zip(wanted.items(), row, strict=True)))
-            rows.append(row)
-    if broken > _MOSTLY * len(rows):
-        raise RecordError(
-            str(path), f"is not a table of numbers: {first}", ("delimiter", "decimal", "header")
-        )
-    return np.array(rows, dtype=np.float64).reshape(-1, len(wanted)), lines
-
-
-def _refuse_groups(
-    path: Path, line: int, cells: Sequence[str], row: Mapping[tuple[str, int], float]
-) -> None:
-    """Refuse a cell that is no number because its digits stand in groups of three."""
-    for (name, at), value in row.items():
-        if math.isnan(value) and at < len(cells) and _GROUPED.fullmatch(cells[at].strip('"')):
-            raise RecordError(
-                str(path),
-                f"column {name}: line {line} reads {cells[at]!r}: its digits stand in groups of "
-                "three: say what parts them",
-                ("thousands",),
-            )
+    return found if len(found) else None
 
 
 def number_in(cell: str, form: Format) -> float:

@@ -30,9 +30,9 @@ from asperity.identify.records.configuration import Configuration
 from asperity.law import Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
-_TABLES = ("parameters.csv", "directions.csv", "turns.csv", "models.csv")
+_TABLES = ("directions.csv", "parameters.csv", "turns.csv", "models.csv")
 _LAW = "law.toml"
-FILES = (_LAW, *_PICTURES, *_TABLES, "report.html")
+FILES = (*_TABLES, _LAW, *_PICTURES, "report.html")
 """What `identify_campaign` writes."""
 
 STAGES = ("reading", "fitting", "comparing models", "writing")

@@ -11,6 +11,7 @@ from asperity._base.storage.files import ResultFolder
 from asperity._base.storage.toml import NUMBER, NUMBERS, TEXT, Schema, Tables, TomlFile
 from asperity._base.tables import write_columns
 from asperity.errors import ParameterError
+from asperity.identify.estimator.loss import LossName
 from asperity.identify.evidence.paths.estimation import fit_paths
 from asperity.identify.evidence.paths.launch import Launch
 from asperity.identify.evidence.paths.observed import COLUMNS, observed
@@ -20,7 +21,7 @@ from asperity.identify.records.tables.text_table import Format
 from asperity.law import FrictionLaw, Provenance
 from asperity.system import SlidingPoint
 
-FILES = ("law.toml", "paths.png", "parameters.csv", "launches.csv")
+FILES = ("launches.csv", "law.toml", "paths.png", "parameters.csv")
 """What `identify_paths` writes."""
 
 _LAUNCH: Schema = {
@@ -62,6 +63,7 @@ def identify_paths(
     *,
     reservoir: str = "superellipse",
     direction: str = "superellipse",
+    loss: LossName = "linear",
     confidence: float = 0.95,
 ) -> PathFit:
     """Identify a law and write what `FILES` lists into `out`; nothing if something is wrong.
@@ -74,6 +76,7 @@ def identify_paths(
         out: folder; made if it is not there.
         reservoir: model of C, as for `fit_paths`.
         direction: model of D, likewise.
+        loss: of the positions, as for `fit_paths`.
         confidence: of the confidence intervals.
 
     Raises:
@@ -105,13 +108,14 @@ def identify_paths(
             direction=direction,
             launch=launches,
             fixed=fixed,
+            loss=loss,
             confidence=confidence,
             **known,
         )
     origin = Provenance.of_files(
         [*paths, *([] if config is None else [config])],
         made_by=f"asperity identify-paths --reservoir {reservoir} --direction {direction} "
-        f"--confidence {confidence!r}",
+        f"--loss {loss} --confidence {confidence!r}",
         configuration=given,
     )
     with folder.filled() as place:

@@ -1,0 +1,1 @@
+"""From files to a law with figures and tables: what the commands of identification do."""
