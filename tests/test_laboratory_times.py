@@ -116,7 +116,7 @@ def test_texts_spreadsheets_and_frames_are_refused_in_the_same_words(tmp_path):
     words.to_excel(tmp_path / "words.xlsx", index=False)
     form = {"file": {"delimiter": ";"}}
     for one in (tmp_path / "words.csv", tmp_path / "words.xlsx", words):
-        with pytest.raises(RecordError, match="decimal mark seems .* groups of three") as refused:
+        with pytest.raises(RecordError, match=r"decimal mark seems .* groups of") as refused:
             identify.load(one, form)
         assert refused.value.options == ("decimal", "thousands")
     for one in (tmp_path / "plain.csv", tmp_path / "plain.xlsx", held):

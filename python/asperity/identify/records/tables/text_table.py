@@ -263,8 +263,8 @@ class _Wanted:
         values = np.array([read(one) for one in cells], dtype=np.float64)
         if is_clock:
             if len(cells) and np.isnan(values).all():
-                words = f"column {called}: line {lines[0]} reads {str(cells[0])!r}: not a time of day"
-                raise RecordError(self.source, words, ("units",))
+                says = f"column {called}: line {lines[0]} reads {str(cells[0])!r}"
+                raise RecordError(self.source, f"{says}: not a time of day", ("units",))
             return values
         other = Format(decimal="," if self.form.decimal == "." else ".")
         for row in np.flatnonzero(np.isnan(values)).tolist():
@@ -277,8 +277,9 @@ class _Wanted:
             if self.form.thousands is None and _GROUPED.fullmatch(cell):
                 marks["thousands"] = "its digits stand in groups of three: say what parts them"
             if marks:
-                words = f"column {called}: line {lines[row]} reads {cell!r}: "
-                raise RecordError(self.source, words + ", or ".join(marks.values()), tuple(marks))
+                says = f"column {called}: line {lines[row]} reads {cell!r}"
+                words = f"{says}: {', or '.join(marks.values())}"
+                raise RecordError(self.source, words, tuple(marks))
             if not self.texts:
                 at = f"{self.source}, line {lines[row]}"
                 raise RecordError(at, f"must hold numbers, holds {cell!r}")
