@@ -61,7 +61,7 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
         (law, *_), first, forces = zip(*contacts, strict=True)
         at = np.array(first)[:, None] + np.arange(law.dimension + (forces[0] is None))
         squares += float((_defects(law, forces, given[at], xi[at]) ** 2).sum())
-    scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
+    scale = float(max(_norm(given), rho * _norm(free), np.finfo(float).tiny))
     return math.sqrt(squares) / scale
 
 
