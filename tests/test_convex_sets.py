@@ -3,7 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
-from samples import CONVEX, EGG, identify, random_directions, random_matrix
+from samples import CONVEX, EGG, LINE, identify, random_directions, random_matrix
 from scipy.optimize import minimize
 
 CASES = 1000
@@ -52,6 +52,27 @@ def test_rule_nine_for_linear_maps(convex, rng):
     for x_one, y_one in zip(x[:20], y[:20], strict=True):
         cone = preimage.normal_cone(x_one, tolerance=1e-7)
         assert cone.contains(matrix.T @ y_one, tolerance=1e-4)
+
+
+@pytest.mark.parametrize("interval", LINE, ids=identify)
+def test_sets_on_a_line_are_intervals(interval):
+    low, high = -interval.support([-1.0]), interval.support([1.0])
+    x = np.linspace(2.0 * low, 2.0 * high, 41)[:, None]
+    expected = np.where(x > 0.0, x / high, x / low)[:, 0]
+    np.testing.assert_allclose(interval.gauge(x), expected, rtol=1e-12)
+    np.testing.assert_allclose(interval.project(x), np.clip(x, low, high), rtol=1e-12, atol=1e-15)
+    assert interval.support_hessian([[-2.0], [3.0]]).tolist() == [[[0.0]], [[0.0]]]
+    for end, normal in ((low, -1.0), (high, 1.0)):
+        assert interval.normal_cone([end], tolerance=1e-9).generators.tolist() == [[normal]]
+        tangents = interval.tangent_cone([end], tolerance=1e-9)
+        assert tangents.contains([[-normal], [normal]]).tolist() == [True, False]
+        outside = [1.01 * end]
+        assert interval.normal_cone(outside).is_empty
+        assert interval.tangent_cone(outside).is_empty
+    assert interval.normal_cone([0.5 * low]).generators.shape == (0, 1)
+    outer = asp.Interval(3.0 * low, 2.0 * high)
+    assert interval.scale_inside(outer) == pytest.approx(2.0, rel=1e-12)
+    assert interval.margin_inside(outer) == pytest.approx(1.0, rel=1e-12)
 
 
 SMOOTH = [

@@ -103,3 +103,22 @@ def test_words_for_numbers_are_refused_by_what_they_say():
     words = held.assign(radial="overload")
     with pytest.raises(AsperityError, match=r"column 'radial' \(radial\): no number in lines 1, 2"):
         identify.load(words, {})
+
+
+def test_texts_spreadsheets_and_frames_are_refused_in_the_same_words(tmp_path):
+    """Integers of four digits may hold a decimal comma or a comma between groups."""
+    pytest.importorskip("openpyxl")
+    held = frame(TABLE[:, 0])
+    words = held.assign(normal=[f"{1000 + i % 3:,}" for i in range(len(held))])
+    held.to_csv(tmp_path / "plain.csv", index=False, sep=";")
+    words.to_csv(tmp_path / "words.csv", index=False, sep=";")
+    held.to_excel(tmp_path / "plain.xlsx", index=False)
+    words.to_excel(tmp_path / "words.xlsx", index=False)
+    form = {"file": {"delimiter": ";"}}
+    for one in (tmp_path / "words.csv", tmp_path / "words.xlsx", words):
+        with pytest.raises(RecordError, match=r"decimal mark seems .* groups of") as refused:
+            identify.load(one, form)
+        assert refused.value.options == ("decimal", "thousands")
+    for one in (tmp_path / "plain.csv", tmp_path / "plain.xlsx", held):
+        with pytest.raises(RecordError, match=r"'0(\.0)?': not a time of day; see units"):
+            identify.load(one, CLOCK | form)

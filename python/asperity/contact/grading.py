@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,11 +53,15 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     if not np.isfinite(given).all():
         return math.inf
     xi = rho * (problem.delassus @ given + free)
-    squares = sum(
-        _defect(law, force, given[rows], xi[rows]) ** 2
-        for law, (rows, force) in zip(problem.laws, _contacts(problem), strict=True)
-    )
-    scale = max(_norm(given), float(rho) * _norm(free), float(np.finfo(float).tiny))
+    alike = defaultdict(list)
+    for law, (rows, force) in zip(problem.laws, _contacts(problem), strict=True):
+        alike[id(law), force is None].append((law, rows.start, force))
+    squares = 0.0
+    for contacts in alike.values():
+        (law, *_), first, forces = zip(*contacts, strict=True)
+        at = np.array(first)[:, None] + np.arange(law.dimension + (forces[0] is None))
+        squares += float((_defects(law, forces, given[at], xi[at]) ** 2).sum())
+    scale = float(max(_norm(given), rho * _norm(free), np.finfo(float).tiny))
     return math.sqrt(squares) / scale
 
 
@@ -209,78 +215,82 @@ def _contacts(problem: ContactProblem) -> Iterator[tuple[slice, float | None]]:
 def _free_velocity(problem: ContactProblem) -> Array:
     """Return b + e∘γ_B."""
     arrays.of_kind(problem, "problem", ContactProblem, "a ContactProblem")
-    widths = [rows.stop - rows.start for rows in problem.row_slices]
+    contacts = list(_contacts(problem))
+    widths = [rows.stop - rows.start for rows, _ in contacts]
     factor = np.repeat(problem.tangential_restitution, widths)
-    for (rows, force), e in zip(_contacts(problem), problem.normal_restitution, strict=True):
-        if force is None:
-            factor[rows.start] = e
+    closing = [i for i, (_, force) in enumerate(contacts) if force is None]
+    factor[[contacts[i][0].start for i in closing]] = problem.normal_restitution[closing]
     free: Array = problem.free_velocity + factor * problem.initial_velocity
     return free
 
 
-def _defect(law: FrictionLaw, force: float | None, p: Array, v: Array) -> float:
-    """Return the defect of a contact with v = ρξ and the normal force that is given, if any."""
-    if force is not None:
-        return _friction(law, force, p, v)
+def _defects(law: FrictionLaw, forces: Sequence[float | None], p: Array, v: Array) -> Array:
+    """Return the defects of contacts with v = ρξ and the normal forces that are given, if any."""
+    if forces[0] is not None:
+        return _friction(law, np.array(forces), p, v)
     if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:
         return _cone(float(law.reservoir.support(np.eye(law.dimension)[0])), p, v)
-    return math.hypot(p[0] - max(0.0, p[0] - v[0]), _friction(law, float(p[0]), p[1:], v[1:]))
+    normal = p[:, 0]
+    tangential = _friction(law, normal, p[:, 1:], v[:, 1:])
+    return np.hypot(normal - np.maximum(0.0, normal - v[:, 0]), tangential)
 
 
-def _cone(mu: float, p: Array, v: Array) -> float:
-    """Return the defect of P = proj_K(P − ρξ̃), ξ̃_N = ξ_N + μ‖ξ_T‖, K the friction cone."""
+def _cone(mu: float, p: Array, v: Array) -> Array:
+    """Return the defects of P = proj_K(P − ρξ̃), ξ̃_N = ξ_N + μ‖ξ_T‖, K the friction cone."""
     moved = p - v
-    moved[0] -= mu * _norm(v[1:])
-    length = _norm(moved[1:])
-    if length > mu * moved[0]:
-        normal = max((moved[0] + mu * length) / (1.0 + mu**2), 0.0)
-        moved = np.append(normal, moved[1:] * (mu * normal / length if length else 0.0))
+    moved[:, 0] -= mu * _norm(v[:, 1:])
+    length = _norm(moved[:, 1:])
+    outside = length > mu * moved[:, 0]
+    normal = np.maximum((moved[:, 0] + mu * length) / (1.0 + mu**2), 0.0)[outside]
+    moved[outside, 0] = normal
+    moved[outside, 1:] *= (mu * normal / np.where(length > 0.0, length, 1.0)[outside])[:, None]
     return _norm(p - moved)
 
 
-def _friction(law: FrictionLaw, normal: float, p: Array, v: Array) -> float:
-    """Return the distance of P_T, v = ρξ_T from the law; ‖P_T‖ where P_N ≤ 0.
+def _friction(law: FrictionLaw, normal: Array, p: Array, v: Array) -> Array:
+    """Return the distances of P_T, v = ρξ_T from the law; ‖P_T‖ where P_N ≤ 0.
 
     Per unit of P_N two pairs obey the law near (x, v): the end of a prox step, x′ = z′/α(z′) with
     the rest of the step as velocity, whose larger part is counted, and x in C at rest. Beside cusps
     of C there may be a nearer one.
     """
-    if normal <= 0.0:
-        return _norm(p)
-    x, v = -p / normal, v / normal
-    gauge = float(law.reservoir.gauge(x))
-    inverse = 1.0 + float(law.direction.gauge(x)) - gauge  # 1/α
+    defects, closed = _norm(p), normal > 0.0
+    force = normal[closed][:, None]
+    x, v = -p[closed] / force, v[closed] / force
+    gauge = law.reservoir.gauge(x)[:, None]
+    inverse = 1.0 + law.direction.gauge(x)[:, None] - gauge  # 1/α
     end = law.direction.project((x + v) / inverse)
     # 1/α(z′) is k_C(z′) − k_D(z′) + 1, and k_C(z′) where the step ends on the boundary of D.
-    depth = min(float(law.direction.gauge(end)), 1.0)
-    there = end / (law.reservoir.gauge(end) - depth + 1.0)
-    slip = max(_norm(x - there), _norm(end * inverse - x))
+    depth = np.minimum(law.direction.gauge(end), 1.0)
+    there = end / (law.reservoir.gauge(end) - depth + 1.0)[:, None]
+    slip = np.maximum(_norm(x - there), _norm(end * inverse - x))
     if not law.reservoir.is_convex:
-        slip = min(slip, _beside(law, x, v))
-    rest = _norm(x) * max(0.0, 1.0 - 1.0 / max(gauge, 1.0)) + _norm(v)
-    return float(min(slip, rest) * normal)
+        slip = np.minimum(slip, _beside(law, x, v))
+    rest = _norm(x - x / np.maximum(gauge, 1.0)) + _norm(v)
+    defects[closed] = np.minimum(slip, rest) * normal[closed]
+    return defects
 
 
-def _beside(law: FrictionLaw, x: Array, v: Array) -> float:
-    """Return the distance to slip where a step along the gradient of k_C crosses the boundary of C.
+def _beside(law: FrictionLaw, x: Array, v: Array) -> Array:
+    """Return distances to slip where a step along the gradient of k_C crosses the boundary of C.
 
-    It is infinite where it crosses none, or begins or ends at the origin, which has no gradient.
+    They are infinite where it crosses none, or begins or ends at the origin, which has no gradient.
     """
-    if not x.any():
-        return math.inf
-    excess, slope = law.reservoir.gauge(x) - 1.0, law.reservoir.gauge_gradient(x)
-    step = slope * (2.0 * excess / (slope @ slope))
-    near = x - step
-    if not near.any() or (law.reservoir.gauge(near) - 1.0) * excess > 0.0:
-        return math.inf
-    aside = []
-    for at in (x, near):
+    distances, rows = np.full(len(x), np.inf), np.flatnonzero(x.any(axis=1))
+    excess, slope = law.reservoir.gauge(x[rows]) - 1.0, law.reservoir.gauge_gradient(x[rows])
+    step = slope * (2.0 * excess / (slope**2).sum(axis=1))[:, None]
+    near = x[rows] - step
+    crosses = near.any(axis=1) & ((law.reservoir.gauge(near) - 1.0) * excess <= 0.0)
+    rows, aside = rows[crosses], []
+    for at in (x[rows], near[crosses]):
         normal = law.direction.gauge_gradient(at)
-        normal = normal / _norm(normal)
-        aside.append(_norm(v - max(float(v @ normal), 0.0) * normal))
-    found = _norm(step) + max(aside)
-    return found if math.isfinite(found) else math.inf
+        normal /= _norm(normal)[:, None]
+        along = np.maximum((v[rows] * normal).sum(axis=1), 0.0)[:, None]
+        aside.append(_norm(v[rows] - along * normal))
+    found = _norm(step[crosses]) + np.maximum(*aside)
+    distances[rows] = np.where(np.isfinite(found), found, np.inf)
+    return distances
 
 
-def _norm(values: Array) -> float:
-    return float(np.linalg.norm(values))
+def _norm(vectors: Array) -> Any:
+    return np.linalg.norm(vectors, axis=-1)

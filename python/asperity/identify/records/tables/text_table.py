@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
@@ -258,22 +259,27 @@ class _Wanted:
         self, called: str, cells: Sequence[Any], lines: Sequence[int], *, is_clock: bool
     ) -> Array:
         """Return the numbers in cells; refuse those whose marks are not the ones of the format."""
+        read = clock.of_cell if is_clock else partial(number_of, form=self.form)
+        values = np.array([read(one) for one in cells], dtype=np.float64)
         if is_clock:
-            return np.array([clock.of_cell(one) for one in cells], dtype=np.float64)
-        form = self.form
-        values = np.array([number_of(one, form) for one in cells], dtype=np.float64)
-        other = Format(decimal="," if form.decimal == "." else ".")
+            if len(cells) and np.isnan(values).all():
+                says = f"column {called}: line {lines[0]} reads {str(cells[0])!r}"
+                raise RecordError(self.source, f"{says}: not a time of day", ("units",))
+            return values
+        other = Format(decimal="," if self.form.decimal == "." else ".")
         for row in np.flatnonzero(np.isnan(values)).tolist():
             cell = cells[row].strip('" ') if isinstance(cells[row], str) else ""
             if not cell or cell.lower() == "nan":
                 continue
-            says = f"column {called}: line {lines[row]} reads {cell!r}"
-            if not math.isnan(number_in(cell, other)) and form.thousands != other.decimal:
-                words = f"{says}: its decimal mark seems to be {other.decimal!r}"
-                raise RecordError(self.source, words, ("decimal",))
-            if form.thousands is None and _GROUPED.fullmatch(cell):
-                words = f"{says}: its digits stand in groups of three: say what parts them"
-                raise RecordError(self.source, words, ("thousands",))
+            marks = {}
+            if not math.isnan(number_in(cell, other)) and self.form.thousands != other.decimal:
+                marks["decimal"] = f"its decimal mark seems to be {other.decimal!r}"
+            if self.form.thousands is None and _GROUPED.fullmatch(cell):
+                marks["thousands"] = "its digits stand in groups of three: say what parts them"
+            if marks:
+                says = f"column {called}: line {lines[row]} reads {cell!r}"
+                words = f"{says}: {', or '.join(marks.values())}"
+                raise RecordError(self.source, words, tuple(marks))
             if not self.texts:
                 at = f"{self.source}, line {lines[row]}"
                 raise RecordError(at, f"must hold numbers, holds {cell!r}")
