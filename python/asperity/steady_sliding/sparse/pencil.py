@@ -37,6 +37,14 @@ class SparsePencil:
         """Number of coordinates."""
         return int(self.mass.shape[0])
 
+    @cached_property
+    def most(self) -> int:
+        """Largest number of finite eigenvalues, the sum of the degrees of the columns of P."""
+        moves, damps = (
+            np.asarray(abs(part).sum(axis=0)).ravel() > 0.0 for part in (self.mass, self.damping)
+        )
+        return int(moves.sum() + (moves | damps).sum())
+
     @property
     def transposed(self) -> SparsePencil:
         """P(s)ᵀ, whose right eigenvectors are the conjugates of the left ones of P."""
@@ -101,7 +109,9 @@ class SparsePencil:
         entries += (abs(self.damping) @ size) * np.abs(s) + abs(self.stiffness) @ size
         doubt = np.abs(self.times(s, x)) + ROUNDING * entries
         slope = np.abs(np.sum(left * self.slopes(s, x), axis=0))
-        return np.sum(y * doubt, axis=0) / np.where(slope > 0.0, slope, np.finfo(float).tiny)
+        # Without a slope the eigenvalue is multiple, and nothing is known of its error.
+        bound = np.sum(y * doubt, axis=0) / np.where(slope > 0.0, slope, 1.0)
+        return np.where(slope > 0.0, bound, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
