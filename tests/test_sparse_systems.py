@@ -185,3 +185,15 @@ def test_small_integers_are_added_as_numbers():
 def test_masses_are_not_negative(M):
     with pytest.raises(asp.ParameterError, match=r"mass.*semidefinite"):
         asp.LinearSystem(sp.csc_array(M))
+
+
+def test_tangents_of_a_disc_are_given_or_circles():
+    with pytest.raises(asp.ParameterError, match="tangents"):
+        asp.MeshContacts.on_disc(
+            LAW,
+            coordinates=[[0, 1, 2]],
+            positions=[[0.1, 0.0, 0.0]],
+            rate=[0.0, 0.0, 5.0],
+            circumferential=True,
+            tangents=[1.0, 0.0, 0.0],
+        )

@@ -1,5 +1,7 @@
 """Squeal of finite-element models: equilibria with contacts that open, eigenvalues near a shift."""
 
+import warnings
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -468,3 +470,22 @@ def test_an_equilibrium_must_name_the_contacts_that_it_loads():
     for options in ({"count": 3}, {"growth": 1.0}, {"certify": True}):
         with pytest.raises(asp.ParameterError, match="near"):
             asp.stability(system, **options)
+
+
+def test_a_shift_on_an_eigenvalue_of_more_copies_than_asked_for_certifies_nothing():
+    system = asp.LinearSystem(sp.identity(40), stiffness=4.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = asp.stability(system, near=2.0, count=12, certify=True)
+    np.testing.assert_allclose(found.eigenvalues, np.full(12, 2j), rtol=1e-12)
+    assert not found.certificate.is_conclusive
+    assert found.certificate.factorisations == 0
+
+
+def test_shifts_at_which_numbers_overflow_are_refused():
+    system = asp.LinearSystem(sp.identity(80), stiffness=sp.diags_array(np.arange(1.0, 81.0)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for where in ({"near": 1e100}, {"near": 1e200}, {"band": (0.0, 1e200)}):
+            with pytest.raises(asp.ParameterError, match="too large numbers"):
+                asp.stability(system, **where)

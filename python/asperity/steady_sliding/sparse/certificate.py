@@ -23,6 +23,8 @@ _EXPLAINED = 0.2
 # Searches for missing eigenvalues between two refinements, and eigenvalues asked for by each; the
 # second number where the first holds none that is new.
 _SEARCHES, _NEIGHBOURS = 6, (4, 16)
+# Radius, relative to the centre, of a circle about a shift on a multiple eigenvalue: rounding.
+_POINT = 1e-10
 # Places in the circle where a missing eigenvalue is assumed, along and across.
 _PLACES = 48
 
@@ -91,6 +93,8 @@ def certified(pencil: SparsePencil, known: Complex, circle: Circle) -> Certifica
     phases do not agree, eigenvalues are looked for at the place that explains them best: a missing
     one is named, never inferred from a number.
     """
+    if circle.radius <= _POINT * (abs(circle.centre) + circle.radius):
+        return Certificate((circle,), known[:0], False, 0)
     listed, known = known, _with_conjugates(pencil, known)
     measured = _Measured(pencil, circle, _POINTS)
     missing: list[complex] = known[len(listed) :].tolist()

@@ -30,6 +30,8 @@ _SLOW = 0.01
 # Largest matrix whose eigenvalues are all computed, and share of the largest one of its inverse
 # that belongs to an eigenvalue at infinity.
 _FEW, _INFINITE = 60, 1e-12
+# Entries whose products overflow.
+_LARGEST = 1e150
 # Shares of its size by which a shift beside an eigenvalue is moved.
 _ASIDE = (1e-4, 3e-3, 3e-2)
 
@@ -77,11 +79,17 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
 
     Raises:
         ConvergenceError: if pairs do not reach a backward error of 1e-12.
-        ParameterError: if P(s) is singular everywhere.
+        ParameterError: if P(s) is singular everywhere, or overflows.
     """
     count = min(count, pencil.most)
     if not count:
         return _none(pencil), np.inf
+    if not max(*pencil.norms, float(pencil.size(np.array(abs(shift))))) < _LARGEST:
+        raise ParameterError(
+            "system",
+            f"has too large numbers in s²M + sC + K at {abs(shift):.6g} 1/s: choose other units, "
+            "or a nearer shift",
+        )
     unit = max(abs(shift), _SLOW * pencil.fastest) or 1.0
     worst = np.inf
     for aside in (0.0, *_ASIDE):

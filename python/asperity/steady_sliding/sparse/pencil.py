@@ -93,11 +93,16 @@ class SparsePencil:
         M, _, K = self.norms
         return float(np.sqrt(K / M)) if M else 0.0
 
+    def size(self, rate: Array) -> Array:
+        """Return |s|²‖M‖₁ + |s|‖C‖₁ + ‖K‖₁, infinite if it overflows."""
+        M, C, K = self.norms
+        with np.errstate(over="ignore"):
+            return np.asarray((rate * M + C) * rate + K)
+
     def backward_errors(self, s: Complex, x: Complex) -> Array:
         """Return ‖P(s)x‖₂/((|s|²‖M‖₁ + |s|‖C‖₁ + ‖K‖₁)‖x‖₂) of each pair."""
-        M, C, K = self.norms
-        size = np.abs(s) ** 2 * M + np.abs(s) * C + K
-        return np.linalg.norm(self.times(s, x), axis=0) / (size * np.linalg.norm(x, axis=0))
+        size = self.size(np.abs(s)) * np.linalg.norm(x, axis=0)
+        return np.linalg.norm(self.times(s, x), axis=0) / size
 
     def errors_of(self, s: Complex, x: Complex, left: Complex) -> Array:
         """Bound |δs| by the residual and the rounding of the entries, to first order.

@@ -93,6 +93,8 @@ class MeshContacts(Record):
         arms = places - arrays.array(centre, "centre", (3,))
         velocity = np.cross(arrays.array(rate, "rate", (3,)), arms)
         if circumferential:
+            if "tangents" in others:
+                raise ParameterError("tangents", "are those of circles if circumferential")
             others["tangents"] = velocity
         return cls(law, coordinates=coordinates, velocity=velocity, **others)
 
