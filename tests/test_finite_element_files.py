@@ -106,6 +106,46 @@ def test_files_of_different_jobs_are_refused(pads, tmp_path):
         asp.read_calculix(tmp_path / "nothing")
 
 
+def cut(text):
+    return text[: text.rindex("\n", 0, -300) + 1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"sti": cut}, "same places"),
+        ({"mas": cut}, "same places"),
+        ({"sti": cut, "mas": cut}, "diagonal of coordinate"),
+        ({"sti": lambda text: text[:-20]}, "numbers"),
+        ({"sti": lambda text: text.replace("9.8211459322368e+06", "nan", 1)}, "finite"),
+        ({"dof": lambda text: text.replace("1.2", "1.1", 1)}, "twice"),
+        ({"dof": lambda text: text.replace("1.2", "1.-2", 1)}, "numbers of nodes"),
+        ({"inp": lambda text: text + "*NODE\nx, 0, 0, 0\n"}, "deck"),
+        ({"inp": lambda text: text + "*NSET, NSET=A, GENERATE\n1\n"}, "deck"),
+        ({"inp": lambda text: text + "*NSET, NSET=A, GENERATE\n1, 5, 0\n"}, "deck"),
+        ({"inp": lambda text: text + "*NSET, NSET=A\n1.5\n"}, "deck"),
+        ({"inp": lambda text: text + "*NSET, NSET=A\nFRONT\n"}, "no set 'FRONT'"),
+    ],
+)
+def test_files_of_calculix_that_are_cut_off_are_refused(pads, tmp_path, changes, match):
+    for ending in ("sti", "mas", "dof", "inp"):
+        text = (pads / f"pad_springs.{ending}").read_text()
+        (tmp_path / f"job.{ending}").write_text(changes.get(ending, str)(text))
+    with pytest.raises(asp.ParameterError, match=match):
+        asp.read_calculix(tmp_path / "job")
+
+
+def test_sets_name_a_node_once_and_positions_may_be_of_fortran(pads, tmp_path):
+    deck = tmp_path / "other.inp"
+    deck.write_text("*NODE\n1, 1.5D-2, 0, 0\n*NSET, NSET=A\n1, 1\n*NSET, NSET=B\nA, 2\n")
+    model = asp.read_calculix(pads / "pad_springs", deck=deck)
+    assert model.node_sets["A"] == (1,)
+    assert model.node_sets["B"] == (1, 2)
+    assert model.places[1] == (0.015, 0.0, 0.0)
+    with pytest.raises(asp.ParameterError, match="whole numbers"):
+        model.coordinates([1.5])
+
+
 @pytest.mark.parametrize("symmetry", ["general", "symmetric", "skew-symmetric"])
 def test_files_of_scipy_come_back(tmp_path, symmetry):
     A = sp.random_array((6, 6), density=0.4, rng=np.random.default_rng(3))
@@ -134,6 +174,12 @@ def test_exponents_of_fortran_are_read(tmp_path):
         (HEADER + "general\n", "size"),
         ("%%MatrixMarket matrix array real general\n1 1\n1\n", "array"),
         ("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 1\n", "complex"),
+        (HEADER + "general\n2.5 2 1\n1 1 1\n", "whole numbers"),
+        (HEADER + "general\n-2 -2 0\n", "whole numbers"),
+        (HEADER + "general\ninf 2 1\n1 1 1\n", "finite"),
+        (HEADER + "general\n2 2 1\n1 1 nan\n", "finite"),
+        (HEADER + "general\n1000000000000 1 1\n1 1 1\n", "whole numbers"),
+        (HEADER + "skew-symmetric\n2 2 1\n1 1 5\n", "diagonal"),
         ("1 1 1\n", "begin"),
         ("", "begin"),
     ],

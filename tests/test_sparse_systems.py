@@ -153,6 +153,7 @@ def test_wrong_matrices_are_named(match):
         ({"coordinates": [[0, 1, 1]]}, "coordinates"),
         ({"coordinates": [[0, 1, 2.5]]}, "coordinates"),
         ({"coordinates": [[0, 1]]}, "coordinates"),
+        ({"coordinates": [[0, 1, 1e30]]}, "coordinates"),
         ({"velocity": [1.0, 2.0]}, "velocity"),
         ({"normals": [0.0, 0.0, 0.0]}, "normals"),
         ({"tangents": [0.0, 0.0, 1.0]}, "tangents"),
@@ -172,3 +173,27 @@ def test_a_node_that_stands_still_would_stick():
     system = asp.LinearSystem(sp.identity(3), stiffness=sp.identity(3), contacts=mesh)
     with pytest.raises(asp.ParameterError, match="stick"):
         asp.equilibrium(system)
+
+
+def test_small_integers_are_added_as_numbers():
+    places = np.zeros(2, dtype=np.intp)
+    twice = sp.coo_array((np.array([100, 100], dtype=np.int8), (places, places)), shape=(1, 1))
+    assert asp.LinearSystem(twice).mass.toarray() == 200.0
+
+
+@pytest.mark.parametrize("M", [[[-1.0, 0.0], [0.0, 1.0]], [[1.0, 3.0], [3.0, 1.0]]])
+def test_masses_are_not_negative(M):
+    with pytest.raises(asp.ParameterError, match=r"mass.*semidefinite"):
+        asp.LinearSystem(sp.csc_array(M))
+
+
+def test_tangents_of_a_disc_are_given_or_circles():
+    with pytest.raises(asp.ParameterError, match="tangents"):
+        asp.MeshContacts.on_disc(
+            LAW,
+            coordinates=[[0, 1, 2]],
+            positions=[[0.1, 0.0, 0.0]],
+            rate=[0.0, 0.0, 5.0],
+            circumferential=True,
+            tangents=[1.0, 0.0, 0.0],
+        )

@@ -1,5 +1,7 @@
 """Squeal of finite-element models: equilibria with contacts that open, eigenvalues near a shift."""
 
+import warnings
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -390,3 +392,100 @@ def test_wrong_arguments_are_named(options, match):
         asp.stability(system, near=1e4, equilibrium=other)
     with pytest.raises(asp.ParameterError, match="system"):
         asp.stability(asp.RigidBodies([asp.Body.ball(1.0, radius=0.1)]), near=1.0)
+
+
+def free_chain(n=50, damping=0.0):
+    """Return masses on a line that springs hold together and nothing else holds."""
+    ends = np.r_[1.0, 2.0 * np.ones(n - 2), 1.0]
+    K = 1e6 * sp.diags_array([-np.ones(n - 1), ends, -np.ones(n - 1)], offsets=[-1, 0, 1])
+    return asp.LinearSystem(sp.identity(n), stiffness=K, damping=damping * K)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-5])
+@pytest.mark.parametrize("near", [0.0, 10.0])
+def test_rigid_body_modes_neither_grow_nor_are_missed(near, damping):
+    """Rounding scatters the double eigenvalue 0 to both sides of the axis."""
+    found = asp.stability(free_chain(damping=damping), near=near, count=6, certify=True)
+    assert (np.abs(found.eigenvalues) < 1e-4).sum() == 2
+    assert not found.unstable.any()
+    assert found.certificate.is_complete
+
+
+def test_no_sign_is_certain_of_equal_eigenvalues_on_the_axis():
+    """Their left and right vectors are each any of the same space."""
+    system = asp.LinearSystem(sp.identity(3), stiffness=4.0)
+    found = asp.stability(system, near=2.0, count=6)
+    np.testing.assert_allclose(np.sort(found.eigenvalues.imag), [-2, -2, -2, 2, 2, 2], rtol=1e-12)
+    assert not found.sign_is_certain.any()
+
+
+def test_equal_eigenvalues_beside_the_axis_have_certain_signs():
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    K = turn @ np.diag([4.0, 4.0, 9.0]) @ turn.T
+    system = asp.LinearSystem(sp.identity(3), stiffness=0.5 * (K + K.T), damping=-1e-6)
+    found = asp.stability(system, near=2.0, count=6)
+    assert found.unstable.all()
+    np.testing.assert_allclose(found.growth_rates, 5e-7, rtol=1e-6)
+
+
+def held():
+    """Return a contact that holds the only coordinate."""
+    law = asp.FrictionLaw.isotropic(0.5, dimension=1)
+    contact = asp.Contact(law, direction=[0.0], normal=[1.0], velocity=[1.0])
+    return asp.LinearSystem(sp.identity(1), stiffness=1.0, force=[-1.0], contacts=contact)
+
+
+def test_where_nothing_can_move_there_are_no_modes():
+    massless = asp.LinearSystem(sp.csc_array((100, 100)), stiffness=2.0)
+    for system in (held(), massless):
+        for where in ({"near": 0.0}, {"band": (0.0, 1.0)}):
+            found = asp.stability(system, **where, certify=True)
+            assert not len(found.eigenvalues)
+            assert found.certificate.is_complete
+            assert "Nothing can move" in found.summary()
+            assert dict(found.mechanisms) == {}
+
+
+def test_more_eigenvalues_than_there_are_may_be_asked_of_massless_coordinates():
+    n = 120
+    K = 1e6 * sp.diags_array([-1.0, 2.1, -1.0], offsets=[-1, 0, 1], shape=(n, n))
+    M = sp.diags_array(np.r_[np.ones(5), np.zeros(n - 5)])
+    dense = K.toarray()
+    rest = np.linalg.solve(dense[5:, 5:], dense[5:, :5])
+    omega = np.sqrt(np.linalg.eigvalsh(dense[:5, :5] - dense[:5, 5:] @ rest))
+    system = asp.LinearSystem(M, stiffness=K)
+    found = asp.stability(system, near=1e3, count=20).eigenvalues.imag
+    np.testing.assert_allclose(np.sort(found[found > 0.0]), omega, rtol=1e-9)
+    band = asp.stability(system, band=(0.0, 3e3), certify=True)
+    np.testing.assert_allclose(np.sort(band.eigenvalues.imag), omega, rtol=1e-9)
+    assert band.certificate.is_complete
+
+
+def test_an_equilibrium_must_name_the_contacts_that_it_loads():
+    system = pad_system((2, 1, 1), LAWS["isotropic"])
+    steady = asp.equilibrium(system)
+    for closed, match in (([7], "names 7"), ([-1], "names -1"), ([], "loads contact")):
+        with pytest.raises(asp.ParameterError, match=match):
+            asp.stability(system, equilibrium=steady.replace(closed=closed), near=1e4)
+    for options in ({"count": 3}, {"growth": 1.0}, {"certify": True}):
+        with pytest.raises(asp.ParameterError, match="near"):
+            asp.stability(system, **options)
+
+
+def test_a_shift_on_an_eigenvalue_of_more_copies_than_asked_for_certifies_nothing():
+    system = asp.LinearSystem(sp.identity(40), stiffness=4.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = asp.stability(system, near=2.0, count=12, certify=True)
+    np.testing.assert_allclose(found.eigenvalues, np.full(12, 2j), rtol=1e-12)
+    assert not found.certificate.is_conclusive
+    assert found.certificate.factorisations == 0
+
+
+def test_shifts_at_which_numbers_overflow_are_refused():
+    system = asp.LinearSystem(sp.identity(80), stiffness=sp.diags_array(np.arange(1.0, 81.0)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for where in ({"near": 1e100}, {"near": 1e200}, {"band": (0.0, 1e200)}):
+            with pytest.raises(asp.ParameterError, match="too large numbers"):
+                asp.stability(system, **where)

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 Kind = Literal["unstable", "neutral", "asymptotically stable"]
 
+# Number of eigenvalues per shift.
+_COUNT = 20
 # Residual above which a state that is handed over is none of steady sliding.
 _BALANCE = 1e-6
 
@@ -248,7 +250,7 @@ def stability(
     *,
     equilibrium: Equilibrium | None = None,
     near: complex,
-    count: int = 20,
+    count: int = _COUNT,
     certify: bool = False,
 ) -> ComplexModes: ...
 @overload
@@ -258,7 +260,7 @@ def stability(
     equilibrium: Equilibrium | None = None,
     band: tuple[float, float],
     growth: float | None = None,
-    count: int = 20,
+    count: int = _COUNT,
     certify: bool = False,
 ) -> ComplexModes: ...
 def stability(
@@ -269,7 +271,7 @@ def stability(
     near: complex | None = None,
     band: tuple[float, float] | None = None,
     growth: float | None = None,
-    count: int = 20,
+    count: int = _COUNT,
     certify: bool = False,
 ) -> Stability | ComplexModes:
     """Linearise a system about steady sliding and judge by the eigenvalues.
@@ -318,6 +320,8 @@ def stability(
         return complex_modes(
             system, equilibrium, near=near, band=band, growth=growth, count=count, certify=certify
         )
+    if growth is not None or certify or count != _COUNT:
+        raise ParameterError("near", "or band must be given for growth, count and certify")
     if isinstance(system, SparseLinearSystem):
         system = system.dense()
     step = arrays.positive(step, "step")

@@ -62,9 +62,12 @@ class ClosedContacts:
         self.of, self.closed, self.gap = of, closed, gap
         place = np.flatnonzero(closed)
         self.constraint = Constraint.of(of.normals[:, place], of.thrusts[:, place])
-        matrix = self.constraint.Y.T @ of.stiffness @ self.constraint.Z
+        matrix = (self.constraint.Y.T @ of.stiffness @ self.constraint.Z).tocsc()
+        self.factors: Factorisation | None = None
         try:
-            self.factors = Factorisation(matrix.tocsc())
+            # Contacts may hold every coordinate.
+            if matrix.shape[0]:
+                self.factors = Factorisation(matrix)
         except SingularMatrixError:
             raise _loose(closed) from None
         self.q, self.load = self._solution(force, -gap[place])
@@ -84,6 +87,8 @@ class ClosedContacts:
         """Return q and the loads of the closed contacts, for a force and the gaps of these."""
         K, part = self.of.stiffness, self.constraint
         q = part.offset(gaps)
+        if self.factors is None:
+            return q, part.loads(K @ q - force)
         # Twice: the second time for what rounding has left.
         for _ in range(2):
             q = q + part.Z @ self.factors.solve(np.asarray(part.Y.T @ (force - K @ q)))

@@ -23,6 +23,8 @@ _EXPLAINED = 0.2
 # Searches for missing eigenvalues between two refinements, and eigenvalues asked for by each; the
 # second number where the first holds none that is new.
 _SEARCHES, _NEIGHBOURS = 6, (4, 16)
+# Radius, relative to the centre, of a circle about a shift on a multiple eigenvalue: rounding.
+_POINT = 1e-10
 # Places in the circle where a missing eigenvalue is assumed, along and across.
 _PLACES = 48
 
@@ -71,9 +73,9 @@ class Certificate:
             return f"The list lacked {number} {where}: {self.missing.tolist()}, found {cost}."
         return f"The count {where} is not conclusive, {cost}: an eigenvalue may be missing."
 
-    def joined(self, other: Certificate) -> Certificate:
+    def joined(self, other: Certificate, pencil: SparsePencil) -> Certificate:
         """Return the certificate of both."""
-        new = are_new(other.missing, self.missing)
+        new = are_new(pencil, other.missing, self.missing)
         return Certificate(
             self.circles + other.circles,
             np.concatenate([self.missing, other.missing[new]]),
@@ -91,7 +93,9 @@ def certified(pencil: SparsePencil, known: Complex, circle: Circle) -> Certifica
     phases do not agree, eigenvalues are looked for at the place that explains them best: a missing
     one is named, never inferred from a number.
     """
-    listed, known = known, _with_conjugates(known)
+    if circle.radius <= _POINT * (abs(circle.centre) + circle.radius):
+        return Certificate((circle,), known[:0], False, 0)
+    listed, known = known, _with_conjugates(pencil, known)
     measured = _Measured(pencil, circle, _POINTS)
     missing: list[complex] = known[len(listed) :].tolist()
     while True:
@@ -110,7 +114,7 @@ def certified(pencil: SparsePencil, known: Complex, circle: Circle) -> Certifica
             if not len(found):
                 break
             missing += found.tolist()
-            known = _with_conjugates(np.concatenate([known, found]))
+            known = _with_conjugates(pencil, np.concatenate([known, found]))
         if 2 * measured.count > _MOST:
             inside = np.array(missing, dtype=np.complex128)
             inside = inside[circle.holds(inside)]
@@ -189,10 +193,10 @@ def _found_at(pencil: SparsePencil, place: complex, known: Complex, count: int) 
         values = nearest(pencil, place, count)[0].values
     except ConvergenceError:
         return np.zeros(0, dtype=np.complex128)
-    return values[are_new(values, known)]
+    return values[are_new(pencil, values, known)]
 
 
-def _with_conjugates(values: Complex) -> Complex:
+def _with_conjugates(pencil: SparsePencil, values: Complex) -> Complex:
     """Add the conjugates that real matrices have with each eigenvalue."""
     others = values.conj()
-    return np.concatenate([values, others[are_new(others, values)]])
+    return np.concatenate([values, others[are_new(pencil, others, values)]])

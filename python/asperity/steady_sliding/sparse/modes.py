@@ -98,10 +98,14 @@ class ComplexModes(TableResult):
         Keys are "direction of friction", "Stribeck slope" and "mode coupling", the forces of
         friction by which varying normal forces act; each costs a factorisation.
         """
+        if not len(self.eigenvalues):
+            return View({})
         fastest = complex(self.eigenvalues[int(self.eigenvalues.real.argmax())])
         count = len(self.eigenvalues)
         left = {
-            name: float(nearest(pencil, 1j * fastest.imag, count)[0].values.real.max())
+            name: float(
+                nearest(pencil, 1j * fastest.imag, count)[0].values.real.max(initial=-np.inf)
+            )
             for name, pencil in self.small_motions.without()
         }
         return View(left)
@@ -124,6 +128,8 @@ class ComplexModes(TableResult):
 
     def summary(self) -> str:
         """Return which modes grow, how exact they are, and whether any is missing."""
+        if not self.circles:
+            return "Nothing can move: there are no modes."
         if not len(self.eigenvalues):
             return "No mode is within the band."
         lines = [
@@ -221,7 +227,7 @@ def modes_near(
     if certify and len(order) > count:
         between = 0.5 * (distance[order[count - 1]] + distance[order[count]])
         radius = min(float(between), _CERTIFIED * radius)
-    circles = (Circle(shift, radius),)
+    circles = (Circle(shift, radius),) if len(order) else ()
     return _modes(small, steady, found.taken(order[:count]), found, circles, certify=certify)
 
 
@@ -250,6 +256,8 @@ def _walked(
     small: SmallMotions, low: float, high: float, half: float, count: int, share: float
 ) -> tuple[Pairs, tuple[Circle, ...]]:
     """Cover |Re s| ≤ half, low ≤ Im s ≤ high by circles about points of the imaginary axis."""
+    if not small.pencil.most:
+        return nearest(small.pencil, 0j, count)[0], ()
     found: Pairs | None = None
     circles: list[Circle] = []
     covered, step = low, max(2.0 * half, 0.1 * (high - low))
@@ -257,10 +265,13 @@ def _walked(
         shift = min(covered + 0.5 * step, high)
         pairs, radius = nearest(small.pencil, 1j * shift, count)
         radius *= share
-        if count >= 2 * small.pencil.n:
+        if count >= small.pencil.most:
             # These are all there are.
             radius = abs(complex(half, high))
-        found = pairs if found is None else found.joined(pairs.taken(_new(pairs, found)))
+        if found is not None:
+            new = are_new(small.pencil, pairs.values, found.values)
+            pairs = found.joined(pairs.taken(new))
+        found = pairs
         reach = np.sqrt(max(radius**2 - half**2, 0.0))
         if shift - reach > covered:
             # The circle does not reach back: the next one is nearer, or holds more.
@@ -273,10 +284,6 @@ def _walked(
     raise ParameterError(
         "band", f"is not covered by {_SHIFTS} shifts: they reach {covered:.6g} rad/s"
     )
-
-
-def _new(pairs: Pairs, found: Pairs) -> NDArray[np.bool_]:
-    return are_new(pairs.values, found.values)
 
 
 def _small_motions(system: SparseLinearSystem, steady: Equilibrium) -> SmallMotions:
@@ -292,10 +299,12 @@ def _modes(
     *,
     certify: bool,
 ) -> ComplexModes:
-    certificate: Certificate | None = None
+    # Where nothing can move no eigenvalue is missing.
+    nothing = Certificate((), pairs.values[:0], True, 0)
+    certificate = nothing if certify and not circles else None
     for circle in circles if certify else ():
         one = certified(small.pencil, known.values, circle)
-        certificate = one if certificate is None else certificate.joined(one)
+        certificate = one if certificate is None else certificate.joined(one, small.pencil)
     pairs = pairs.taken(np.lexsort((pairs.values.imag, -pairs.values.real)))
     shapes = np.asarray(small.constraint.Z @ pairs.modes)
     return ComplexModes(

@@ -22,11 +22,16 @@ _GOOD, _CORRECTIONS = 0.01, 2
 _SMALL = 1e-4
 # Distance of two eigenvalues, relative to them, that are one found twice.
 _SAME = 1e-8
+# Rate, as a share of that of the fastest motions, below which s²M is rounding of K: it scatters the
+# double eigenvalue 0 of a body that nothing holds.
+_STILL = 3e-8
 # Rate of slow motions, as a share of that of the fastest, where the shift names none.
 _SLOW = 0.01
 # Largest matrix whose eigenvalues are all computed, and share of the largest one of its inverse
 # that belongs to an eigenvalue at infinity.
 _FEW, _INFINITE = 60, 1e-12
+# Entries whose products overflow.
+_LARGEST = 1e150
 # Shares of its size by which a shift beside an eigenvalue is moved.
 _ASIDE = (1e-4, 3e-3, 3e-2)
 
@@ -41,7 +46,7 @@ class Pairs:
     """Of length 1, shape ``(n, k)``."""
     backward_errors: Array
     error: Array
-    """Bound of |δs| in 1/s where |Re s| is small, NaN elsewhere."""
+    """Bound of |δs| in 1/s where |Re s| or |s| is small, NaN elsewhere."""
 
     @property
     def sign_is_certain(self) -> NDArray[np.bool_]:
@@ -74,9 +79,17 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
 
     Raises:
         ConvergenceError: if pairs do not reach a backward error of 1e-12.
-        ParameterError: if P(s) is singular everywhere.
+        ParameterError: if P(s) is singular everywhere, or overflows.
     """
-    count = min(count, 2 * pencil.n)
+    count = min(count, pencil.most)
+    if not count:
+        return _none(pencil), np.inf
+    if not max(*pencil.norms, float(pencil.size(np.array(abs(shift))))) < _LARGEST:
+        raise ParameterError(
+            "system",
+            f"has too large numbers in s²M + sC + K at {abs(shift):.6g} 1/s: choose other units, "
+            "or a nearer shift",
+        )
     unit = max(abs(shift), _SLOW * pencil.fastest) or 1.0
     worst = np.inf
     for aside in (0.0, *_ASIDE):
@@ -92,9 +105,9 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
             worst = min(worst, float(errors.max()))
             continue
         pairs = Pairs(values, modes, errors, np.full(len(values), np.nan))
-        if (np.abs(values.real) <= _SMALL * np.abs(values)).any():
+        if _doubtful(pencil, values).any():
             pairs = _with_errors(pencil, factors, point, pairs)
-        return pairs, float(np.abs(values - point).max()) - abs(point - shift)
+        return pairs, max(float(np.abs(values - point).max()) - abs(point - shift), 0.0)
     if not np.isfinite(worst):
         raise ParameterError(
             "system", "has a pencil that is singular everywhere: a coordinate without stiffness"
@@ -106,12 +119,24 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
     )
 
 
-def are_new(values: Complex, known: Complex) -> NDArray[np.bool_]:
+def are_new(pencil: SparsePencil, values: Complex, known: Complex) -> NDArray[np.bool_]:
     """Return which eigenvalues are not among those known; members of close pairs are counted."""
-    size = _SAME * np.abs(values)[:, None]
+    still = _STILL * pencil.fastest
+    size = np.where(np.abs(values) <= still, 2.0 * still, _SAME * np.abs(values))[:, None]
     times_known = (np.abs(values[:, None] - known) <= size).sum(axis=1)
     twins = np.abs(values[:, None] - values) <= size
     return np.asarray(np.tril(twins).sum(axis=1) > times_known)
+
+
+def _none(pencil: SparsePencil) -> Pairs:
+    none = np.zeros(0, dtype=np.complex128)
+    return Pairs(none, np.zeros((pencil.n, 0), dtype=np.complex128), none.real, none.real)
+
+
+def _doubtful(pencil: SparsePencil, values: Complex) -> NDArray[np.bool_]:
+    """Return whose growth rate may have either sign."""
+    size = np.abs(values)
+    return (np.abs(values.real) <= _SMALL * size) | (size <= 10.0 * _STILL * pencil.fastest)
 
 
 def _shift_and_invert(
@@ -202,17 +227,34 @@ def _with_errors(
     """Bound the errors of the eigenvalues near the imaginary axis by their left eigenvectors."""
     left = _left(pencil, factors, shift, pairs)
     error = pencil.errors_of(pairs.values, pairs.modes, left)
-    doubtful = np.abs(pairs.values.real) <= _SMALL * np.abs(pairs.values)
-    return replace(pairs, error=np.where(doubtful, error, np.nan))
+    return replace(pairs, error=np.where(_doubtful(pencil, pairs.values), error, np.nan))
 
 
 def _left(pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs) -> Complex:
     """Return y with yᵀP(s) = 0 for each eigenvalue, by the same factors."""
+    from scipy.optimize import linear_sum_assignment
+
     across = _Transposed(factors)
     turned = pencil.transposed
     values, modes = _shift_and_invert(turned, across, shift, len(pairs.values))
-    order = np.abs(pairs.values[:, None] - values).argmin(axis=1)
-    return _corrected(turned, across, pairs.values, modes[:, order])[1]
+    # Of equal eigenvalues each takes another vector.
+    _, order = linear_sum_assignment(np.abs(pairs.values[:, None] - values))
+    left = _corrected(turned, across, pairs.values, modes[:, order])[1]
+    return _biorthogonal(pencil, pairs, left)
+
+
+def _biorthogonal(pencil: SparsePencil, pairs: Pairs, left: Complex) -> Complex:
+    """Combine the vectors of equal eigenvalues: yᵢᵀP′(sⱼ)xⱼ = 0 for i ≠ j."""
+    slopes, made = left.T @ pencil.slopes(pairs.values, pairs.modes), left.copy()
+    open_ones = np.ones(len(pairs.values), dtype=np.bool_)
+    for s in pairs.values:
+        same = np.flatnonzero(open_ones & (np.abs(pairs.values - s) <= _SAME * np.abs(s)))
+        if len(same) > 1:
+            block = slopes[np.ix_(same, same)]
+            # Of a defective eigenvalue it is singular, and the error is as large as that makes it.
+            made[:, same] = left[:, same] @ np.linalg.pinv(block).T
+        open_ones[same] = False
+    return made
 
 
 class _Transposed(Factorisation):

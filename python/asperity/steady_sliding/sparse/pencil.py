@@ -37,6 +37,14 @@ class SparsePencil:
         """Number of coordinates."""
         return int(self.mass.shape[0])
 
+    @cached_property
+    def most(self) -> int:
+        """Largest number of finite eigenvalues, the sum of the degrees of the columns of P."""
+        moves, damps = (
+            np.asarray(abs(part).sum(axis=0)).ravel() > 0.0 for part in (self.mass, self.damping)
+        )
+        return int(moves.sum() + (moves | damps).sum())
+
     @property
     def transposed(self) -> SparsePencil:
         """P(s)ᵀ, whose right eigenvectors are the conjugates of the left ones of P."""
@@ -85,11 +93,16 @@ class SparsePencil:
         M, _, K = self.norms
         return float(np.sqrt(K / M)) if M else 0.0
 
+    def size(self, rate: Array) -> Array:
+        """Return |s|²‖M‖₁ + |s|‖C‖₁ + ‖K‖₁, infinite if it overflows."""
+        M, C, K = self.norms
+        with np.errstate(over="ignore"):
+            return np.asarray((rate * M + C) * rate + K)
+
     def backward_errors(self, s: Complex, x: Complex) -> Array:
         """Return ‖P(s)x‖₂/((|s|²‖M‖₁ + |s|‖C‖₁ + ‖K‖₁)‖x‖₂) of each pair."""
-        M, C, K = self.norms
-        size = np.abs(s) ** 2 * M + np.abs(s) * C + K
-        return np.linalg.norm(self.times(s, x), axis=0) / (size * np.linalg.norm(x, axis=0))
+        size = self.size(np.abs(s)) * np.linalg.norm(x, axis=0)
+        return np.linalg.norm(self.times(s, x), axis=0) / size
 
     def errors_of(self, s: Complex, x: Complex, left: Complex) -> Array:
         """Bound |δs| by the residual and the rounding of the entries, to first order.
@@ -101,7 +114,9 @@ class SparsePencil:
         entries += (abs(self.damping) @ size) * np.abs(s) + abs(self.stiffness) @ size
         doubt = np.abs(self.times(s, x)) + ROUNDING * entries
         slope = np.abs(np.sum(left * self.slopes(s, x), axis=0))
-        return np.sum(y * doubt, axis=0) / np.where(slope > 0.0, slope, np.finfo(float).tiny)
+        # Without a slope the eigenvalue is multiple, and nothing is known of its error.
+        bound = np.sum(y * doubt, axis=0) / np.where(slope > 0.0, slope, 1.0)
+        return np.where(slope > 0.0, bound, np.inf)
 
 
 @dataclass(frozen=True, eq=False)

@@ -60,8 +60,21 @@ def sparse_equilibrium(
 
 
 def residual_of(system: SparseLinearSystem, steady: Equilibrium) -> float:
-    """Return the residual of a state that is said to be an equilibrium."""
-    load = arrays.array(steady.normal_force, "equilibrium", (len(system.columns.laws),))
+    """Return the residual of a state that is said to be an equilibrium.
+
+    Raises:
+        DimensionError, ParameterError: if it is one of other coordinates or contacts.
+    """
+    of = system.columns
+    load = arrays.array(steady.normal_force, "equilibrium", (len(of.laws),))
+    wrong = set(steady.closed) - set(np.flatnonzero(of.unilateral).tolist())
+    loaded = set(np.flatnonzero(of.unilateral & (load > 0.0)).tolist()) - set(steady.closed)
+    for number in wrong:
+        raise ParameterError(
+            "equilibrium", f"must name closed unilateral contacts of the system, names {number}"
+        )
+    for number in loaded:
+        raise ParameterError("equilibrium", f"loads contact {number}, which is not closed")
     q = arrays.array(steady.q, "equilibrium", (system.dof,))
     return _residual(system, SlidingContacts.of(system.columns), q, load)
 

@@ -68,7 +68,7 @@ class SparseLinearSystem(LinearSystem):
             kinds = Contact | MeshContacts
             arrays.of_kind(contact, "contacts", kinds, "Contact or MeshContacts, or several")
         self._set(
-            mass=matrices.symmetric(made["mass"], "mass"),
+            mass=matrices.semidefinite(matrices.symmetric(made["mass"], "mass"), "mass"),
             stiffness=matrices.of_both_triangles(made["stiffness"], "stiffness"),
             damping=matrices.of_both_triangles(made["damping"], "damping"),
             force=arrays.constant(np.zeros(n) if force is None else force, "force", (n,)),

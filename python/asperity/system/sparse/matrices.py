@@ -49,7 +49,8 @@ def compressed(value: Any, argument: str, n: int) -> SparseMatrix:
     if value.dtype.kind not in "iufb":
         raise ParameterError(argument, f"must hold real numbers, holds {value.dtype}")
     arrays.check_shape(value, argument, (n, n))
-    made = csc_array(value, dtype=np.float64, copy=True)
+    # Before duplicates are added, which may exceed small integers.
+    made = csc_array(value.astype(np.float64), copy=True)
     made.sum_duplicates()
     if not np.isfinite(made.data).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
@@ -64,6 +65,19 @@ def symmetric(matrix: SparseMatrix, argument: str) -> SparseMatrix:
     if difference.nnz and difference.max() > _ROUNDING * abs(matrix).max():
         whole = ", only one of its triangles is stored: add the other" if triangle(matrix) else ""
         raise ParameterError(argument, f"must be symmetric{whole}")
+    return matrix
+
+
+def semidefinite(matrix: SparseMatrix, argument: str) -> SparseMatrix:
+    """Refuse a symmetric matrix with a negative minor of one or two rows."""
+    places = matrix.tocoo()
+    diagonal = np.asarray(matrix.diagonal())
+    # As much as writers round.
+    room = diagonal + _ROUNDING * np.abs(matrix.data).max(initial=0.0)
+    minors = room[places.row] * room[places.col] - places.data**2
+    wrong = (room < 0.0).any() or (minors[places.row != places.col] < 0.0).any()
+    if wrong:
+        raise ParameterError(argument, "must be positive semidefinite")
     return matrix
 
 

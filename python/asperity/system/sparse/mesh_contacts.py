@@ -93,6 +93,8 @@ class MeshContacts(Record):
         arms = places - arrays.array(centre, "centre", (3,))
         velocity = np.cross(arrays.array(rate, "rate", (3,)), arms)
         if circumferential:
+            if "tangents" in others:
+                raise ParameterError("tangents", "are those of circles if circumferential")
             others["tangents"] = velocity
         return cls(law, coordinates=coordinates, velocity=velocity, **others)
 
@@ -110,7 +112,10 @@ class MeshContacts(Record):
         if given["law"].dimension != 2:
             raise DimensionError("law", f"must have dimension 2, has {given['law'].dimension}")
         numbers = arrays.array(given["coordinates"], "coordinates", (None, 3))
-        if (numbers != np.floor(numbers)).any() or (numbers < 0).any():
+        wrong = (
+            (numbers != np.floor(numbers)) | (numbers < 0) | (numbers > np.iinfo(np.intp).max / 2)
+        )
+        if wrong.any():
             raise ParameterError("coordinates", "must be whole numbers from 0 on")
         whole = numbers.astype(np.intp)
         if len(np.unique(whole)) < whole.size:

@@ -18,10 +18,13 @@ from asperity._base.arrays import Array
 from asperity._base.result import Result, counted
 from asperity._base.value import keep_views
 from asperity.errors import ParameterError
-from asperity.system.sparse.files.entries import symmetric, table, text_of
+from asperity.system.sparse.files.entries import TO_PYTHON, symmetric, table, text_of
 
 if TYPE_CHECKING:
     from asperity.system.sparse.matrices import SparseMatrix
+
+# Above every number of a node.
+_LARGEST = 2**53
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,7 +97,10 @@ class CalculixModel(Result):
                 known = ", ".join(self.node_sets) or "there are none"
                 raise ParameterError("nodes", f"must be a set of the input ({known}), got {nodes}")
             return np.array(self.node_sets[name], dtype=np.intp)
-        return arrays.array(nodes, "nodes", (None,)).astype(np.intp)
+        numbers = arrays.array(nodes, "nodes", (None,))
+        if (numbers != np.floor(numbers)).any():
+            raise ParameterError("nodes", "must be whole numbers")
+        return numbers.astype(np.intp)
 
     def __repr__(self) -> str:
         n = counted(len(self.nodes), "coordinate")
@@ -131,16 +137,17 @@ def read_calculix(
     """
     job = Path(os.fspath(path))
     job = job.with_suffix("") if job.suffix in (".sti", ".mas", ".dof") else job
-    dof = table(text_of(f"{job}.dof").replace(".", " ").splitlines(), f"{job.name}.dof", 2).astype(
-        np.intp
-    )
+    name = f"{job.name}.dof"
+    numbers = table(text_of(f"{job}.dof").replace(".", " ").splitlines(), name, 2)
+    if not ((numbers >= 0) & (numbers == np.floor(numbers)) & (numbers < _LARGEST)).all():
+        raise ParameterError("path", f"{name} must hold numbers of nodes and directions")
+    dof = numbers.astype(np.intp)
     n = len(dof)
     if not n:
         raise ParameterError("path", f"{job.name}.dof holds no coordinates")
-    K, M = (
-        symmetric(table(text_of(name).splitlines(), name.name, 3), n, name.name)
-        for name in (Path(f"{job}.sti"), Path(f"{job}.mas"))
-    )
+    if len(np.unique(dof, axis=0)) < n:
+        raise ParameterError("path", f"{job.name}.dof names a coordinate twice")
+    K, M = _matrices(job, n)
     if deck is None and Path(f"{job}.inp").exists():
         deck = f"{job}.inp"
     places, sets, cards = _deck("" if deck is None else text_of(deck))
@@ -150,6 +157,27 @@ def read_calculix(
         *_of_matrices(M, K, dof, places),
     ]
     return CalculixModel(M, K, dof[:, 0], dof[:, 1] - 1, places, sets, tuple(findings))
+
+
+def _matrices(job: Path, n: int) -> tuple[SparseMatrix, SparseMatrix]:
+    """Return K and M, of which CalculiX writes the same places, with the whole diagonal."""
+    files = Path(f"{job}.sti"), Path(f"{job}.mas")
+    K, M = (table(text_of(file).splitlines(), file.name, 3) for file in files)
+    made = symmetric(K, n, files[0].name), symmetric(M, n, files[1].name)
+    if not np.array_equal(K[:, :2], M[:, :2]):
+        raise ParameterError(
+            "path",
+            f"{files[0].name} and {files[1].name} must hold the same places: one is cut off, or "
+            "they are of different jobs",
+        )
+    lacking = np.setdiff1d(np.arange(1, n + 1), K[K[:, 0] == K[:, 1], 0])
+    if len(lacking):
+        raise ParameterError(
+            "path",
+            f"{files[0].name} lacks the diagonal of coordinate {lacking[0]} and is cut off, or of "
+            "another job",
+        )
+    return made
 
 
 def _deck(
@@ -170,16 +198,28 @@ def _deck(
             options = {key.strip(): value.strip() for key, _, value in pairs}
             continue
         words = [word.strip() for word in line.split(",") if word.strip()]
-        if cards[-1:] == ["NODE"]:
-            x = [float(word) for word in words[1:4]]
-            places[int(words[0])] = (x + [0.0] * 3)[0], (x + [0.0] * 3)[1], (x + [0.0] * 3)[2]
-            if "NSET" in options:
-                sets[options["NSET"]] = (*sets.get(options["NSET"], ()), int(words[0]))
-        elif cards[-1:] == ["NSET"] and "NSET" in options:
-            sets[options["NSET"]] = (
-                *sets.get(options["NSET"], ()),
-                *_members(words, sets, generate="GENERATE" in options),
-            )
+        members: Sequence[int] = ()
+        try:
+            if cards[-1:] == ["NODE"]:
+                members = [int(words[0])]
+                x, y, z = ([float(word.translate(TO_PYTHON)) for word in words[1:4]] + [0.0] * 3)[
+                    :3
+                ]
+                places[members[0]] = x, y, z
+            elif cards[-1:] == ["NSET"]:
+                members = _members(words, sets, generate="GENERATE" in options)
+        except (ValueError, IndexError):
+            raise ParameterError(
+                "deck", f"has a line after *{cards[-1]} that is none of it: {line.strip()}"
+            ) from None
+        except KeyError as name:
+            # An included file may define it.
+            if "INCLUDE" not in cards:
+                raise ParameterError("deck", f"has no set {name}, which a set names") from None
+        if members and "NSET" in options:
+            # As of CalculiX, whose sets name a node once.
+            known = dict.fromkeys(sets.get(options["NSET"], ()))
+            sets[options["NSET"]] = tuple({**known, **dict.fromkeys(members)})
     return places, sets, cards
 
 
@@ -187,11 +227,11 @@ def _members(
     words: Sequence[str], sets: Mapping[str, tuple[int, ...]], *, generate: bool
 ) -> list[int]:
     if generate:
-        first, last, *step = (int(word) for word in words)
-        return list(range(first, last + 1, *step))
+        first, last, step = [int(word) for word in (*words, "1")[:3]]
+        return list(range(first, last + 1, step))
     found: list[int] = []
     for word in words:
-        found += [int(word)] if word.isdigit() else sets.get(word.upper(), ())
+        found += [int(word)] if word.lstrip("+-")[:1].isdigit() else sets[word.upper()]
     return found
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from asperity.system.sparse.matrices import SparseMatrix
 
 # Programs in Fortran write 1.0D+03.
-_TO_PYTHON = str.maketrans("Dd", "Ee")
+TO_PYTHON = str.maketrans("Dd", "Ee")
 
 
 def text_of(path: str | os.PathLike[str]) -> str:
@@ -30,7 +30,7 @@ def text_of(path: str | os.PathLike[str]) -> str:
 
 def table(lines: Sequence[str], name: str, columns: int) -> Array:
     """Return the numbers of lines, with exponents of C or of Fortran."""
-    text = "\n".join(lines).translate(_TO_PYTHON)
+    text = "\n".join(lines).translate(TO_PYTHON)
     if not text.strip():
         return np.zeros((0, columns))
     try:
@@ -41,6 +41,8 @@ def table(lines: Sequence[str], name: str, columns: int) -> Array:
         raise ParameterError(
             "path", f"{name} must have {columns} numbers per line, has {numbers.shape[1]}"
         )
+    if not np.isfinite(numbers).all():
+        raise ParameterError("path", f"{name} must be finite, it holds NaN or infinity")
     return numbers
 
 

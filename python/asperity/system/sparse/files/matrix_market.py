@@ -5,11 +5,16 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from asperity.errors import ParameterError
 from asperity.system.sparse.files.entries import general, symmetric, table, text_of
 
 if TYPE_CHECKING:
     from asperity.system.sparse.matrices import SparseMatrix
+
+# Above every number of rows: SciPy stores one index for each.
+_LARGEST = 2**31
 
 
 def read_matrix_market(path: str | os.PathLike[str]) -> SparseMatrix:
@@ -53,6 +58,8 @@ def read_matrix_market(path: str | os.PathLike[str]) -> SparseMatrix:
     size = table(content[:1], name, 3)
     if not len(size):
         raise ParameterError("path", f"{name} lacks the line with its size")
+    if (size != np.floor(size)).any() or (size < 0).any() or (size >= _LARGEST).any():
+        raise ParameterError("path", f"{name} must have a size of whole numbers, has {content[0]}")
     rows, columns, count = (int(number) for number in size[0])
     entries = table(content[1:], name, 3)
     if len(entries) != count:
@@ -63,4 +70,6 @@ def read_matrix_market(path: str | os.PathLike[str]) -> SparseMatrix:
         raise ParameterError(
             "path", f"{name} must be general, symmetric or skew-symmetric, is {symmetry}"
         )
+    if symmetry == "skew-symmetric" and (entries[:, 0] == entries[:, 1]).any():
+        raise ParameterError("path", f"{name} is skew-symmetric and holds entries of the diagonal")
     return symmetric(entries, rows, name, sign=1.0 if symmetry == "symmetric" else -1.0)
