@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +16,7 @@ from asperity.steady_sliding.linearised.resolvent import Resolvent
 # Real part, relative to the eigenvalue, that errors should not hide.
 _FINE = 1e-6
 # Places between two eigenvalues that are one: none is between equidistant ones.
-_BETWEEN = (0.5, 1.0 / np.e, 1.0 / np.pi)
+_BETWEEN = (0.5, 1.0 / math.e, 1.0 / math.pi)
 
 
 @dataclass(frozen=True)
