@@ -11,8 +11,10 @@ from pathlib import Path
 
 import asperity as asp
 import numpy as np
+import scipy.sparse
 from asperity import identify, mechanisms, plot, predict, problems, track
 from asperity.contact import files, grading
+from asperity.system import CalculixModel
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
 from samples import public_of
@@ -115,7 +117,31 @@ def _drawn(mu, rng):
     return mu + rng.normal()
 
 
+MESH = {
+    "coordinates": np.arange(6).reshape(2, 3),
+    "positions": [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
+    "rate": [0.0, 0.0, 3.0],
+    "centre": [0.1, 0.2, 0.0],
+}
+SPARSE = asp.LinearSystem(
+    scipy.sparse.identity(6),
+    stiffness=scipy.sparse.diags_array([4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
+    force=[0.0, 0.0, -1.0, 0.0, 0.0, -2.0],
+    contacts=asp.MeshContacts.on_disc(LAW, **MESH),
+)
+CALCULIX = CalculixModel(
+    mass=scipy.sparse.identity(3, format="csc"),
+    stiffness=scipy.sparse.identity(3, format="csc"),
+    nodes=np.array([4, 4, 4]),
+    directions=np.arange(3),
+    places={4: (0.0, 1.0, 2.0)},
+    node_sets={"ALL": (4,)},
+    findings=(),
+)
 OBJECTS = [
+    SPARSE,
+    asp.stability(SPARSE, near=3.0, count=2),
+    CALCULIX,
     *PROBLEMS,
     BODIES,
     *VALUES,
@@ -178,6 +204,10 @@ ARGUMENTS = {
     "support_point": {"y": [1.0, 0.1]},
     "axis_angle": {"axis": [0.0, 0.0, 1.0], "angle": 0.3},
     "LinearSystem.with_law": {"law": LAW, "contacts": 0},
+    "SparseLinearSystem.with_law": {"law": LAW},
+    "MeshContacts.on_disc": {"law": LAW, **MESH},
+    "CalculixModel.coordinates": {"nodes": "ALL"},
+    "CalculixModel.positions": {"nodes": "ALL"},
     "PointPlane.cylinder": {
         "body": 0,
         "radius": 0.1,
@@ -423,6 +453,8 @@ class Call:
 
 
 RESULTS = {
+    "CalculixModel",
+    "ComplexModes",
     "Certificate",
     "ContactSolution",
     "Island",

@@ -320,8 +320,9 @@ def stability(
         return complex_modes(
             system, equilibrium, near=near, band=band, growth=growth, count=count, certify=certify
         )
-    if growth is not None or certify or count != _COUNT:
-        raise ParameterError("near", "or band must be given for growth, count and certify")
+    given = {"growth": growth is not None, "count": count is not _COUNT, "certify": certify}
+    for argument in (name for name, is_given in given.items() if is_given):
+        raise ParameterError(argument, "has no effect without near or band")
     if isinstance(system, SparseLinearSystem):
         system = system.dense()
     step = arrays.positive(step, "step")
