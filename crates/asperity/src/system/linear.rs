@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::{
     Blocks, Configuration, Constancy, ContactLaw, MotionBounds, System, SystemError, SystemPart,
-    TimeDependence,
 };
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::contact::{Components, NormalForce};
@@ -334,7 +333,7 @@ impl System for LinearSystem {
 
     #[inline]
     fn constancy(&self) -> Constancy {
-        Constancy { mass: true, contacts: true }
+        Constancy { mass: true, contacts: true, autonomous: true }
     }
 
     fn as_linear(&self) -> Option<&LinearSystem> {
@@ -411,10 +410,6 @@ impl System for LinearSystem {
             }
         });
         Ok(())
-    }
-
-    fn time_dependence(&self, _q: &[f64], _u: &[f64], _t_end: f64) -> Option<TimeDependence> {
-        None
     }
 
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {

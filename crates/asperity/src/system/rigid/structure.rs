@@ -7,7 +7,7 @@ use super::rigid_bodies::RigidBodies;
 use crate::contact::Components;
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, MotionBounds,
-    Rotation, Step, System, SystemError, SystemPart, TimeDependence,
+    Rotation, Step, System, SystemError, SystemPart, Turning,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -45,7 +45,11 @@ impl System for RigidBodies {
     }
 
     fn constancy(&self) -> Constancy {
-        Constancy { mass: true, contacts: false }
+        Constancy { mass: true, contacts: false, autonomous: !self.depends_on_time() }
+    }
+
+    fn turning(&self) -> Option<&dyn Turning> {
+        Some(self)
     }
 
     /// Bodies between which there are contacts or springs are of one part, however far they are from each other.
@@ -113,10 +117,6 @@ impl System for RigidBodies {
         next
     }
 
-    fn time_dependence(&self, q: &[f64], _u: &[f64], t_end: f64) -> Option<TimeDependence> {
-        self.depends_on_time().then(|| self.extents_in_time(q, t_end))
-    }
-
     fn forces(
         &self,
         at: &Configuration<'_>,
@@ -131,16 +131,6 @@ impl System for RigidBodies {
             self.set_twist(forces, body, &twist(&linear(&load), &(angular(&load) + gyroscopic)));
         }
         Ok(())
-    }
-
-    /// The poses, twelve numbers per body.
-    fn derive(&self, q: &[f64], derived: &mut Vec<f64>) {
-        derived.clear();
-        for body in 0..self.bodies() {
-            let pose = self.pose_of(q, body);
-            derived.extend_from_slice(pose.position.as_slice());
-            derived.extend_from_slice(pose.rotation.as_slice());
-        }
     }
 
     #[inline]
@@ -184,6 +174,18 @@ impl System for RigidBodies {
             }
         }
         Ok(if contact.unilateral { geometry.gap } else { 0.0 })
+    }
+}
+
+impl Turning for RigidBodies {
+    /// The poses, twelve numbers per body.
+    fn derive(&self, q: &[f64], derived: &mut Vec<f64>) {
+        derived.clear();
+        for body in 0..self.bodies() {
+            let pose = self.pose_of(q, body);
+            derived.extend_from_slice(pose.position.as_slice());
+            derived.extend_from_slice(pose.rotation.as_slice());
+        }
     }
 
     fn chord(

@@ -3,32 +3,21 @@
 //! Where nothing has moved yet, functions of time are all there is to compare errors with: the parts of which they are
 //! made, whose small difference a load, a gap or a velocity may be.
 
-use crate::argument::length;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::TimeParts;
-use crate::integrator::event::state::{
-    CLOSED_GAP, EvaluationError, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY,
-};
-use crate::system::{SystemError, TimeDependence};
+use crate::integrator::event::dynamics::time_dependence::TimeDependence;
+use crate::integrator::event::state::{CLOSED_GAP, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY};
 use crate::vectors::{largest, norm};
 
 impl Dynamics<'_> {
     /// Asks for the parts of functions of time, as seen from the coordinates and velocities of the system at which the
     /// kinematics have been evaluated. They give contacts what gaps and slips are compared with at least.
-    pub(crate) fn account_for_time(
-        &mut self,
-        q: &[f64],
-        u: &[f64],
-        t_end: f64,
-    ) -> Result<(), EvaluationError> {
-        let Some(found) = self.system.time_dependence(q, u, t_end) else { return Ok(()) };
-        let TimeDependence { mut forces, mut impulses, gaps, velocities } = found;
-        let (n, contacts) = (self.n, self.contacts.len());
-        for (sizes, count) in
-            [(&forces, n), (&impulses, n), (&gaps, contacts), (&velocities, contacts)]
-        {
-            length("time_dependence", count, sizes.len()).map_err(SystemError::from)?;
+    pub(crate) fn account_for_time(&mut self, q: &[f64], u: &[f64], t_end: f64) {
+        if self.system.constancy().autonomous {
+            return;
         }
+        let found = TimeDependence::of(self.system, q, u, t_end);
+        let TimeDependence { mut forces, mut impulses, gaps, velocities } = found;
         if let Some(factor) = &self.factor {
             factor.solve(self.system, &mut forces);
             factor.solve(self.system, &mut impulses);
@@ -45,7 +34,6 @@ impl Dynamics<'_> {
             velocities,
             depends_on_time: true,
         };
-        Ok(())
     }
 
     /// The part of its friction force that rounding of a slip changes: where direction sets are thin, the force turns within
