@@ -360,21 +360,13 @@ impl System for LinearSystem {
             all.iter().for_each(|&k| connected.join(all[0], k));
             touched.push(all[0]);
         }
-        let of = connected.numbers();
-        let count = of.iter().max().map_or(0, |last| last + 1);
-        if count < 2 {
-            return Vec::new();
-        }
-        let (mut velocities, mut contacts) = (vec![Vec::new(); count], vec![Vec::new(); count]);
-        of.iter().enumerate().for_each(|(k, &part)| velocities[part].push(k));
-        touched.iter().enumerate().for_each(|(i, &k)| contacts[of[k]].push(i));
         let part = |(velocities, contacts): (Vec<usize>, Vec<usize>)| SystemPart {
             system: Box::new(self.of_velocities(&velocities, &contacts)),
             coordinates: velocities.clone(),
             velocities,
             contacts,
         };
-        velocities.into_iter().zip(contacts).map(part).collect()
+        connected.split(touched.into_iter()).into_iter().map(part).collect()
     }
 
     fn mass(&self, _q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {

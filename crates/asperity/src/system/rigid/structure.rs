@@ -62,16 +62,6 @@ impl System for RigidBodies {
         for spring in &self.springs {
             connected.join(spring.body, spring.other.unwrap_or(spring.body));
         }
-        let of = connected.numbers();
-        let count = of.iter().max().map_or(0, |last| last + 1);
-        if count < 2 {
-            return Vec::new();
-        }
-        let (mut bodies, mut contacts) = (vec![Vec::new(); count], vec![Vec::new(); count]);
-        of.iter().enumerate().for_each(|(body, &part)| bodies[part].push(body));
-        for (i, contact) in self.contacts.iter().enumerate() {
-            contacts[of[contact.body]].push(i);
-        }
         let places = |bodies: &[usize], size: usize| -> Vec<usize> {
             bodies.iter().flat_map(|body| size * body..size * (body + 1)).collect()
         };
@@ -82,7 +72,8 @@ impl System for RigidBodies {
             velocities: places(&bodies, self.size),
             contacts,
         };
-        bodies.into_iter().zip(contacts).map(part).collect()
+        let touched = self.contacts.iter().map(|contact| contact.body);
+        connected.split(touched).into_iter().map(part).collect()
     }
 
     fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
@@ -201,8 +192,8 @@ impl Turning for RigidBodies {
         if !contact.bends(&self.twist(u, contact.body), &second, dt) {
             return false;
         }
-        let first = self.course(midpoint, u, contact.body, dt);
-        let second = contact.other.map(|body| self.course(midpoint, u, body, dt));
+        let first = self.predicted(midpoint, u, contact.body, dt);
+        let second = contact.other.map(|body| self.predicted(midpoint, u, body, dt));
         let bend = contact.bend(midpoint.t, &first, second.as_ref(), dt);
         let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
         let width = self.size * contact.touched().len();

@@ -5,10 +5,6 @@
 
 use crate::system::{Configuration, System, full_rows};
 
-/// Number of times per factor of ten at which a system is asked, and number of these factors before the end.
-const TIMES_PER_DECADE: i32 = 3;
-const DECADES: i32 = 32;
-
 /// The largest parts from zero to the end of a run.
 pub(super) struct TimeDependence {
     /// Of the forces, per velocity.
@@ -22,8 +18,8 @@ pub(super) struct TimeDependence {
 }
 
 impl TimeDependence {
-    /// As seen from the state `(q, u)`: at zero and at times of all magnitudes up to `t_end`. What is not finite or fails
-    /// there is left out.
+    /// As seen from the state `(q, u)`: at zero, and at three times per factor of ten up to `t_end`. What is not finite or
+    /// fails there is left out.
     pub(super) fn of(system: &dyn System, q: &[f64], u: &[f64], t_end: f64) -> Self {
         let (n, contacts) = (system.dof(), system.contacts());
         let [forces, impulses] = [(); 2].map(|()| vec![0.0; n]);
@@ -32,8 +28,7 @@ impl TimeDependence {
         // A time at which each force has reached at least half of its size, and what it was then.
         let mut reached = vec![(0.0, 0.0); n];
         let (mut values, mut rows, mut chi) = (vec![0.0; n], vec![0.0; 4 * n], [0.0; 4]);
-        let part = |k: i32| t_end * 10f64.powf(-f64::from(k) / f64::from(TIMES_PER_DECADE));
-        let later = (0..=DECADES * TIMES_PER_DECADE).rev().map(part);
+        let later = (0..100).rev().map(|k| t_end * 10f64.powf(-f64::from(k) / 3.0));
         for t in std::iter::once(0.0).chain(later) {
             let at = Configuration::new(t, q);
             if system.forces(&at, u, &mut values).is_ok() {
