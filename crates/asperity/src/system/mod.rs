@@ -6,7 +6,7 @@ mod models;
 pub mod rigid;
 pub(crate) mod rotation;
 mod signal;
-mod time_function;
+pub(crate) mod time_function;
 mod turning;
 
 use std::error::Error;
@@ -250,6 +250,34 @@ pub struct SystemPart {
     pub contacts: Vec<usize>,
 }
 
+/// Sizes of the terms of which functions of time are made, from zero to the end of a run.
+///
+/// A function of time may be the small difference of large parts, such as 1 − cos t near zero. Rounding leaves a share of
+/// these parts in it, below which nothing can be known of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TimeDependence {
+    /// Parts of the forces, per velocity.
+    pub forces: Vec<f64>,
+    /// Impulses that the forces give, per velocity, by the time at which they have reached half of their largest value.
+    pub impulses: Vec<f64>,
+    /// Parts of the gap in m, per contact.
+    pub gaps: Vec<f64>,
+    /// Parts of χ_N and χ in m/s, per contact.
+    pub velocities: Vec<f64>,
+}
+
+impl TimeDependence {
+    /// Of a system with so many velocities and contacts, nothing of which depends on time.
+    pub fn none(velocities: usize, contacts: usize) -> Self {
+        Self {
+            forces: vec![0.0; velocities],
+            impulses: vec![0.0; velocities],
+            gaps: vec![0.0; contacts],
+            velocities: vec![0.0; contacts],
+        }
+    }
+}
+
 /// Bounds on a motion over a time: no velocity and no acceleration exceeds its own in magnitude.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MotionBounds {
@@ -360,6 +388,12 @@ pub trait System: Debug + Sync {
     /// Event-driven integration ends its steps there, and evaluates the system within steps as it is continued smoothly
     /// from [`Configuration::piece`].
     fn next_break(&self, _t: f64) -> Option<Break> {
+        None
+    }
+
+    /// The terms of functions of time up to `t_end`, seen from the coordinates `q`, where the system knows them; by default
+    /// integrators take the largest values at about a hundred times for them.
+    fn time_dependence(&self, _q: &[f64], _t_end: f64) -> Option<TimeDependence> {
         None
     }
 

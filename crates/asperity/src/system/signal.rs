@@ -329,6 +329,21 @@ impl Signal {
         }
     }
 
+    /// Sizes of the terms of a component or one of its derivatives between zero and `t_end`, which give its rounding.
+    pub(super) fn size(&self, component: usize, derivative: Derivative, t_end: f64) -> f64 {
+        match &self.shape {
+            Shape::Pieces(pieces) => pieces.size(component, self.components, derivative, t_end),
+            Shape::Sine(sine) => {
+                let (omega, amplitude) = (sine.angular_frequency, sine.amplitude[component].abs());
+                match derivative {
+                    Derivative::Value => sine.offset[component].abs() + amplitude,
+                    Derivative::First => amplitude * omega,
+                    Derivative::Second => amplitude * omega * omega,
+                }
+            }
+        }
+    }
+
     /// Whether a component is zero at all times.
     pub(super) fn vanishes(&self, component: usize) -> bool {
         match &self.shape {
@@ -465,6 +480,29 @@ impl Pieces {
                 .iter()
                 .zip(&after)
                 .any(|(a, b)| (a[0] - b[0]).abs() > 1e-12 * self.largest().max(f64::MIN_POSITIVE))
+        })
+    }
+
+    /// As [`Signal::size`]: the terms of the polynomials that hold there, with the rounding of the time in them.
+    fn size(&self, component: usize, width: usize, derivative: Derivative, t_end: f64) -> f64 {
+        let held = match derivative {
+            Derivative::Value => {
+                self.coefficients[component][0].abs().max(self.last[component].abs())
+            }
+            _ => 0.0,
+        };
+        let pieces = self.knots.windows(2).enumerate();
+        let in_time = |ends: &[f64]| self.periodic || (ends[0] <= t_end && ends[1] > 0.0);
+        pieces.filter(|(_, ends)| in_time(ends)).fold(held, |largest, (piece, ends)| {
+            let own = self.coefficients[piece * width + component].map(f64::abs);
+            let x = if self.periodic { ends[1] } else { ends[1].min(t_end) } - ends[0];
+            let time = ends[0].abs().max(t_end);
+            let [value, slope, bend, _] = jet(own, x);
+            largest.max(match derivative {
+                Derivative::Value => value + time * slope,
+                Derivative::First => slope + time * bend,
+                Derivative::Second => bend + 6.0 * time * own[3],
+            })
         })
     }
 

@@ -11,6 +11,40 @@ pub type Function<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 /// A function of the time in s that returns its value and its rate.
 pub type FunctionWithRate<const D: usize> = Arc<dyn Fn(f64) -> [[f64; D]; 2] + Send + Sync>;
 
+/// Zero, and three times per factor of ten up to `t_end`.
+pub(crate) fn sample_times(t_end: f64) -> impl Iterator<Item = f64> {
+    let later = (0..100).rev().map(move |k| t_end * 10f64.powf(-f64::from(k) / 3.0));
+    std::iter::once(0.0).chain(later)
+}
+
+/// How large a function of time becomes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Extent {
+    /// Its largest part.
+    pub(super) size: f64,
+    /// A time at which it has reached at least half of this size, and what it was then.
+    since: f64,
+    half: f64,
+}
+
+impl Extent {
+    /// Takes a sample into account; samples ascend in time.
+    pub(super) fn include(&mut self, t: f64, value: f64) {
+        if !(value.is_finite() && value.abs() > self.size) {
+            return;
+        }
+        if value.abs() > 2.0 * self.half {
+            (self.since, self.half) = (t, value.abs());
+        }
+        self.size = value.abs();
+    }
+
+    /// What its integral is at most up to the time at which it has reached half of its size.
+    pub(super) fn reach(&self) -> f64 {
+        self.since * self.size
+    }
+}
+
 /// `D` numbers as a function of time. Functions of the user are taken for smooth.
 #[derive(Clone)]
 #[non_exhaustive]
@@ -123,6 +157,29 @@ impl<const D: usize> TimeFunction<D> {
             Self::Signal(signal) => signal.next_break(t),
             _ => None,
         }
+    }
+
+    /// Sizes of its components, or with [`Derivative::First`] of their rates, between zero and `t_end`: of a signal the largest
+    /// terms, of a function of the user the largest samples. Constants do not depend on time.
+    pub(super) fn extents(&self, derivative: Derivative, t_end: f64) -> [Extent; D] {
+        let mut extents = [Extent::default(); D];
+        let mut include = |t: f64, values: [f64; D]| {
+            extents.iter_mut().zip(values).for_each(|(extent, value)| extent.include(t, value));
+        };
+        match (self, derivative) {
+            (Self::Constant(_), _) => {}
+            (Self::Signal(signal), _) => {
+                include(0.0, std::array::from_fn(|k| signal.size(k, derivative, t_end)));
+            }
+            (Self::WithRate(function), Derivative::First) => {
+                sample_times(t_end).for_each(|t| include(t, function(t)[1]));
+            }
+            (_, Derivative::Value) => {
+                sample_times(t_end).for_each(|t| include(t, self.value(Moment::new(t))));
+            }
+            _ => {}
+        }
+        extents
     }
 
     /// Refuses constants that are not finite and signals of another number of components.

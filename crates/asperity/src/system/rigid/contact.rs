@@ -161,6 +161,16 @@ impl Contact {
         }
     }
 
+    /// Sizes of the parts of gap and velocities that depend on time, seen from these poses; none if nothing does.
+    pub(super) fn extents(&self, poses: &Poses, t_end: f64) -> Option<[f64; 2]> {
+        let Poses { first, second } = poses;
+        let Touching::Plane { point, surface, timed: Some(timed), .. } = &self.touching else {
+            return None;
+        };
+        let origin = second.map_or(surface.point, |pose| pose.point(&surface.point));
+        Some(timed.extents((first.point(point) - origin).norm(), t_end))
+    }
+
     /// Everything of the contact but its rows.
     #[inline]
     pub(super) fn geometry(&self, at: Moment, poses: &Poses) -> ContactGeometry {

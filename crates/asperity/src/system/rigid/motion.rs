@@ -28,7 +28,8 @@ use super::body::TimedLoad;
 use super::pose::{Pose, Twist, angular, twist};
 use super::rigid_bodies::RigidBodies;
 use crate::system::rotation::{differential, matrix, turned_back};
-use crate::system::{Configuration, SystemError};
+use crate::system::time_function::Extent;
+use crate::system::{Configuration, Derivative, SystemError, TimeDependence};
 
 /// Most iterations for the angular velocity at the end of a step; bodies that turn by up to 3 rad take 8 at the most.
 const MOST_ITERATIONS: usize = 20;
@@ -122,6 +123,51 @@ impl RigidBodies {
             omega += step;
         }
         Err(too_far)
+    }
+
+    /// How large that becomes which depends on time, seen from these coordinates.
+    pub(super) fn extents_in_time(&self, q: &[f64], t_end: f64) -> TimeDependence {
+        let mut found = TimeDependence::none(self.blocks.velocities(), self.contacts.len());
+        let width = self.size;
+        // The places of a body's force and torque among its velocities.
+        let places = if self.planar { [[0, 1, 1], [2, 2, 2]] } else { [[0, 1, 2], [3, 4, 5]] };
+        let mut add = |body: usize, kind: usize, component: usize, size: f64, impulse: f64| {
+            let place = width * body + places[kind][component];
+            found.forces[place] += size;
+            found.impulses[place] += impulse;
+        };
+        for TimedLoad { body, force, torque } in &self.timed_loads {
+            for (kind, load) in [force, torque].into_iter().enumerate() {
+                let extents = load.extents(Derivative::Value, t_end);
+                // Torques are given in the world's axes, and may be about any of the body's.
+                let turned = kind == 1 && !self.planar;
+                for component in 0..3 {
+                    let own = if turned { &extents[..] } else { &extents[component..=component] };
+                    let size = own.iter().map(|extent| extent.size).sum();
+                    let impulse = own.iter().map(Extent::reach).sum();
+                    add(*body, kind, component, size, impulse);
+                }
+            }
+        }
+        for spring in &self.springs {
+            let [length] = spring.length.extents(Derivative::Value, t_end);
+            let ends = [(Some(spring.body), spring.point), (spring.other, spring.other_point)];
+            for (body, point) in ends {
+                let Some(body) = body else { continue };
+                for (kind, arm) in [1.0, Vector3::from(point).norm()].into_iter().enumerate() {
+                    let share = spring.stiffness * arm;
+                    for component in 0..3 {
+                        add(body, kind, component, share * length.size, share * length.reach());
+                    }
+                }
+            }
+        }
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let poses = contact.poses(|body| self.pose_of(q, body));
+            let extents = contact.extents(&poses, t_end);
+            [found.gaps[i], found.velocities[i]] = extents.unwrap_or_default();
+        }
+        found
     }
 
     /// Weight, loads, springs and prescribed normal forces, without gyroscopic terms.

@@ -7,7 +7,7 @@ use super::rigid_bodies::RigidBodies;
 use crate::contact::Components;
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, MotionBounds,
-    Rotation, Step, System, SystemError, SystemPart, Turning,
+    Rotation, Step, System, SystemError, SystemPart, TimeDependence, Turning,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -91,6 +91,10 @@ impl System for RigidBodies {
             }
         }
         Ok(())
+    }
+
+    fn time_dependence(&self, q: &[f64], t_end: f64) -> Option<TimeDependence> {
+        Some(self.extents_in_time(q, t_end))
     }
 
     fn next_break(&self, t: f64) -> Option<Break> {

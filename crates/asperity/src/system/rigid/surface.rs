@@ -8,7 +8,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use super::plane_motion::{PlacedMotion, PlaneMotion};
 use crate::argument::{ArgumentError, finite, refuse};
 use crate::system::rotation::Turn;
-use crate::system::{Break, Moment, TimeFunction};
+use crate::system::time_function::Extent;
+use crate::system::{Break, Derivative, Moment, TimeFunction};
 
 /// A plane, fixed to the world or to a body; bodies are on the side that its normal points to.
 ///
@@ -267,6 +268,22 @@ impl Timed {
             }
         });
         PredictedSurface { belt: surface.e1 * v1 + surface.e2 * v2, angle, plane }
+    }
+
+    /// Sizes of the parts of the gap and of the velocities of a body that touches the plane at this distance from its point.
+    pub(super) fn extents(&self, arm: f64, t_end: f64) -> [f64; 2] {
+        let largest = |sum: f64, extent: Extent| sum + extent.size;
+        let vector = |extents: &[Extent]| extents.iter().copied().fold(0.0, largest);
+        let [value, rate] = [Derivative::Value, Derivative::First];
+        let within = vector(&self.velocity.extents(value, t_end))
+            + arm * vector(&self.spin.extents(value, t_end));
+        let of_plane = |derivative: Derivative| {
+            self.motion.as_ref().map_or(0.0, |PlaneMotion { displacement, rotation }| {
+                let turned = vector(&rotation.extents(derivative, t_end));
+                vector(&displacement.extents(derivative, t_end)) + arm * turned
+            })
+        };
+        [of_plane(value), within + of_plane(rate)]
     }
 
     /// The next time at which it is not smooth.
