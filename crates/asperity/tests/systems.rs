@@ -8,7 +8,7 @@ use asperity::simulate;
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
-    Blocks, Configuration, Contact, ContactLaw, LinearSystem, System, SystemError,
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, System, SystemError, TimeDependence,
 };
 use nalgebra::DMatrix;
 
@@ -22,6 +22,7 @@ struct Falling {
     lift: f64,
     /// `q ← q + rate Δt u`.
     rate: f64,
+    dependence: Option<TimeDependence>,
 }
 
 impl Falling {
@@ -29,7 +30,7 @@ impl Falling {
         let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
         let contacts = vec![ContactLaw::new(law, NormalForce::Unilateral).unwrap()];
         let touched = (0..blocks.count()).collect();
-        Self { blocks, contacts, touched, lift: 0.0, rate: 1.0 }
+        Self { blocks, contacts, touched, lift: 0.0, rate: 1.0, dependence: None }
     }
 }
 
@@ -67,6 +68,10 @@ impl System for Falling {
     ) -> Result<(), SystemError> {
         h.fill(-10.0);
         Ok(())
+    }
+
+    fn time_dependence(&self, _q: &[f64], _t_end: f64) -> Option<TimeDependence> {
+        self.dependence.clone()
     }
 
     fn gap(&self, at: &Configuration<'_>, _contact: usize) -> Result<f64, SystemError> {
@@ -211,6 +216,27 @@ fn systems_that_advance_themselves_are_not_integrated_as_if_they_did_not() {
         assert_eq!(integrate(&own, &q).unwrap_err().argument, "system");
         assert!(stepper(&own, &q).unwrap().step().is_ok());
         assert!(integrate(&Falling::new(Blocks::one(2)), &q).is_ok());
+    }
+}
+
+/// Sizes of functions of time are as many as there are velocities and contacts.
+#[test]
+fn what_depends_on_time_is_counted() {
+    let ended = |dependence: TimeDependence| {
+        let system = Falling { dependence: Some(dependence), ..Falling::new(Blocks::one(2)) };
+        integrate(&system, &[1.0, 0.0]).unwrap().outcome
+    };
+    let whole = TimeDependence::none(2, 1);
+    assert!(matches!(ended(whole.clone()), event::Outcome::Finished));
+    for wrong in [
+        TimeDependence::default(),
+        TimeDependence { forces: vec![0.0; 3], ..whole.clone() },
+        TimeDependence { impulses: vec![0.0], ..whole.clone() },
+        TimeDependence { gaps: vec![0.0; 2], ..whole.clone() },
+        TimeDependence { velocities: vec![], ..whole.clone() },
+    ] {
+        let event::Outcome::Error(error) = ended(wrong) else { panic!("no failure") };
+        assert!(error.to_string().starts_with("time_dependence: must have"), "{error}");
     }
 }
 

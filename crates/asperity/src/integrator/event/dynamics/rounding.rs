@@ -3,28 +3,37 @@
 //! Where nothing has moved yet, functions of time are all there is to compare errors with: the parts of which they are
 //! made, whose small difference a load, a gap or a velocity may be.
 
+use crate::argument::length;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::TimeParts;
 use crate::integrator::event::dynamics::time_dependence::sampled;
-use crate::integrator::event::state::{CLOSED_GAP, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY};
-use crate::system::TimeDependence;
+use crate::integrator::event::state::{
+    CLOSED_GAP, EvaluationError, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY,
+};
+use crate::system::{SystemError, TimeDependence};
 use crate::vectors::{largest, norm};
 
 impl Dynamics<'_> {
     /// Asks for the parts of functions of time, as seen from the coordinates and velocities of the system at which the
     /// kinematics have been evaluated. They give contacts what gaps and slips are compared with at least.
-    pub(crate) fn account_for_time(&mut self, q: &[f64], u: &[f64], t_end: f64) {
+    pub(crate) fn account_for_time(
+        &mut self,
+        q: &[f64],
+        u: &[f64],
+        t_end: f64,
+    ) -> Result<(), EvaluationError> {
         if self.system.constancy().autonomous {
-            return;
+            return Ok(());
         }
-        let counts = [self.n, self.n, self.contacts.len(), self.contacts.len()];
-        let fits = |found: &TimeDependence| {
-            let TimeDependence { forces, impulses, gaps, velocities } = found;
-            [forces, impulses, gaps, velocities].map(Vec::len) == counts
-        };
-        let known = self.system.time_dependence(q, t_end).filter(fits);
+        let known = self.system.time_dependence(q, t_end);
         let found = known.unwrap_or_else(|| sampled(self.system, q, u, t_end));
         let TimeDependence { mut forces, mut impulses, gaps, velocities } = found;
+        let (n, contacts) = (self.n, self.contacts.len());
+        for (sizes, count) in
+            [(&forces, n), (&impulses, n), (&gaps, contacts), (&velocities, contacts)]
+        {
+            length("time_dependence", count, sizes.len()).map_err(SystemError::from)?;
+        }
         if let Some(factor) = &self.factor {
             factor.solve(self.system, &mut forces);
             factor.solve(self.system, &mut impulses);
@@ -41,6 +50,7 @@ impl Dynamics<'_> {
             velocities,
             depends_on_time: true,
         };
+        Ok(())
     }
 
     /// The part of its friction force that rounding of a slip changes: where direction sets are thin, the force turns within

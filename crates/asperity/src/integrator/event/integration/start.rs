@@ -17,7 +17,7 @@ impl Integration<'_> {
         let (t_end, duration) = (self.options.t_end, self.options.duration());
         let (start_q, start_u) = self.dynamics.chart.system_state(&self.state);
         let (start_q, start_u) = (start_q.to_vec(), start_u.to_vec());
-        self.dynamics.account_for_time(&start_q, &start_u, t_end);
+        self.dynamics.account_for_time(&start_q, &start_u, t_end)?;
         self.step_size.account_for_parts(self.dynamics.time_parts.velocity);
         self.step_size.account_for(&mut self.dynamics, &self.state, 0.0);
         // An impact at the beginning is told from rest by the accelerations without contacts.
