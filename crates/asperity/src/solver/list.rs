@@ -58,6 +58,7 @@ impl List {
         let plan = plan(solver, &stop);
         if let Some(plan) = plan {
             match only {
+                Some(swept) if stop.early() => self.swept.push(swept.given_up()),
                 Some(swept) => self.swept.push(swept),
                 None => buffers.sweeper.solve_islands(task, iterate, plan, &mut self.swept),
             }
