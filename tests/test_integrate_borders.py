@@ -1625,3 +1625,27 @@ def test_contacts_with_a_nearly_immobile_direction_turn_round():
     largest = np.nanmax(np.linalg.norm(motion.force, axis=2), axis=0)
     assert (largest <= (1 + 1e-9) * np.multiply(radii, loads)).all()
     assert [event.kind for event in motion.events] == [asp.EventKind.SLIP]
+
+
+@pytest.mark.parametrize("seed", every(3, range(12)))
+@pytest.mark.parametrize("exponent", [1.2, 1.6, 2.0, 2.2, 2.51, 4.0, 6.0])
+def test_the_error_follows_the_tolerance_where_slips_pass_axes_of_superellipses(exponent, seed):
+    rng = np.random.default_rng([seed, round(100 * exponent)])
+    law = asp.FrictionLaw(
+        asp.Ellipse(*rng.uniform(0.3, 0.6, 2), angle=rng.uniform(0.0, 3.0)),
+        asp.Superellipse(*rng.uniform(0.3, 1.0, 2), exponent),
+    )
+    belt = asp.MassOnBelt(
+        rng.uniform(0.5, 2.0),
+        stiffness=rng.uniform(5.0, 20.0),
+        law=law,
+        normal_force=rng.uniform(1.0, 3.0),
+        belt_velocity=rng.uniform(-1.0, 1.0, 2),
+    )
+    start = {"q0": rng.uniform(-0.8, 0.8, 2), "u0": rng.uniform(-0.7, 0.7, 2)}
+    known = asp.integrate(belt, t_end=2.0, tolerance=1e-14, **start)
+    for tolerance in (1e-6, 1e-8, 1e-10, 1e-12):
+        motion = asp.integrate(belt, t_end=2.0, tolerance=tolerance, **start)
+        for found, exact in ((motion.q, known.q), (motion.u, known.u)):
+            error = np.abs(found[-1] - exact[-1]).max() / np.abs(exact).max()
+            assert error <= 20.0 * tolerance

@@ -1,12 +1,8 @@
 //! The factorisations of the library.
 
 use crate::contact::BlockMatrix;
-use crate::linear::{DenseLu, Execution, Kind, Numeric, Symbolic};
+use crate::linear::{DenseLu, Kind, Numeric, Symbolic};
 use crate::measure::Factorisation;
-use crate::threads::Threads;
-
-/// By one thread, to the end.
-const ALONE: Execution<'_> = Execution { threads: Threads::NONE, given_up: &|| false };
 
 /// Analysed once, factored without allocation.
 pub struct Ours<'a> {
@@ -27,7 +23,7 @@ impl<'a> Ours<'a> {
 
 impl Factorisation for Ours<'_> {
     fn factor(&mut self) -> bool {
-        self.numeric.factor(&self.symbolic, (self.matrix, self.kind), ALONE)
+        self.numeric.factor(&self.symbolic, (self.matrix, self.kind), &|| false)
     }
 
     fn solve(&mut self, x: &mut [f64]) {

@@ -58,8 +58,8 @@ class Auto(Solver):
 
     Args:
         without: names of steps to leave out.
-        threads: for work that is done contact by contact, from 513 contacts on, for islands side
-            by side and for factorisations with large fronts; the result does not depend on it.
+        threads: for work that is done contact by contact, from 513 contacts on, and for islands
+            side by side; the result does not depend on it.
 
     >>> from asperity import Auto
     >>> Auto(without=["admm", "interior_point"])

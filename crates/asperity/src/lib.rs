@@ -22,12 +22,10 @@
 //!
 //! | feature | what it adds |
 //! |---|---|
-//! | `parallel`, by default | threads for contacts, islands and large fronts of factorisations, where a [`Solver`](solver::Solver) is given some |
-//! | `sparse`, by default | sparse factorisations for the methods of many contacts; else dense ones, up to 4,000 rows |
+//! | `parallel`, by default | threads for contacts and islands, where a [`Solver`](solver::Solver) is given some |
 //! | `serde` | sets ([`set::Star`], [`set::Convex`]), laws, contact problems, trajectories and motions as data |
 //!
-//! No result depends on `parallel`, and only those on `sparse` for which a matrix of several contacts is factored: they
-//! differ by rounding. What `serde` reads goes through the constructors, so that nothing comes out that these would
+//! No result depends on `parallel`. What `serde` reads goes through the constructors, so that nothing comes out that these would
 //! refuse. The words are those of the Python package; a law is written as
 //!
 //! ```toml

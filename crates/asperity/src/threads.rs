@@ -1,10 +1,7 @@
-//! Threads for what does not depend on each other: contacts, islands, columns of a front; without the feature `parallel`
-//! there are none.
+//! Threads for what does not depend on each other: contacts and islands; without the feature `parallel` there are none.
 //!
 //! Each of them is computed by itself, whoever computes it, and nothing is summed across threads: results are the same to
 //! the bit for any number of threads.
-
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Contacts that one thread takes at a time.
 pub(crate) const LEAF: usize = 512;
@@ -29,12 +26,6 @@ impl Threads {
         }
         let available = std::thread::available_parallelism().map_or(1, |n| n.get());
         Self(pool::of_this_process(count.min(available.max(4))))
-    }
-
-    /// The pool for work that others would wait for, if it is free: calls that share it would wait for each other.
-    pub(crate) fn claim(&self) -> Option<Claim<'_>> {
-        let busy = pool::busy(self.0.as_ref()?);
-        (!busy.swap(true, Ordering::Acquire)).then_some(Claim(busy))
     }
 
     /// Whether so many contacts are worth several threads.
@@ -65,15 +56,6 @@ impl Threads {
     }
 }
 
-/// A pool that others leave alone until this is dropped.
-pub(crate) struct Claim<'a>(&'a AtomicBool);
-
-impl Drop for Claim<'_> {
-    fn drop(&mut self) {
-        self.0.store(false, Ordering::Release);
-    }
-}
-
 pub(crate) use pool::join;
 
 /// Calls `work` with the number and the flag of every contact, and with buffers that each thread makes for itself.
@@ -96,25 +78,13 @@ pub(crate) fn each<B: Default>(
 
 #[cfg(feature = "parallel")]
 mod pool {
-    use std::sync::atomic::AtomicBool;
     use std::sync::{Arc, Mutex, mpsc};
     use std::time::Duration;
 
     pub(crate) use rayon::join;
     use rayon::{ThreadPool, ThreadPoolBuilder};
 
-    pub(super) type Pool = Arc<Shared>;
-
-    /// A pool, and whether somebody has claimed it.
-    #[derive(Debug)]
-    pub(super) struct Shared {
-        pool: ThreadPool,
-        busy: AtomicBool,
-    }
-
-    pub(super) fn busy(pool: &Pool) -> &AtomicBool {
-        &pool.busy
-    }
+    pub(super) type Pool = Arc<ThreadPool>;
 
     /// How often a thread that waits for others looks after something else.
     const PATIENCE: Duration = Duration::from_millis(5);
@@ -130,14 +100,13 @@ mod pool {
         if let Some((_, _, pool)) = pools.iter().find(|(_, threads, _)| *threads == count) {
             return Some(pool.clone());
         }
-        let threads = ThreadPoolBuilder::new().num_threads(count).build().ok()?;
-        let pool = Arc::new(Shared { pool: threads, busy: AtomicBool::new(false) });
+        let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count).build().ok()?);
         pools.push((process, count, pool.clone()));
         Some(pool)
     }
 
     pub(super) fn install<T: Send>(pool: &Pool, work: impl FnOnce() -> T + Send) -> T {
-        pool.pool.install(work)
+        pool.install(work)
     }
 
     pub(super) fn share<T: Send>(
@@ -147,7 +116,7 @@ mod pool {
         meanwhile: impl Fn(),
     ) {
         let (under_way, done) = mpsc::channel::<()>();
-        pool.pool.in_place_scope(|scope| {
+        pool.in_place_scope(|scope| {
             let work = &work;
             for item in items {
                 let own = under_way.clone();
@@ -172,10 +141,6 @@ mod pool {
 
     pub(super) fn of_this_process(_count: usize) -> Option<Pool> {
         None
-    }
-
-    pub(super) fn busy(pool: &Pool) -> &std::sync::atomic::AtomicBool {
-        match *pool {}
     }
 
     pub(super) fn install<T>(pool: &Pool, _work: impl FnOnce() -> T) -> T {

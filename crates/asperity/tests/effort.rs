@@ -492,6 +492,6 @@ fn what_is_spent_in_vain_is_limited() {
     let mut workspace = Workspace::default();
     let alone = spent(1, 1, &mut workspace);
     let [few, many] = [3, 60].map(|sweeps| spent(2, sweeps, &mut workspace));
-    check(&[("vain", [alone, few, many])], &[("vain", [47028, 936, 18720])]);
+    check(&[("vain", [alone, few, many])], &[("vain", [23514, 936, 18720])]);
     assert_eq!(spent(2, 60, &mut workspace), many);
 }

@@ -16,8 +16,8 @@ use asperity::set::{
 };
 use asperity::simulate::{Options, Outcome, simulate};
 use asperity::solver::{
-    ContactSolution, InfeasibilityKind, Solver, Status, Steps, Stop, Workspace, natural_residual,
-    solutions,
+    ContactSolution, InfeasibilityKind, Measure, Solver, Status, Steps, Stop, Workspace,
+    natural_residual, solutions,
 };
 use asperity::system::{Contact, LinearSystem};
 use common::{FAMILIES, Random, V, gram, laws, one_contact};
@@ -1282,6 +1282,35 @@ fn sweeps_are_counted() {
     let (mut memory, mut workspace) = (Memory::new(2, 2), Workspace::default());
     let report = exact.solve(&problem, stop, &mut memory, &mut workspace);
     assert_eq!((report.status, report.iterations), (Status::TimeLimit, 1));
+}
+
+/// Painlevé's paradox: friction draws the contact into the floor whatever it does. Who cancels does not wait for a proof.
+#[test]
+fn a_single_contact_without_a_solution_is_swept_once() {
+    let delassus = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 3.0]);
+    let law = Law::from(FrictionLaw::<1>::isotropic(1.0).unwrap());
+    let contacts = [(law, NormalForce::Unilateral)];
+    let problem = ContactProblem::new(delassus, vec![-1.0, 5.0], contacts).unwrap();
+    let (memory, mut workspace) = (Memory::new(2, 1), Workspace::default());
+    for solver in [Solver::AUTO, Solver::Exact { max_sweeps: 10 }] {
+        for measure in [Measure::Contact, Measure::Global] {
+            let stop = Stop::at(TOLERANCE).with_measure(measure);
+            for (cancelled, status) in [(false, Status::NoSolution), (true, Status::TimeLimit)] {
+                let stop = if cancelled { stop.unless(&|| true) } else { stop };
+                let mut memory = memory.clone();
+                let report = solver.solve(&problem, stop, &mut memory, &mut workspace);
+                let what = format!("{solver:?}, {measure:?}: {report:?}");
+                assert_eq!((report.status, report.iterations), (status, 1), "{what}");
+                assert_eq!(workspace.infeasibility().is_some(), !cancelled, "{what}");
+                assert_eq!(workspace.stages().len(), 1, "{what}");
+                assert_eq!(
+                    workspace.velocity(),
+                    problem.velocities(&memory.percussion).unwrap(),
+                    "{what}"
+                );
+            }
+        }
+    }
 }
 
 /// One step of a point on a plane whose friction rises with the speed: `u_E − u_B = −Δt N f(‖u_E‖) x(u_E)/m`, or it

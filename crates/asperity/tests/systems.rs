@@ -8,8 +8,7 @@ use asperity::simulate;
 use asperity::solver::Solver;
 use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::{
-    Blocks, Configuration, Contact, ContactLaw, LinearSystem, Midpoint, System, SystemError,
-    TimeDependence,
+    Blocks, Configuration, Contact, ContactLaw, LinearSystem, System, SystemError, TimeDependence,
 };
 use nalgebra::DMatrix;
 
@@ -23,7 +22,6 @@ struct Falling {
     lift: f64,
     /// `q ← q + rate Δt u`.
     rate: f64,
-    carries_momenta: bool,
     dependence: Option<TimeDependence>,
 }
 
@@ -32,8 +30,7 @@ impl Falling {
         let law = FrictionLaw::<1>::isotropic(0.5).unwrap();
         let contacts = vec![ContactLaw::new(law, NormalForce::Unilateral).unwrap()];
         let touched = (0..blocks.count()).collect();
-        let (lift, rate, carries_momenta, dependence) = (0.0, 1.0, false, None);
-        Self { blocks, contacts, touched, lift, rate, carries_momenta, dependence }
+        Self { blocks, contacts, touched, lift: 0.0, rate: 1.0, dependence: None }
     }
 }
 
@@ -73,7 +70,7 @@ impl System for Falling {
         Ok(())
     }
 
-    fn time_dependence(&self, _q: &[f64], _u: &[f64], _t_end: f64) -> Option<TimeDependence> {
+    fn time_dependence(&self, _q: &[f64], _t_end: f64) -> Option<TimeDependence> {
         self.dependence.clone()
     }
 
@@ -93,26 +90,6 @@ impl System for Falling {
         let width = rows.len() / velocity.len();
         (rows[0], rows[width + 1]) = (1.0, 1.0);
         self.gap(at, contact)
-    }
-
-    fn momenta(&self, _q: &[f64], u: &[f64]) -> Vec<f64> {
-        if self.carries_momenta { u.to_vec() } else { Vec::new() }
-    }
-
-    fn finish(
-        &self,
-        midpoint: &mut Midpoint,
-        after: &[f64],
-        dt: f64,
-        q: &mut [f64],
-        u: &mut [f64],
-    ) -> Result<(), SystemError> {
-        u.copy_from_slice(after);
-        self.advance(&midpoint.q, u, 0.5 * dt, q);
-        if self.carries_momenta {
-            midpoint.momenta.copy_from_slice(u);
-        }
-        Ok(())
     }
 }
 
@@ -242,7 +219,7 @@ fn systems_that_advance_themselves_are_not_integrated_as_if_they_did_not() {
     }
 }
 
-/// How large functions of time become is told for every velocity and for every contact.
+/// Sizes of functions of time are as many as there are velocities and contacts.
 #[test]
 fn what_depends_on_time_is_counted() {
     let ended = |dependence: TimeDependence| {
@@ -260,21 +237,6 @@ fn what_depends_on_time_is_counted() {
     ] {
         let event::Outcome::Error(error) = ended(wrong) else { panic!("no failure") };
         assert!(error.to_string().starts_with("time_dependence: must have"), "{error}");
-    }
-}
-
-#[test]
-fn momenta_of_a_system_are_compared_with_those_that_it_has() {
-    let system = Falling { carries_momenta: true, ..Falling::new(Blocks::one(2)) };
-    let mut run = stepper(&system, &[1.0, 0.0]).unwrap();
-    run.step().unwrap();
-    let end = run.state();
-    assert_eq!(end.momenta, end.u);
-    let from = |state: &State| Stepper::new(&system, EXACT, 1e-10, 0.01, state).map(|_| ());
-    assert!(from(&end).is_ok());
-    for momenta in [vec![0.0; 2], vec![1.0], vec![0.0, f64::NAN]] {
-        let error = from(&State { momenta, ..end.clone() }).unwrap_err();
-        assert!(error.to_string().starts_with("start: "), "{error}");
     }
 }
 

@@ -53,7 +53,7 @@ impl CallbackSystem {
         let in_blocks = touched.is_some();
         let touched = touched.unwrap_or_else(|| vec![vec![0]; laws.len()]);
         let (mass, contacts) = constant;
-        let constancy = Constancy { mass, contacts };
+        let constancy = Constancy { mass, contacts, autonomous: false };
         let blocks = Blocks::new(blocks);
         // Every rotation before has one coordinate more than velocities.
         let rotation = |(k, velocity)| Rotation { coordinate: velocity + k, velocity };

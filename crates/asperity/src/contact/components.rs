@@ -36,7 +36,24 @@ impl Components {
         numbers
     }
 
-    /// The same in a buffer; the number of components.
+    /// The members of every component, and which of the contacts that touch these members belong to it; nothing if all is one
+    /// component.
+    pub(crate) fn split(
+        self,
+        touched: impl Iterator<Item = usize>,
+    ) -> Vec<(Vec<usize>, Vec<usize>)> {
+        let of = self.numbers();
+        let count = of.iter().max().map_or(0, |last| last + 1);
+        if count < 2 {
+            return Vec::new();
+        }
+        let mut parts = vec![(Vec::new(), Vec::new()); count];
+        of.iter().enumerate().for_each(|(member, &part)| parts[part].0.push(member));
+        touched.enumerate().for_each(|(contact, member)| parts[of[member]].1.push(contact));
+        parts
+    }
+
+    /// The same as [`numbers`](Self::numbers) in a buffer; the number of components.
     fn number(&mut self, numbers: &mut Vec<usize>) -> usize {
         numbers.clear();
         let mut count = 0;

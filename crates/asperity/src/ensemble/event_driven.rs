@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use super::Members;
-use super::crew::Crew;
 use super::keep::Keep;
 use super::outcome::{Counts, Ending, Ensemble, Reason, Rows};
 use super::reduction::Reduction;
+use super::runner::Runner;
 use super::workers::{self, Stop};
 use crate::argument::{ArgumentError, refuse};
 use crate::integrator::StateSample;
@@ -43,8 +43,8 @@ pub fn integrate_many(
     options.check(members.first())?;
     let samples = options.sample.map_or(0, |dt| samples_of(options, dt));
     let threads = workers::threads(threads, members.count());
-    let crew = Crew { members, keep, samples, threads };
-    crew.run(observer, &|system, start, stop, reduction, rows| {
+    let runner = Runner { members, keep, samples, threads };
+    runner.run(observer, &|system, start, stop, reduction, rows| {
         integrate_one(system, start, options, (keep, stop), reduction, rows);
     })
 }

@@ -10,16 +10,16 @@
 //! | `reduction.rs` | quantities that are found while a run goes on |
 //! | `outcome.rs` | what comes out of all runs, and how each has ended |
 //! | `workers.rs` | threads that share work |
-//! | `crew.rs` | the loop over members that both kinds of runs have |
+//! | `runner.rs` | the loop over members that both kinds of runs have |
 //! | `lanes/` | runs of time stepping side by side in wide registers |
 //! | `time_stepping.rs`, `event_driven.rs` | the two kinds of runs |
 
-mod crew;
 mod event_driven;
 mod keep;
 mod lanes;
 mod outcome;
 mod reduction;
+mod runner;
 mod time_stepping;
 mod workers;
 

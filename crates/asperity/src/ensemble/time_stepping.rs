@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use super::crew::{Crew, Prepared};
 use super::keep::Keep;
 use super::lanes::{self, Common, Run};
 use super::outcome::{Counts, Ending, Ensemble, Reason, Rows};
 use super::reduction::Reduction;
+use super::runner::{Prepared, Runner};
 use super::workers::{self, Stop};
 use super::{Lanes, Members, Workers};
 use crate::argument::{ArgumentError, refuse};
@@ -85,13 +85,13 @@ pub fn simulate_many(
     }
     options.save_every = keep.every.unwrap_or(usize::MAX);
     let samples = keep.every.map_or(0, |every| 1 + options.steps.div_ceil(every));
-    let crew = Crew { members, keep, samples, threads };
+    let runner = Runner { members, keep, samples, threads };
     if lanes != Lanes::None {
-        return crew.run_together(observer, AT_ONCE, &|members, stop, rows| {
+        return runner.run_together(observer, AT_ONCE, &|members, stop, rows| {
             step_together(members, lanes, &options, (keep, stop), rows);
         });
     }
-    crew.run(observer, &|system, start, stop, reduction, rows| {
+    runner.run(observer, &|system, start, stop, reduction, rows| {
         step_through(system, start, &options, (keep, stop), reduction, rows);
     })
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 const ASK_EVERY: Duration = Duration::from_millis(50);
 
 /// Most steps between two looks at the clock, whose cost is negligible among so many.
-const MOST_UNSEEN: u32 = 64;
+pub(crate) const MOST_UNSEEN: u32 = 64;
 
 /// The observer, which is told how far the run is, when it was asked last and whether it has asked to stop.
 pub(crate) struct Observer<'a, T> {

@@ -3,17 +3,14 @@
 use std::ops::Range;
 
 use super::Kind;
-use super::execution::Work;
-use crate::threads::join;
 
 /// Columns of a panel.
 const PANEL: usize = 16;
 /// Rows and columns of a tile that stays in registers.
 const ROWS: usize = 8;
 const COLUMNS: usize = 4;
-/// Operations of the update by a panel that are worth a second thread, and columns that one thread takes at a time.
-const WORTHWHILE: usize = 500_000;
-const PART: usize = 16 * COLUMNS;
+/// Operations between two questions whether somebody waits for the factors: some milliseconds.
+const BETWEEN: usize = 10_000_000;
 
 /// Buffers of [`eliminate`].
 #[derive(Debug, Clone, Default)]
@@ -38,20 +35,48 @@ pub(super) struct DenseFront<'a> {
     pub(super) kind: Kind,
 }
 
+/// Asks now and then whether nobody waits for the factors any longer.
+pub(super) struct Patience<'a> {
+    given_up: &'a dyn Fn() -> bool,
+    /// Operations since it was last asked.
+    operations: usize,
+}
+
+impl<'a> Patience<'a> {
+    pub(super) fn new(given_up: &'a dyn Fn() -> bool) -> Self {
+        Self { given_up, operations: 0 }
+    }
+
+    /// The answer after so many more operations.
+    #[inline]
+    fn ends(&mut self, operations: usize) -> bool {
+        self.operations += operations;
+        if self.operations < BETWEEN {
+            return false;
+        }
+        self.operations = 0;
+        (self.given_up)()
+    }
+}
+
 /// Elimination; false if a pivot vanishes, or is not positive in a definite front, or if nobody waits for it any longer.
 ///
 /// `LU` of a general front, rows exchanged within the pivot rows only: afterwards it holds `L` (unit diagonal) below and `U` above
 /// the diagonal of the eliminated part, and the Schur complement of the rest. `LDLᵀ` of a definite one, of which the lower
 /// triangle is read and holds `L` below and `D` on the diagonal afterwards; what is above is left undefined.
-pub(super) fn eliminate(front: DenseFront<'_>, packed: &mut Packed, work: &mut Work<'_>) -> bool {
-    pulp::Arch::new().dispatch(Elimination { front, packed, work })
+pub(super) fn eliminate(
+    front: DenseFront<'_>,
+    packed: &mut Packed,
+    patience: &mut Patience<'_>,
+) -> bool {
+    pulp::Arch::new().dispatch(Elimination { front, packed, patience })
 }
 
 /// A call of [`eliminate`] that the compiler copies into every set of instructions.
 struct Elimination<'a, 'b> {
     front: DenseFront<'a>,
     packed: &'a mut Packed,
-    work: &'a mut Work<'b>,
+    patience: &'a mut Patience<'b>,
 }
 
 impl pulp::NullaryFnOnce for Elimination<'_, '_> {
@@ -59,11 +84,11 @@ impl pulp::NullaryFnOnce for Elimination<'_, '_> {
 
     #[inline(always)]
     fn call(self) -> bool {
-        let Self { front, packed, work } = self;
+        let Self { front, packed, patience } = self;
         if fused() {
-            eliminate_with::<true>(front, packed, work)
+            eliminate_with::<true>(front, packed, patience)
         } else {
-            eliminate_with::<false>(front, packed, work)
+            eliminate_with::<false>(front, packed, patience)
         }
     }
 }
@@ -81,7 +106,7 @@ fn fused() -> bool {
 fn eliminate_with<const FMA: bool>(
     front: DenseFront<'_>,
     packed: &mut Packed,
-    work: &mut Work<'_>,
+    patience: &mut Patience<'_>,
 ) -> bool {
     let DenseFront { entries, size, pivots, swaps, kind } = front;
     let mut start = 0;
@@ -100,9 +125,9 @@ fn eliminate_with<const FMA: bool>(
                 }
             }
         }
-        update::<FMA>(entries, size, (start..end, kind), packed, work);
+        update::<FMA>(entries, size, (start..end, kind), packed);
         let rest = size - start;
-        if work.is_given_up(2 * (end - start) * rest * rest) {
+        if patience.ends(2 * (end - start) * rest * rest) {
             return false;
         }
         start = end;
@@ -202,7 +227,6 @@ fn update<const FMA: bool>(
     size: usize,
     (columns, kind): (Range<usize>, Kind),
     packed: &mut Packed,
-    work: &Work<'_>,
 ) {
     let Range { start, end } = columns;
     let depth = end - start;
@@ -219,11 +243,10 @@ fn update<const FMA: bool>(
             out.copy_from_slice(&column[first..first + ROWS]);
         }
     }
-    let panel = Panel { entries: panel, size, start, end, kind, packed: &packed.left };
-    if work.shared && 2 * depth * rest * rest >= WORTHWHILE {
-        panel.update_in_parts::<FMA>(right, end);
-    } else {
-        panel.update::<FMA>(right, end);
+    let panel = Panel { entries: panel, size, start, end, packed: &packed.left };
+    match kind {
+        Kind::General => panel.update_general::<FMA>(right),
+        Kind::Definite => panel.update_definite::<FMA>(right, end),
     }
 }
 
@@ -234,37 +257,12 @@ struct Panel<'a> {
     size: usize,
     start: usize,
     end: usize,
-    kind: Kind,
     /// The rows below, tile by tile.
     packed: &'a [f64],
 }
 
 impl Panel<'_> {
-    /// Updates columns, from the one of this number on, by several threads. Each column is computed as it would be by one.
-    fn update_in_parts<const FMA: bool>(self, right: &mut [f64], first: usize) {
-        let columns = right.len() / self.size;
-        if columns <= PART {
-            return pulp::Arch::new().dispatch(Update::<FMA> { panel: self, right, first });
-        }
-        let half = (columns / 2).next_multiple_of(COLUMNS);
-        let (left, right) = right.split_at_mut(half * self.size);
-        let middle = first + half;
-        join(
-            || self.update_in_parts::<FMA>(left, first),
-            || self.update_in_parts::<FMA>(right, middle),
-        );
-    }
-
-    /// Updates columns, from the one of this number on: rows of `U`, and the Schur complement below them.
-    #[inline(always)]
-    fn update<const FMA: bool>(self, right: &mut [f64], first: usize) {
-        match self.kind {
-            Kind::General => self.update_general::<FMA>(right),
-            Kind::Definite => self.update_definite::<FMA>(right, first),
-        }
-    }
-
-    /// The lower triangle of the Schur complement: rows of `U` are `DLᵀ`.
+    /// The lower triangle of the Schur complement in the columns from `first` on: rows of `U` are `DLᵀ`.
     #[inline(always)]
     fn update_definite<const FMA: bool>(self, right: &mut [f64], first: usize) {
         let Self { entries: panel, size, start, end, packed, .. } = self;
@@ -291,7 +289,7 @@ impl Panel<'_> {
         }
     }
 
-    /// The same of a general front, with its upper triangle.
+    /// Rows of `U`, and the Schur complement of a general front.
     #[inline(always)]
     fn update_general<const FMA: bool>(self, right: &mut [f64]) {
         let Self { entries: panel, size, start, end, packed, .. } = self;
@@ -326,22 +324,6 @@ impl Panel<'_> {
                 rows_left_over::<FMA>(columns, size, end, panel, above);
             }
         }
-    }
-}
-
-/// A call of [`Panel::update`] that the compiler copies into every set of instructions.
-struct Update<'a, const FMA: bool> {
-    panel: Panel<'a>,
-    right: &'a mut [f64],
-    first: usize,
-}
-
-impl<const FMA: bool> pulp::NullaryFnOnce for Update<'_, FMA> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.panel.update::<FMA>(self.right, self.first);
     }
 }
 

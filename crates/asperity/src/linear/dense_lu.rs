@@ -4,8 +4,7 @@
 //! `P Aᵀ = L U`, and `A x = b` reads `Uᵀ Lᵀ P x = b`.
 
 use super::Kind;
-use super::dense::{DenseFront, Packed, eliminate};
-use super::execution::Work;
+use super::dense::{DenseFront, Packed, Patience, eliminate};
 use crate::vectors::{dot, largest};
 
 /// A factored matrix.
@@ -36,11 +35,6 @@ impl DenseLu {
 
     /// Gaussian elimination with exchanges; false if a pivot is not larger than `threshold` times the largest entry.
     pub(crate) fn factor(&mut self, threshold: f64) -> bool {
-        self.factor_by(&mut { Work::ALONE }, threshold)
-    }
-
-    /// The same as part of other work; false, too, if nobody waits for it any longer.
-    pub(super) fn factor_by(&mut self, work: &mut Work<'_>, threshold: f64) -> bool {
         let n = self.size;
         // Elimination that stops early leaves swaps as they were, which may be those of a larger matrix.
         self.swaps.clear();
@@ -52,7 +46,7 @@ impl DenseLu {
         let largest = largest(&self.entries);
         let (entries, swaps) = (&mut self.entries[..], &mut self.swaps[..]);
         let front = DenseFront { entries, size: n, pivots: n, swaps, kind: Kind::General };
-        eliminate(front, &mut self.packed, work)
+        eliminate(front, &mut self.packed, &mut Patience::new(&|| false))
             && (0..n).all(|k| self.entries[k * n + k].abs() > threshold * largest)
     }
 

@@ -6,8 +6,7 @@
 //!
 //! Matrices `A + B G` of Newton's method are small (10² to 10⁴ rows), nearly the same from one iteration to
 //! the next and always of the same pattern: the analysis is done once ([`Symbolic`]), the rest without
-//! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only. Several threads share the columns of
-//! large fronts.
+//! allocation ([`Numeric`]). Rows are exchanged within the pivots of a front only.
 //!
 //! Why not one of the sparse LU factorisations that exist: here entries go from blocks of a known, symmetric pattern
 //! into dense fronts; a minimum-degree ordering of that pattern holds, as rows are exchanged within fronts only, while
@@ -17,24 +16,16 @@
 //! Pivoting across fronts is given up: the diagonal blocks `A_ii + B_ii G_ii` are not small, and callers check the residual
 //! of the solution. Where only the regularisation makes a matrix regular, LU and LDLᵀ leave componentwise backward errors
 //! of up to 1e-7. Newton's method needs no refinement; the interior point method refines (`solver/method/interior.rs`).
-//!
-//! Without the feature `sparse` matrices are factored densely (`unordered.rs`).
 
 mod block_lu;
 mod dense;
 mod dense_lu;
-mod execution;
 mod least_norm;
-#[cfg(feature = "sparse")]
 mod numeric;
-#[cfg(feature = "sparse")]
 mod order;
-#[cfg(feature = "sparse")]
 mod symbolic;
 #[cfg(test)]
 mod tests;
-#[cfg(not(feature = "sparse"))]
-mod unordered;
 
 /// What is known of a matrix before it is factored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -48,11 +39,6 @@ pub(crate) enum Kind {
 
 pub(crate) use block_lu::BlockLu;
 pub(crate) use dense_lu::DenseLu;
-pub(crate) use execution::Execution;
 pub(crate) use least_norm::LeastNorm;
-#[cfg(feature = "sparse")]
 pub(crate) use numeric::Numeric;
-#[cfg(feature = "sparse")]
 pub(crate) use symbolic::Symbolic;
-#[cfg(not(feature = "sparse"))]
-pub(crate) use unordered::{Numeric, Symbolic};

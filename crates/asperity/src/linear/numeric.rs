@@ -1,12 +1,11 @@
 //! Multifrontal factorisation (\[DuffReid1983\]) with the pattern known: LU, or LDLᵀ of a definite matrix, with half of the
 //! operations.
 
-use super::dense::{self, DenseFront, Packed};
-use super::execution::{Execution, Work};
+use super::dense::{self, DenseFront, Packed, Patience};
 use super::symbolic::Front;
 use super::{Kind, Symbolic};
 use crate::contact::BlockMatrix;
-use crate::vectors::dot;
+use crate::vectors::sum_in_lanes;
 
 /// Factors of a matrix and all buffers to make them again.
 #[derive(Debug, Clone, Default)]
@@ -57,12 +56,12 @@ impl Numeric {
     }
 
     /// Factors a matrix with the pattern of `symbolic`; false if a pivot vanishes, or is not positive in a definite matrix, or if
-    /// it is given up, which is asked every few milliseconds. Threads change nothing in what comes out.
+    /// it is `given_up`, which is asked every few milliseconds.
     pub(crate) fn factor(
         &mut self,
         symbolic: &Symbolic,
         (matrix, kind): (&BlockMatrix, Kind),
-        execution: Execution<'_>,
+        given_up: &dyn Fn() -> bool,
     ) -> bool {
         self.kind = kind;
         if kind == Kind::General && self.beyond.is_empty() {
@@ -70,15 +69,7 @@ impl Numeric {
                 symbolic.fronts.iter().map(|front| front.pivots * (front.size - front.pivots));
             self.beyond.resize(entries.sum(), 0.0);
         }
-        execution.run(symbolic.operations, |work| self.factor_fronts(symbolic, matrix, work))
-    }
-
-    fn factor_fronts(
-        &mut self,
-        symbolic: &Symbolic,
-        matrix: &BlockMatrix,
-        work: &mut Work<'_>,
-    ) -> bool {
+        let mut patience = Patience::new(given_up);
         let mut top = 0;
         for (s, front) in symbolic.fronts.iter().enumerate() {
             let (size, pivots) = (front.size, front.pivots);
@@ -116,7 +107,7 @@ impl Numeric {
             }
             let swaps = &mut self.swaps[front.first..front.first + pivots];
             let eliminated = DenseFront { entries: &mut *dense, size, pivots, swaps, kind };
-            if !dense::eliminate(eliminated, &mut self.packed, work) {
+            if !dense::eliminate(eliminated, &mut self.packed, &mut patience) {
                 return false;
             }
             let rest = size - pivots;
@@ -211,22 +202,9 @@ impl Numeric {
             *value = self.permuted[row];
         }
         for (c, column) in columns.chunks_exact(*size).enumerate().rev() {
-            local[c] = local[c] / column[c] - dot_in_lanes(&column[c + 1..], &local[c + 1..]);
+            local[c] = local[c] / column[c]
+                - sum_in_lanes(&column[c + 1..], &local[c + 1..], |l, x| l * x);
         }
         self.permuted[*first..first + pivots].copy_from_slice(&local[..*pivots]);
     }
-}
-
-/// The scalar product of long vectors of one length: in eight sums, which are found side by side.
-#[inline(always)]
-fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let ((a, a_left), (b, b_left)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + dot(a_left, b_left)
 }

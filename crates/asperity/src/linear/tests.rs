@@ -4,14 +4,12 @@ use std::cell::Cell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::execution::WORTHWHILE;
-use super::{Execution, Kind, Numeric, Symbolic};
+use super::{Kind, Numeric, Symbolic};
 use crate::contact::{BlockMatrix, Delassus};
 use crate::random::random;
-use crate::threads::Threads;
 
-/// By one thread, to the end.
-const ALONE: Execution<'_> = Execution { threads: Threads::NONE, given_up: &|| false };
+/// To the end.
+const ALONE: &dyn Fn() -> bool = &|| false;
 
 /// A matrix of random blocks whose pattern is a chain with random chords.
 fn example(nodes: usize, chords: usize, seed: &mut u64) -> BlockMatrix {
@@ -165,8 +163,6 @@ fn a_vanishing_pivot_is_reported() {
     assert!(!numeric.factor(&symbolic, (&matrix, Kind::Definite), ALONE));
 }
 
-/// Without ordering all matrices are factored as general ones.
-#[cfg(feature = "sparse")]
 #[test]
 fn a_matrix_that_is_not_definite_is_reported() {
     let mut matrix = definite(example(40, 10, &mut 3));
@@ -182,38 +178,10 @@ fn a_matrix_that_is_not_definite_is_reported() {
 }
 
 #[test]
-fn threads_change_no_bit() {
-    let mut seed = 4;
-    let general = example(200, 4000, &mut seed);
-    let symbolic = Symbolic::new(&general);
-    assert!(symbolic.operations > WORTHWHILE, "{}", symbolic.operations);
-    let b: Vec<f64> = (0..general.rows()).map(|_| random(&mut seed)).collect();
-    let definite = definite(general.clone());
-    for (matrix, kind) in [(&general, Kind::General), (&definite, Kind::Definite)] {
-        let solved = |threads: &Threads| {
-            let mut numeric = Numeric::default();
-            numeric.reserve(&symbolic);
-            let execution = Execution { threads, given_up: &|| false };
-            assert!(numeric.factor(&symbolic, (matrix, kind), execution));
-            let mut x = b.clone();
-            numeric.solve(&symbolic, &mut x);
-            x
-        };
-        let alone = solved(Threads::NONE);
-        for count in 2..5 {
-            assert_eq!(solved(&Threads::of(count)), alone, "{kind:?}, {count} threads");
-        }
-    }
-}
-
-#[test]
-fn what_threads_share_is_given_up_too() {
+fn factorisations_are_given_up_and_made_again() {
     let matrix = definite(example(300, 20_000, &mut 5));
     let symbolic = Symbolic::new(&matrix);
-    for (threads, kind) in
-        [1, 2].into_iter().flat_map(|n| [Kind::General, Kind::Definite].map(|kind| (n, kind)))
-    {
-        let threads = &Threads::of(threads);
+    for kind in [Kind::General, Kind::Definite] {
         let mut numeric = Numeric::default();
         numeric.reserve(&symbolic);
         let asked = Cell::new(0);
@@ -221,13 +189,8 @@ fn what_threads_share_is_given_up_too() {
             asked.set(asked.get() + 1);
             true
         };
-        assert!(!numeric.factor(
-            &symbolic,
-            (&matrix, kind),
-            Execution { threads, given_up: &given_up }
-        ));
+        assert!(!numeric.factor(&symbolic, (&matrix, kind), &given_up));
         assert!(asked.get() > 0);
-        // The pool is free again, and the next factorisation is whole.
-        assert!(numeric.factor(&symbolic, (&matrix, kind), Execution { threads, ..ALONE }));
+        assert!(numeric.factor(&symbolic, (&matrix, kind), ALONE));
     }
 }

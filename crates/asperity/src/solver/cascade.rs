@@ -59,12 +59,14 @@ enum Stage {
     MatchedNewton,
     /// The interior point method.
     InteriorPoint,
+    /// Plain sweeps once more: they may end where all steps before have failed, as beside bodies that move.
+    MoreSweeps,
     /// The proximal point iteration, to the end.
     ProximalPoint,
 }
 
 /// The steps in their order, with the option that leaves them out.
-const CASCADE: [(Stage, Step); 8] = [
+const CASCADE: [(Stage, Step); 9] = [
     (Stage::Rest, Step::Rest),
     (Stage::Acceleration, Step::Acceleration),
     (Stage::Newton, Step::Newton),
@@ -72,6 +74,7 @@ const CASCADE: [(Stage, Step); 8] = [
     (Stage::Admm, Step::Admm),
     (Stage::MatchedNewton, Step::Newton),
     (Stage::InteriorPoint, Step::InteriorPoint),
+    (Stage::MoreSweeps, Step::Acceleration),
     (Stage::ProximalPoint, Step::ProximalPoint),
 ];
 
@@ -215,6 +218,12 @@ impl Methods {
                 if island.resting.is_none() && cones.read(incumbent.task.problem) {
                     let course = Course { max_iterations: INTERIOR, goal: DIGITS, expected: 0.0 };
                     interior.iterate(incumbent, cones, matrix, course);
+                }
+            }
+            Stage::MoreSweeps => {
+                if island.is_expensive() {
+                    let patience = (HALVING * island.factorization) as usize;
+                    anderson.iterate(incumbent, patience, false);
                 }
             }
             Stage::ProximalPoint => {

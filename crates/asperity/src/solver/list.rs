@@ -42,13 +42,14 @@ impl List {
         self.own.iter_mut().flatten().for_each(|own| own.stale = true);
     }
 
-    /// Solves all islands; how the whole has ended.
+    /// Solves all islands; how the whole has ended. What a sweep over the only contact has come to is not found anew.
     pub(super) fn solve(
         &mut self,
         solver: &Solver,
         task: &Task<'_>,
         iterate: &mut Iterate<'_>,
         buffers: &mut Buffers,
+        only: Option<Swept>,
     ) -> SolveReport {
         let Task { problem, stop, .. } = *task;
         let count = buffers.sweeper.islands().count();
@@ -56,7 +57,11 @@ impl List {
         self.swept.clear();
         let plan = plan(solver, &stop);
         if let Some(plan) = plan {
-            buffers.sweeper.solve_islands(task, iterate, plan, &mut self.swept);
+            match only {
+                Some(swept) if stop.early() => self.swept.push(swept.given_up()),
+                Some(swept) => self.swept.push(swept),
+                None => buffers.sweeper.solve_islands(task, iterate, plan, &mut self.swept),
+            }
             let all = self.swept.iter().fold(Swept::NOTHING, |all, swept| all.and(*swept));
             iterate.stages.push(Stage::of(Method::GaussSeidel, all.sweeps, all.residual()));
         }

@@ -35,8 +35,7 @@ pub enum Solver {
     Auto {
         /// The steps that follow the first sweeps.
         steps: Steps,
-        /// Threads for work that is done contact by contact, for islands side by side and for factorisations with large
-        /// fronts; results do not depend on it.
+        /// Threads for work that is done contact by contact and for islands side by side; results do not depend on it.
         threads: usize,
     },
     /// Semismooth Newton on the natural map: problems of full rank.

@@ -190,6 +190,7 @@ impl Solver {
         workspace: &mut Workspace,
     ) -> SolveReport {
         // The belt and the disk of many a model: nothing is done here but what one contact needs.
+        let mut only = None;
         if let [history] = &before.states[..]
             && self.sweeps_once(problem)
             && workspace.fits(problem)
@@ -206,6 +207,7 @@ impl Solver {
                 if residual.value <= stop.tolerance && swept.is_clear() {
                     return workspace.solved(residual, swept.ambiguous);
                 }
+                only = Some(swept.measured(residual));
             }
         }
         // Who has given up once has given up: that some work was left is not to be forgotten.
@@ -235,20 +237,23 @@ impl Solver {
         if problem.delassus().is_matrix_free() && !by_products {
             return not_applicable(problem, stop, before, memory, workspace);
         }
-        solver.solve_list(problem, stop, before, memory, workspace)
+        solver.solve_list(problem, stop, (before, only), memory, workspace)
     }
 
-    /// The same for any number of contacts, and where something is wrong.
+    /// The same for any number of contacts, and where something is wrong; `only` is what the sweep over a single contact has
+    /// come to, whose percussion the memory holds then.
     #[inline(never)]
     fn solve_list(
         &self,
         problem: &ContactProblem,
         stop: Stop<'_>,
-        before: &Memory,
+        (before, only): (&Memory, Option<Swept>),
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> SolveReport {
-        memory.start_from(before);
+        if only.is_none() {
+            memory.start_from(before);
+        }
         workspace.infeasibility = None;
         workspace.stages.clear();
         let own_threads;
@@ -266,7 +271,9 @@ impl Solver {
         let mut iterate =
             Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
         list.reports.clear();
-        iterate.ambiguous.fill(false);
+        if only.is_none() {
+            iterate.ambiguous.fill(false);
+        }
         let start;
         if !self.sweeps_once(problem) {
             let sweeps = matches!(self, Self::Exact { .. } | Self::Auto { .. });
@@ -285,7 +292,7 @@ impl Solver {
                 return workspace.solved(residual, swept.ambiguous);
             }
         }
-        let mut whole = list.solve(self, &task, &mut iterate, buffers);
+        let mut whole = list.solve(self, &task, &mut iterate, buffers, only);
         for round in 1..=ROUNDS {
             let solved = list.reports.iter().all(|own| own.status == Status::Converged);
             if !solved || whole.residual <= stop.tolerance || stop.early() {
@@ -294,7 +301,7 @@ impl Solver {
             let before = Before::of(&iterate, &list.reports);
             let tolerance = stop.tolerance * 0.1_f64.powi(round);
             let finer = Task { stop: Stop { tolerance, ..stop }, ..task };
-            list.solve(self, &finer, &mut iterate, buffers);
+            list.solve(self, &finer, &mut iterate, buffers, None);
             list.keep(&before, &task, &mut iterate, buffers.sweeper.islands());
             whole = list.whole(&task, &iterate);
         }

@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::{
     Blocks, Configuration, Constancy, ContactLaw, MotionBounds, System, SystemError, SystemPart,
-    TimeDependence,
 };
 use crate::argument::{ArgumentError, entries, finite, refuse};
 use crate::contact::{Components, NormalForce};
@@ -334,7 +333,7 @@ impl System for LinearSystem {
 
     #[inline]
     fn constancy(&self) -> Constancy {
-        Constancy { mass: true, contacts: true }
+        Constancy { mass: true, contacts: true, autonomous: true }
     }
 
     fn as_linear(&self) -> Option<&LinearSystem> {
@@ -361,21 +360,13 @@ impl System for LinearSystem {
             all.iter().for_each(|&k| connected.join(all[0], k));
             touched.push(all[0]);
         }
-        let of = connected.numbers();
-        let count = of.iter().max().map_or(0, |last| last + 1);
-        if count < 2 {
-            return Vec::new();
-        }
-        let (mut velocities, mut contacts) = (vec![Vec::new(); count], vec![Vec::new(); count]);
-        of.iter().enumerate().for_each(|(k, &part)| velocities[part].push(k));
-        touched.iter().enumerate().for_each(|(i, &k)| contacts[of[k]].push(i));
         let part = |(velocities, contacts): (Vec<usize>, Vec<usize>)| SystemPart {
             system: Box::new(self.of_velocities(&velocities, &contacts)),
             coordinates: velocities.clone(),
             velocities,
             contacts,
         };
-        velocities.into_iter().zip(contacts).map(part).collect()
+        connected.split(touched.into_iter()).into_iter().map(part).collect()
     }
 
     fn mass(&self, _q: &[f64], _block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
@@ -411,10 +402,6 @@ impl System for LinearSystem {
             }
         });
         Ok(())
-    }
-
-    fn time_dependence(&self, _q: &[f64], _u: &[f64], _t_end: f64) -> Option<TimeDependence> {
-        None
     }
 
     fn gap(&self, at: &Configuration<'_>, contact: usize) -> Result<f64, SystemError> {

@@ -6,7 +6,8 @@ mod models;
 pub mod rigid;
 pub(crate) mod rotation;
 mod signal;
-mod time_function;
+pub(crate) mod time_function;
+mod turning;
 
 use std::error::Error;
 use std::fmt::Debug;
@@ -20,12 +21,12 @@ pub use rigid::RigidBodies;
 pub use rotation::{Rotation, advance};
 pub use signal::{Break, Derivative, Moment, Signal, Smoothness};
 pub use time_function::{Function, FunctionWithRate, TimeFunction};
+pub use turning::{Midpoint, Step, Turning};
 
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::contact::NormalForce;
 use crate::law::Law;
-use crate::vectors::unrolled;
-use time_function::{Extent, sample_times};
+pub(crate) use turning::{begin, derive, finish, momenta};
 
 /// What of a system never changes, so that it is computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,6 +35,8 @@ pub struct Constancy {
     pub mass: bool,
     /// Directions and velocities χ of all contacts.
     pub contacts: bool,
+    /// Forces, gaps and contacts as functions of the state: nothing depends on time.
+    pub autonomous: bool,
 }
 
 /// A contact as the law sees it.
@@ -208,7 +211,7 @@ pub struct Configuration<'a> {
     pub piece: f64,
     /// Coordinates.
     pub q: &'a [f64],
-    /// What [`System::derive`] makes of them, or nothing.
+    /// What [`Turning::derive`] makes of them, or nothing.
     pub derived: &'a [f64],
 }
 
@@ -247,7 +250,7 @@ pub struct SystemPart {
     pub contacts: Vec<usize>,
 }
 
-/// How large that becomes which depends on time, see [`System::time_dependence`].
+/// Sizes of the terms of which functions of time are made, from zero to the end of a run.
 ///
 /// A function of time may be the small difference of large parts, such as 1 − cos t near zero. Rounding leaves a share of
 /// these parts in it, below which nothing can be known of it.
@@ -284,44 +287,6 @@ pub struct MotionBounds {
     pub velocities: Vec<f64>,
     /// Of every acceleration.
     pub accelerations: Vec<f64>,
-}
-
-/// A step of Moreau's midpoint rule, from the state before it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step<'a> {
-    /// Time of its midpoint in s.
-    pub midpoint: f64,
-    /// Its length in s.
-    pub dt: f64,
-    /// Coordinates before it.
-    pub q: &'a [f64],
-    /// Velocities before it.
-    pub u: &'a [f64],
-}
-
-/// A system at the midpoint of a step.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Midpoint {
-    /// Time in s.
-    pub t: f64,
-    /// Coordinates `q_M`.
-    pub q: Vec<f64>,
-    /// What [`System::derive`] makes of them.
-    pub derived: Vec<f64>,
-    /// Velocities before the step, as they are expressed at the midpoint.
-    pub before: Vec<f64>,
-    /// Forces `h(t_M, q_M, u_B)` without those of the contacts.
-    pub forces: Vec<f64>,
-    /// What [`System::momenta`] carries from step to step.
-    pub momenta: Vec<f64>,
-}
-
-impl Midpoint {
-    /// Where the system is there.
-    #[inline]
-    pub fn configuration(&self) -> Configuration<'_> {
-        Configuration { t: self.t, piece: self.t, q: &self.q, derived: &self.derived }
-    }
 }
 
 /// `M(q) u̇ − h(t, q, u) = W_N λ_N + W λ`, `q̇ = u` or what [`System::advance`] makes of it, with `γ_N = W_Nᵀu + χ_N`
@@ -395,6 +360,11 @@ pub trait System: Debug + Sync {
         None
     }
 
+    /// What bodies that turn need besides; nothing by default.
+    fn turning(&self) -> Option<&dyn Turning> {
+        None
+    }
+
     /// The mass matrix `M(q)` of a block, symmetric positive definite, column by column.
     ///
     /// # Errors
@@ -421,17 +391,11 @@ pub trait System: Debug + Sync {
         None
     }
 
-    /// What depends on time from zero to `t_end`, as seen from the state `(q, u)`; nothing if nothing does.
-    ///
-    /// By default the system is asked for forces, gaps and χ at about a hundred times of all magnitudes, and what is not
-    /// finite or fails there is left out.
-    fn time_dependence(&self, q: &[f64], u: &[f64], t_end: f64) -> Option<TimeDependence> {
-        Some(sampled_dependence(self, q, u, t_end))
+    /// The terms of functions of time up to `t_end`, seen from the coordinates `q`, where the system knows them; by default
+    /// integrators take the largest values at about a hundred times for them.
+    fn time_dependence(&self, _q: &[f64], _t_end: f64) -> Option<TimeDependence> {
+        None
     }
-
-    /// What follows from the coordinates and is asked for again and again, contact by contact, such as the attitudes
-    /// of bodies; nothing by default. Every method that is given a [`Configuration`] must do without it, too.
-    fn derive(&self, _q: &[f64], _derived: &mut Vec<f64>) {}
 
     /// Gap `g_N` of a unilateral contact.
     ///
@@ -468,113 +432,6 @@ pub trait System: Debug + Sync {
         rows: &mut [f64],
         velocity: &mut [f64],
     ) -> Result<f64, SystemError>;
-
-    /// What the rows of a contact change by in a step whose velocities do not: `correction` such that
-    /// `W(q_M)ᵀũ + χ + correction` are its mean velocities from this midpoint to the next, which
-    /// `q_M ⊕ Δt ũ` is. The velocities ũ are those with which the motion would go on as it was before the step, with
-    /// its velocities; `rows` are those at the midpoint. Contacts that stay closed ask for it: without it they are
-    /// of first order. Returns whether there is any; none by default.
-    fn chord(
-        &self,
-        _midpoint: &Midpoint,
-        _step: &Step<'_>,
-        _contact: usize,
-        _rows: &[f64],
-        _correction: &mut [f64],
-    ) -> bool {
-        false
-    }
-
-    /// What a motion carries from step to step besides coordinates and velocities, as it follows from these; nothing
-    /// unless the system steps momenta.
-    fn momenta(&self, _q: &[f64], _u: &[f64]) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// Whether these momenta belong to a state, but for rounding; by default a few roundings of the largest of them.
-    fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool {
-        let found = self.momenta(q, u);
-        let largest = momenta.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * largest;
-        found.len() == momenta.len() && found.iter().zip(momenta).all(same)
-    }
-
-    /// The first half of a step: `q_M = q ⊕ ½Δt u`, and the forces there.
-    ///
-    /// # Errors
-    ///
-    /// As [`forces`](Self::forces).
-    #[inline]
-    fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
-        let &Step { midpoint: t, dt, q, u } = step;
-        midpoint.t = t;
-        let Midpoint { q: at_midpoint, derived, before, forces, .. } = midpoint;
-        unrolled!(n = u.len() => {
-            let (u, before, forces) = (&u[..n], &mut before[..n], &mut forces[..n]);
-            self.advance(q, u, 0.5 * dt, at_midpoint);
-            self.derive(at_midpoint, derived);
-            before.copy_from_slice(u);
-            self.forces(&Configuration { t, piece: t, q: at_midpoint, derived }, u, forces)
-        })
-    }
-
-    /// The second half: `u` and `q = q_M ⊕ ½Δt u` from the velocities `after` all forces and percussions have acted.
-    ///
-    /// # Errors
-    ///
-    /// Where the system cannot be moved so far; `q`, `u` and the momenta must then be as before.
-    #[inline]
-    fn finish(
-        &self,
-        midpoint: &mut Midpoint,
-        after: &[f64],
-        dt: f64,
-        q: &mut [f64],
-        u: &mut [f64],
-    ) -> Result<(), SystemError> {
-        unrolled!(n = u.len() => {
-            let u = &mut u[..n];
-            u.copy_from_slice(&after[..n]);
-            self.advance(&midpoint.q, u, 0.5 * dt, q);
-        });
-        Ok(())
-    }
-}
-
-/// What depends on time in a system that is asked at times of all magnitudes.
-fn sampled_dependence<S: System + ?Sized>(
-    system: &S,
-    q: &[f64],
-    u: &[f64],
-    t_end: f64,
-) -> TimeDependence {
-    let (n, contacts) = (system.dof(), system.contacts());
-    let mut found = TimeDependence::none(n, contacts.len());
-    let mut forces = vec![Extent::default(); n];
-    let (mut values, mut rows, mut chi) = (vec![0.0; n], vec![0.0; 4 * n], [0.0; 4]);
-    for t in sample_times(t_end) {
-        let at = Configuration::new(t, q);
-        if system.forces(&at, u, &mut values).is_ok() {
-            forces.iter_mut().zip(&values).for_each(|(extent, value)| extent.include(t, *value));
-        }
-        for (i, contact) in contacts.iter().enumerate() {
-            let chi = &mut chi[..contact.rows()];
-            let Ok(gap) = full_rows(system, &at, i, &mut rows[..chi.len() * n], chi) else {
-                continue;
-            };
-            found.gaps[i] = larger_of_finite(found.gaps[i], gap);
-            found.velocities[i] = chi.iter().copied().fold(found.velocities[i], larger_of_finite);
-        }
-    }
-    for (k, extent) in forces.iter().enumerate() {
-        (found.forces[k], found.impulses[k]) = (extent.size, extent.reach());
-    }
-    found
-}
-
-/// The larger of a size and the size of a value, which does not count if it is not finite.
-fn larger_of_finite(size: f64, value: f64) -> f64 {
-    if value.is_finite() { size.max(value.abs()) } else { size }
 }
 
 /// The rows of a contact with all velocities of the system, as methods with matrices of its size need them; its gap.

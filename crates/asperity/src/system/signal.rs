@@ -432,25 +432,21 @@ impl Pieces {
     }
 
     /// Value and derivatives of all components before and after a knot.
-    fn sides(&self, knot: usize, width: usize) -> [Vec<[f64; 3]>; 2] {
-        let pieces = self.knots.len() - 1;
-        let held =
-            |values: &dyn Fn(usize) -> f64| (0..width).map(|k| [values(k), 0.0, 0.0]).collect();
-        let start = |piece: usize| -> Vec<[f64; 3]> {
+    fn sides(&self, knot: usize, width: usize) -> [Vec<[f64; 4]>; 2] {
+        let last = self.knots.len() - 2;
+        let held = |values: &[f64]| values.iter().map(|value| [*value, 0.0, 0.0, 0.0]).collect();
+        let within = |piece: usize, x: f64| -> Vec<[f64; 4]> {
             let own = &self.coefficients[piece * width..][..width];
-            own.iter().map(|[a, b, c, _]| [*a, *b, 2.0 * c]).collect()
+            own.iter().map(|own| jet(*own, x)).collect()
         };
-        let end = |piece: usize| -> Vec<[f64; 3]> {
-            let h = self.knots[piece + 1] - self.knots[piece];
-            let own = &self.coefficients[piece * width..][..width];
-            own.iter().map(|own| jet(*own, h)).collect()
-        };
+        let end = |piece: usize| within(piece, self.knots[piece + 1] - self.knots[piece]);
+        let first: Vec<f64> = self.coefficients[..width].iter().map(|own| own[0]).collect();
         let before = match knot {
-            0 if self.periodic => end(pieces - 1),
-            0 => held(&|k| self.coefficients[k][0]),
+            0 if self.periodic => end(last),
+            0 => held(&first),
             _ => end(knot - 1),
         };
-        let after = if knot < pieces { start(knot) } else { held(&|k| self.last[k]) };
+        let after = if knot <= last { within(knot, 0.0) } else { held(&self.last) };
         [before, after]
     }
 
@@ -458,31 +454,21 @@ impl Pieces {
     fn smoothness(&self, knot: usize, width: usize) -> Option<Smoothness> {
         let [before, after] = self.sides(knot, width);
         let pieces = self.knots.len() - 1;
-        let lengths = |piece: usize| self.knots[piece + 1] - self.knots[piece];
-        let left = if knot == 0 { pieces - 1 } else { knot - 1 };
-        let h = lengths(left).min(lengths(knot % pieces));
-        let scale = |k: usize| {
-            let own = self.coefficients.iter().skip(k).step_by(width);
-            own.map(|c| c[0].abs()).fold(self.last[k].abs(), f64::max)
-        };
-        let third = |piece: usize, k: usize| self.coefficients[piece * width + k][3];
-        let (mut kink, mut differs) = (false, false);
-        for k in 0..width {
-            let (a, b, size) = (before[k], after[k], scale(k));
-            // What rounding of the values leaves of differences over the shorter piece.
-            kink |= (0..3).any(|i| {
+        let length = |piece: usize| self.knots[piece + 1] - self.knots[piece];
+        let h = length((knot + pieces - 1) % pieces).min(length(knot % pieces));
+        let kink = before.iter().zip(&after).enumerate().any(|(k, (a, b))| {
+            let values = self.coefficients.iter().skip(k).step_by(width).map(|own| own[0].abs());
+            let largest = values.fold(self.last[k].abs(), f64::max);
+            (0..3).any(|i| {
+                // What rounding of the values leaves of differences over the shorter piece.
+                let rounding = 64.0 * f64::EPSILON * largest / h.powi(i as i32);
                 let own = SAME_SLOPE * a[i].abs().max(b[i].abs());
-                (a[i] - b[i]).abs() > own.max(64.0 * f64::EPSILON * size / h.powi(i as i32))
-            });
-            let held = !self.periodic;
-            let left = if held && knot == 0 { 0.0 } else { third(left, k) };
-            let right = if held && knot == pieces { 0.0 } else { third(knot % pieces, k) };
-            differs |= a != b || left != right;
-        }
-        match (kink, differs) {
-            (true, _) => Some(Smoothness::Kink),
-            (false, true) => Some(Smoothness::Knot),
-            _ => None,
+                (a[i] - b[i]).abs() > own.max(rounding)
+            })
+        });
+        match kink {
+            true => Some(Smoothness::Kink),
+            false => (before != after).then_some(Smoothness::Knot),
         }
     }
 
@@ -511,7 +497,7 @@ impl Pieces {
             let own = self.coefficients[piece * width + component].map(f64::abs);
             let x = if self.periodic { ends[1] } else { ends[1].min(t_end) } - ends[0];
             let time = ends[0].abs().max(t_end);
-            let [value, slope, bend] = jet(own, x);
+            let [value, slope, bend, _] = jet(own, x);
             largest.max(match derivative {
                 Derivative::Value => value + time * slope,
                 Derivative::First => slope + time * bend,
@@ -536,7 +522,7 @@ impl Pieces {
             // About the start, without the cancellation of the integral up to there.
             let own = self.coefficients[a * width + component];
             let x = from - shift - self.knots[a];
-            let [value, slope, _] = jet(own, x);
+            let [value, slope, ..] = jet(own, x);
             return primitive(&[value, slope, own[2] + 3.0 * x * own[3], own[3]], to - from);
         }
         let since = |t: f64| {
@@ -581,10 +567,10 @@ impl Pieces {
     }
 }
 
-/// Value, first and second derivative of a polynomial at `x`.
-fn jet([a, b, c, d]: [f64; 4], x: f64) -> [f64; 3] {
+/// Value and derivatives of a polynomial at `x`.
+fn jet([a, b, c, d]: [f64; 4], x: f64) -> [f64; 4] {
     let slope = b + x * (2.0 * c + 3.0 * x * d);
-    [a + x * (b + x * (c + x * d)), slope, 2.0 * c + 6.0 * x * d]
+    [a + x * (b + x * (c + x * d)), slope, 2.0 * c + 6.0 * x * d, 6.0 * d]
 }
 
 /// The integral of a polynomial from zero to `x`.

@@ -11,14 +11,9 @@ pub type Function<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 /// A function of the time in s that returns its value and its rate.
 pub type FunctionWithRate<const D: usize> = Arc<dyn Fn(f64) -> [[f64; D]; 2] + Send + Sync>;
 
-/// Number of samples of functions of the user per factor of ten, and number of these factors before the end.
-const TIMES_PER_DECADE: i32 = 3;
-const DECADES: i32 = 32;
-
-/// Zero, and times of all magnitudes up to `t_end`.
-pub(super) fn sample_times(t_end: f64) -> impl Iterator<Item = f64> {
-    let part = |k: i32| 10f64.powf(-f64::from(k) / f64::from(TIMES_PER_DECADE));
-    let later = (0..=DECADES * TIMES_PER_DECADE).rev().map(move |k| t_end * part(k));
+/// Zero, and three times per factor of ten up to `t_end`.
+pub(crate) fn sample_times(t_end: f64) -> impl Iterator<Item = f64> {
+    let later = (0..100).rev().map(move |k| t_end * 10f64.powf(-f64::from(k) / 3.0));
     std::iter::once(0.0).chain(later)
 }
 

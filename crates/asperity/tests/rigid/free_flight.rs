@@ -1,6 +1,6 @@
 //! Without contacts: momenta, energy, order.
 
-use asperity::stepper::{StepError, Stepper};
+use asperity::stepper::{State, StepError, Stepper};
 use asperity::system::SystemError;
 use asperity::system::rigid::{Body, PlanarBody, RigidBodies, Spring};
 use nalgebra::{Rotation3, Vector3};
@@ -197,6 +197,12 @@ fn states_carry_the_momenta_that_are_stepped() {
     run_on(&mut both, 1.0, &mut |_| {});
     let momenta = both.state().momenta;
     assert!(momenta.len() == 3 && (momenta[2] - 1.0).abs() < 1e-12, "{momenta:?}");
+    // They are compared with those of the velocities beside them.
+    for momenta in [vec![0.0; 3], vec![1.0], vec![0.0, 0.0, f64::NAN]] {
+        let state = State { momenta, ..both.state() };
+        let error = Stepper::new(&system, EXACT, 1e-10, 1e-2, &state).unwrap_err();
+        assert!(error.to_string().starts_with("start: "), "{error}");
+    }
     let of = |system: &RigidBodies| {
         let mut stepper = stepper(system, 1e-2);
         stepper.step().unwrap();

@@ -4,7 +4,8 @@ use asperity::contact::{Delassus, Factored, NormalForce};
 use asperity::stepper::Stepper;
 use asperity::system::rigid::{Body, Pair, Partners, PlanarBody, Plane, RigidBodies, Shape};
 use asperity::system::{
-    Blocks, Configuration, Constancy, ContactLaw, Midpoint, Step, System, SystemError, full_rows,
+    Blocks, Configuration, Constancy, ContactLaw, Midpoint, Step, System, SystemError, Turning,
+    full_rows,
 };
 use nalgebra::Vector3;
 
@@ -77,6 +78,13 @@ impl System for Plain {
         }
         self.bodies.rows(at, contact, rows, chi)
     }
+    fn turning(&self) -> Option<&dyn Turning> {
+        self.chords.then_some(self)
+    }
+}
+
+impl Turning for Plain {
+    fn derive(&self, _q: &[f64], _derived: &mut Vec<f64>) {}
     fn chord(
         &self,
         midpoint: &Midpoint,
@@ -85,7 +93,26 @@ impl System for Plain {
         rows: &[f64],
         correction: &mut [f64],
     ) -> bool {
-        self.chords && self.bodies.chord(midpoint, step, contact, rows, correction)
+        self.bodies.chord(midpoint, step, contact, rows, correction)
+    }
+    fn momenta(&self, q: &[f64], u: &[f64]) -> Vec<f64> {
+        self.bodies.momenta(q, u)
+    }
+    fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool {
+        self.bodies.has_momenta(q, u, momenta)
+    }
+    fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
+        self.bodies.begin(step, midpoint)
+    }
+    fn finish(
+        &self,
+        midpoint: &mut Midpoint,
+        after: &[f64],
+        dt: f64,
+        q: &mut [f64],
+        u: &mut [f64],
+    ) -> Result<(), SystemError> {
+        self.bodies.finish(midpoint, after, dt, q, u)
     }
 }
 

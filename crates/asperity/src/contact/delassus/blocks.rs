@@ -284,7 +284,6 @@ impl BlockMatrix {
     }
 
     /// Entries of a block counted over all rows.
-    #[cfg(feature = "sparse")]
     #[inline]
     pub(crate) fn block(&self, k: usize, len: usize) -> &[f64] {
         &self.values[self.places[k]..self.places[k] + len]

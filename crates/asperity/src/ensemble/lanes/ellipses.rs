@@ -7,7 +7,6 @@ use pulp::Simd;
 
 use super::kernel::{Sets, SlipEquation, Start};
 use super::newton;
-use super::plan::Plan;
 use super::vector::{Mask, Number, Pair, cross, dot, product};
 
 /// The reservoir.
@@ -30,8 +29,10 @@ fn squares<S: Simd>(v: Pair<Number<S>>) -> [Number<S>; 3] {
 }
 
 impl<S: Simd> Sets<S> for Ellipses<Number<S>> {
-    fn gather<'a>(simd: S, plan: impl Fn(usize) -> &'a Plan<'a>) -> Self {
-        let entry = |i: usize| Number::from_fn(simd, |lane| plan(lane).ellipses.gauge[i]);
+    type Plain = Ellipses<f64>;
+
+    fn gather<'a>(simd: S, of: impl Fn(usize) -> &'a Ellipses<f64>) -> Self {
+        let entry = |i: usize| Number::from_fn(simd, |lane| of(lane).gauge[i]);
         Self { gauge: [0, 1, 2].map(entry) }
     }
 

@@ -12,7 +12,6 @@
 
 use pulp::Simd;
 
-use super::plan::Plan;
 use super::vector::{Mask, Number, Pair, dot, product};
 
 /// How far a gauge is from one where rounding does not decide between stick and slip, that of the scalar solver.
@@ -20,8 +19,11 @@ const BORDER: f64 = 1e-12;
 
 /// Two sets of the plane, for which slip is found in lanes.
 pub(super) trait Sets<S: Simd>: Copy {
+    /// The sets of one run.
+    type Plain: 'static;
+
     /// Those of the runs of all lanes.
-    fn gather<'a>(simd: S, plan: impl Fn(usize) -> &'a Plan<'a>) -> Self;
+    fn gather<'a>(simd: S, of: impl Fn(usize) -> &'a Self::Plain) -> Self;
 
     /// What loads are compared by: the reservoir's gauge of a force, or an increasing function of it that costs less.
     fn measure(&self, simd: S, force: Pair<Number<S>>) -> Number<S>;

@@ -6,19 +6,14 @@
 //! nothing of its neighbours: what is computed is the same to the bit for any number of lanes. A run that fails is made
 //! again without lanes, so that what is reported is what it comes to by itself.
 //!
-//! What lanes do must be inlined into the function that is compiled for the processor: closures and iterators that are not
-//! are slower than the scalar solver. So there are none where powers are taken.
-//!
 //! | file | concept |
 //! |---|---|
 //! | `vector.rs` | numbers and truth values of several runs |
-//! | `elementary.rs` | their logarithms, exponentials and powers |
 //! | `kernel.rs` | a time step of several runs: the equations |
 //! | `newton.rs` | Newton's method for a direction |
 //! | `ellipses.rs`, `superellipses.rs` | the slip equation of both kinds of laws |
 //! | `plan.rs` | from a system to the constants of its step, and between its states and those of lanes |
 
-mod elementary;
 mod ellipses;
 mod kernel;
 mod newton;
@@ -39,13 +34,10 @@ use super::reduction::Reduction;
 use super::workers::Stop;
 use crate::contact::Phase;
 use crate::integrator::midpoint::{self, StepError, Stepper};
-use crate::integrator::observer::Observer;
+use crate::integrator::observer::{MOST_UNSEEN, Observer};
 use crate::simulate::{AT_REST, Loop, Options, Outcome};
 use crate::system::{InitialState, System};
 use crate::trajectory::Trajectory;
-
-/// Steps between two looks at whether the runs are to end.
-const MOST_UNSEEN: usize = 64;
 
 /// A run in a lane.
 pub(super) struct Run<'a> {
@@ -179,18 +171,24 @@ impl WithSimd for Together<'_, '_, '_, '_, '_> {
         runs.sort_by_key(|run| run.plan.of_ellipses);
         for alike in runs.chunk_by_mut(|a, b| a.plan.of_ellipses == b.plan.of_ellipses) {
             if alike[0].plan.of_ellipses {
-                in_groups::<S, Ellipses<Number<S>>>(simd, alike, common);
+                in_groups::<S, Ellipses<Number<S>>>(simd, alike, common, plan::ellipses);
             } else {
-                in_groups::<S, Superellipses<Number<S>>>(simd, alike, common);
+                let sets = plan::superellipses;
+                in_groups::<S, Superellipses<Number<S>>>(simd, alike, common, sets);
             }
         }
     }
 }
 
 #[inline(always)]
-fn in_groups<S: Simd, L: Sets<S>>(simd: S, runs: &mut [&mut Run<'_>], common: Common<'_, '_>) {
+fn in_groups<S: Simd, L: Sets<S>>(
+    simd: S,
+    runs: &mut [&mut Run<'_>],
+    common: Common<'_, '_>,
+    sets: for<'p> fn(&'p Plan<'_>) -> &'p L::Plain,
+) {
     for group in runs.chunks_mut(S::F64_LANES) {
-        Group::<S, L>::new(simd, group).go_on(simd, group, common);
+        Group::<S, L>::new(simd, group, sets).go_on(simd, group, common);
     }
 }
 
@@ -213,7 +211,7 @@ fn square<S: Simd>(simd: S, of: impl Fn(usize) -> [Pair<f64>; 2]) -> [Pair<Numbe
 
 impl<S: Simd, L: Sets<S>> Group<S, L> {
     /// Lanes without a run of their own do what the first one does, and nobody looks at it.
-    fn new(simd: S, runs: &[&mut Run<'_>]) -> Self {
+    fn new(simd: S, runs: &[&mut Run<'_>], sets: for<'p> fn(&'p Plan<'_>) -> &'p L::Plain) -> Self {
         let plan = |lane: usize| &runs[if lane < runs.len() { lane } else { 0 }].plan;
         let of = |lane: usize| &plan(lane).coefficients;
         let coefficients = Coefficients {
@@ -231,7 +229,8 @@ impl<S: Simd, L: Sets<S>> Group<S, L> {
         let (position, velocity, slip) = ([zero; 2], [zero; 2], [zero; 2]);
         let (change, bend, slips) = ([zero; 2], [zero; 2], zero);
         let state = State { position, velocity, slip, change, bend, slips };
-        let mut group = Self { coefficients, sets: L::gather(simd, plan), state };
+        let mut group =
+            Self { coefficients, sets: L::gather(simd, |lane| sets(plan(lane))), state };
         for (lane, run) in runs.iter().enumerate() {
             group.state.set(lane, &run.plan.state_of(&run.stepper, None));
         }
@@ -250,7 +249,7 @@ impl<S: Simd, L: Sets<S>> Group<S, L> {
             if running == 0 {
                 return;
             }
-            let interrupted = step.is_multiple_of(MOST_UNSEEN) && stop.is_asked();
+            let interrupted = step.is_multiple_of(MOST_UNSEEN as usize) && stop.is_asked();
             let before = self.state;
             let mut alone = running;
             if until_sample > 1 && step < options.steps && !interrupted {

@@ -31,8 +31,8 @@ pub(super) struct Plan<'a> {
     pub(super) coefficients: Coefficients<f64>,
     /// Whether both sets are ellipses, whose equation has no powers.
     pub(super) of_ellipses: bool,
-    pub(super) ellipses: Ellipses<f64>,
-    pub(super) superellipses: Superellipses<f64>,
+    ellipses: Ellipses<f64>,
+    superellipses: Superellipses<f64>,
     reservoir: &'a Convex<2>,
     uniqueness: Uniqueness<'a>,
     /// `F`, which maps the unit disk of a norm to *D*, and `Wᵀ`, with their inverses.
@@ -96,6 +96,16 @@ fn rows_of(matrix: &M) -> [Pair<f64>; 2] {
 
 fn pair_of(v: &V) -> Pair<f64> {
     [v.x, v.y]
+}
+
+/// The sets as ellipses.
+pub(super) fn ellipses<'p>(plan: &'p Plan<'_>) -> &'p Ellipses<f64> {
+    &plan.ellipses
+}
+
+/// The sets as superellipses.
+pub(super) fn superellipses<'p>(plan: &'p Plan<'_>) -> &'p Superellipses<f64> {
+    &plan.superellipses
 }
 
 impl<'a> Plan<'a> {

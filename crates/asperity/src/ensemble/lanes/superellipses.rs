@@ -15,10 +15,8 @@
 
 use pulp::Simd;
 
-use super::elementary::{exp, ln, power};
 use super::kernel::{Sets, SlipEquation, Start};
 use super::newton;
-use super::plan::Plan;
 use super::vector::{Mask, Number, Pair, cross, dot, product, times};
 
 /// Both sets.
@@ -63,6 +61,13 @@ impl<S: Simd> Ratios<S> {
         Self { larger, smaller: first.select(y, x) / divisor, first }
     }
 
+    /// The power of the smaller ratio, which counts as 2⁻¹⁰²² if it is less.
+    #[inline(always)]
+    fn power(&self, simd: S, exponent: Number<S>) -> Number<S> {
+        let least = Number::splat(simd, f64::MIN_POSITIVE);
+        self.smaller.below(least).select(least, self.smaller).power(exponent)
+    }
+
     /// Both ratios to the same power, the smaller one of which is given.
     #[inline(always)]
     fn both(&self, simd: S, smaller: Number<S>) -> Pair<Number<S>> {
@@ -75,7 +80,7 @@ impl<S: Simd> Ratios<S> {
 #[inline(always)]
 fn powers<S: Simd>(simd: S, v: Pair<Number<S>>, exponent: Number<S>) -> Pair<Number<S>> {
     let ratios = Ratios::new(simd, v);
-    ratios.both(simd, power(simd, ratios.smaller, exponent))
+    ratios.both(simd, ratios.power(simd, exponent))
 }
 
 impl<S: Simd> Superellipses<Number<S>> {
@@ -89,25 +94,24 @@ impl<S: Simd> Superellipses<Number<S>> {
     ) -> (Number<S>, Number<S>) {
         let (zero, one) = (Number::splat(simd, 0.0), Number::splat(simd, 1.0));
         let ratios = Ratios::new(simd, at);
-        let slope = power(simd, ratios.smaller, self.exponent - one);
+        let slope = ratios.power(simd, self.exponent - one);
         let slopes = ratios.both(simd, slope);
         let [x, y] = slopes;
         let signed = [at[0].above(zero).select(x, -x), at[1].above(zero).select(y, -y)];
         // k = M (1 + tˢ)^(1/s) of the larger component M and the ratio t.
         let sum = one + ratios.smaller * slope;
-        let root = exp(simd, self.reciprocal * ln(simd, sum));
+        let root = sum.power(self.reciprocal);
         (ratios.larger * root, root / sum * dot(signed, change))
     }
 }
 
 impl<S: Simd> Sets<S> for Superellipses<Number<S>> {
-    fn gather<'a>(simd: S, plan: impl Fn(usize) -> &'a Plan<'a>) -> Self {
-        let number = |part: fn(&Superellipses<f64>) -> f64| {
-            Number::from_fn(simd, |lane| part(&plan(lane).superellipses))
-        };
-        let entry = |i: usize, j: usize| {
-            Number::from_fn(simd, |lane| plan(lane).superellipses.to_reservoir[i][j])
-        };
+    type Plain = Superellipses<f64>;
+
+    fn gather<'a>(simd: S, of: impl Fn(usize) -> &'a Superellipses<f64>) -> Self {
+        let number =
+            |part: fn(&Superellipses<f64>) -> f64| Number::from_fn(simd, |lane| part(of(lane)));
+        let entry = |i: usize, j: usize| Number::from_fn(simd, |lane| of(lane).to_reservoir[i][j]);
         Self {
             to_reservoir: [0, 1].map(|i| [0, 1].map(|j| entry(i, j))),
             exponent: number(|sets| sets.exponent),

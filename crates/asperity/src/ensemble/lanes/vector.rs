@@ -1,7 +1,7 @@
 //! Numbers and truth values of several runs at once.
 //!
-//! Only operations that IEEE 754 rounds correctly: every lane has the bits that it would have alone, in registers of any
-//! width. Multiplications and additions are never fused.
+//! Only operations that IEEE 754 rounds correctly, and powers of one number after the other: every lane has the bits that
+//! it would have alone, in registers of any width. Multiplications and additions are never fused.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -51,12 +51,13 @@ impl<S: Simd> Number<S> {
         bytemuck::cast_slice_mut::<_, f64>(std::slice::from_mut(&mut self.value))[lane] = value;
     }
 
-    /// A function of the bits of every number.
+    /// Powers, one after the other, for which there are no instructions.
     #[inline(always)]
-    pub(super) fn map_bits(mut self, of: impl Fn(u64) -> u64) -> Self {
-        let bits: &mut [u64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.value));
-        for bits in bits {
-            *bits = of(*bits);
+    pub(super) fn power(mut self, exponent: Self) -> Self {
+        let bases: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.value));
+        let exponents: &[f64] = bytemuck::cast_slice(std::slice::from_ref(&exponent.value));
+        for (base, exponent) in bases.iter_mut().zip(exponents) {
+            *base = base.powf(*exponent);
         }
         self
     }

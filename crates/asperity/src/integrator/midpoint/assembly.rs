@@ -12,7 +12,7 @@ use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus, NormalForce};
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, Constancy, Midpoint, Step, System, SystemError};
+use crate::system::{self, Configuration, Constancy, Midpoint, Step, System, SystemError};
 use crate::vectors::copy;
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
@@ -92,8 +92,11 @@ impl Evaluated {
             let len = system.contacts()[contact].rows();
             let rows = &self.rows[..len * width(system, contact)];
             self.chord = [0.0; 4];
-            let bends = system.chord(midpoint, step, contact, rows, &mut self.chord[..len]);
-            self.bends = Some(bends);
+            let correction = &mut self.chord[..len];
+            self.bends =
+                Some(system.turning().is_some_and(|turning| {
+                    turning.chord(midpoint, step, contact, rows, correction)
+                }));
         }
         if self.bends == Some(true) { self.chord } else { [0.0; 4] }
     }
@@ -142,7 +145,7 @@ impl Assembly {
     /// The system in a state; `momenta` are those that it carries, where they are known.
     pub(super) fn new(system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) -> Self {
         let (dof, constancy) = (system.dof(), system.constancy());
-        let momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
+        let momenta = if momenta.is_empty() { system::momenta(system, q, u) } else { momenta };
         Self {
             constancy,
             midpoint: Midpoint {
@@ -166,7 +169,8 @@ impl Assembly {
     /// The same system in another state, where [`is_reusable`](Self::is_reusable).
     pub(super) fn restart(&mut self, system: &dyn System, q: &[f64], u: &[f64], momenta: Vec<f64>) {
         self.midpoint.q.copy_from_slice(q);
-        self.midpoint.momenta = if momenta.is_empty() { system.momenta(q, u) } else { momenta };
+        self.midpoint.momenta =
+            if momenta.is_empty() { system::momenta(system, q, u) } else { momenta };
     }
 
     /// What the system carries from step to step besides coordinates and velocities.
@@ -211,7 +215,7 @@ impl Assembly {
         closed: &mut Closed,
     ) -> Result<Change, StepError> {
         let dt = step.dt;
-        system.begin(step, &mut self.midpoint)?;
+        system::begin(system, step, &mut self.midpoint)?;
         let new_mass = !(self.has_mass && self.constancy.mass);
         if new_mass {
             self.has_mass = false;
@@ -399,7 +403,7 @@ impl Assembly {
     /// Whether all that steps need of the contacts from now on are products with `Wᵀ` and `M⁻¹W` as they are, each one
     /// matrix, as all velocities are in one block.
     fn is_constant(&self, system: &dyn System, closed: &Closed) -> bool {
-        let Constancy { mass, contacts } = self.constancy;
+        let Constancy { mass, contacts, .. } = self.constancy;
         mass && contacts
             && system.blocks().count() == 1
             && system.contacts().iter().all(|contact| !contact.normal_force().is_unilateral())
@@ -586,7 +590,7 @@ impl Assembly {
         } else {
             self.add_responses(percussion);
         }
-        system.finish(&mut self.midpoint, &self.free, dt, q, u)
+        system::finish(system, &mut self.midpoint, &self.free, dt, q, u)
     }
 
     /// Adds what percussions change of the velocities.

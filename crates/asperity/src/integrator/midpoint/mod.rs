@@ -2,7 +2,7 @@
 //!
 //! `q_M = q_B + ½Δt u_B`; the contacts closed at the midpoint form the contact problem
 //! `M(u_E − u_B) − hΔt = W_N P_N + W P` with the laws in `u_E` (19); `q_E = q_M + ½Δt u_E`. Where directions change along
-//! the way, the laws of contacts that stay closed hold from midpoint to midpoint ([`System::chord`](crate::system::System::chord)).
+//! the way, the laws of contacts that stay closed hold from midpoint to midpoint ([`Turning::chord`](crate::system::Turning::chord)).
 //!
 //! | file | concept |
 //! |---|---|

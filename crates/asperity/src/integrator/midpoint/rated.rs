@@ -269,12 +269,12 @@ impl Factors {
         self.bounds.fill((0.0, f64::INFINITY));
     }
 
-    /// Adds what mends the defect to the factors; `percussion` remains the same force.
+    /// Adds the correction to the factors; `percussion` remains the same force.
     ///
     /// Newton's method may jump to and fro between stick and a slip that ceases: the factor of a single contact
     /// is kept within bounds from the beginning, those of several, which disturb each other, if that has not ended by
     /// itself.
-    pub(super) fn mend(
+    pub(super) fn apply_correction(
         &mut self,
         problem: &ContactProblem,
         correction: Correction,

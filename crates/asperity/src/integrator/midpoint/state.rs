@@ -2,7 +2,7 @@
 
 use crate::argument::{ArgumentError, entries, refuse};
 use crate::contact::ContactState;
-use crate::system::System;
+use crate::system::{System, Turning};
 
 /// What a contact hands over to the next step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,7 +32,7 @@ pub struct State {
     pub u: Vec<f64>,
     /// One per contact; none if nothing is known of them.
     pub contacts: Vec<ContactMemory>,
-    /// What the system carries besides coordinates and velocities ([`System::momenta`]): of rigid bodies the angular
+    /// What the system carries besides coordinates and velocities ([`Turning::momenta`]): of rigid bodies the angular
     /// momenta of those of unequal moments in the world's axes, one after another. Nothing if they follow from the
     /// velocities.
     pub momenta: Vec<f64>,
@@ -95,7 +95,8 @@ impl State {
             return refuse("must be finite".into());
         }
         // Velocities that were replaced would otherwise lose against the momenta that were not.
-        if self.momenta.is_empty() || system.has_momenta(&self.q, &self.u, &self.momenta) {
+        let has = |turning: &dyn Turning| turning.has_momenta(&self.q, &self.u, &self.momenta);
+        if self.momenta.is_empty() || system.turning().is_some_and(has) {
             return Ok(());
         }
         refuse("has momenta of other velocities: leave them out where velocities are given".into())

@@ -188,7 +188,7 @@ impl Stepper<'_> {
                     ..WHOLE_CORRECTIONS => Correction::Whole,
                     _ => Correction::Bounded,
                 };
-                factors.mend(&closed.problem, kind, &mut memory.percussion);
+                factors.apply_correction(&closed.problem, kind, &mut memory.percussion);
             }
             if !following {
                 // The states before the step decide between several solutions, whatever was found meanwhile.

@@ -69,6 +69,17 @@ impl Swept {
         }
     }
 
+    /// The same with the measure of the stop.
+    pub(crate) fn measured(self, residual: Residual) -> Self {
+        let Residual { value, worst_contact } = residual;
+        Self { defect: value * value, worst_contact, ..self }
+    }
+
+    /// The same where time has ended before a proof or another method.
+    pub(crate) fn given_up(self) -> Self {
+        Self { ended: Ended::TimeLimit, ..self }
+    }
+
     /// Whether every contact was solved, and none has percussions that may have grown.
     #[inline(always)]
     pub(crate) fn is_clear(&self) -> bool {

@@ -13,7 +13,6 @@
 use super::cones::{Cones, own_rows};
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
-use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
 use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -196,14 +195,13 @@ impl Admm {
     }
 
     fn factor(&mut self, task: &Task<'_>, cones: &Cones, matrix: &mut NewtonMatrix) -> bool {
-        let Task { problem, stop, threads, .. } = *task;
+        let Task { problem, stop, .. } = *task;
         self.factorizations += 1;
         for ((a, t), point) in self.a.iter_mut().zip(&cones.t).zip(&self.points) {
             *a = t * self.penalty;
             a.row_mut(0).scale_mut(point.weight);
         }
-        let execution = Execution { threads, given_up: &|| stop.early() };
-        matrix.factor(problem, &self.a, &cones.k, execution)
+        matrix.factor(problem, &self.a, &cones.k, &|| stop.early())
     }
 
     /// The penalty for residuals of this ratio; false if there is no factorisation with it.

@@ -19,6 +19,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::solver::gauss_seidel::TRIAL_SWEEPS;
 use crate::solver::incumbent::Incumbent;
 use crate::solver::report::Method;
+use crate::vectors::sum_in_lanes;
 
 /// Differences that are remembered.
 const DEPTH: usize = 5;
@@ -188,25 +189,10 @@ fn weights(
 
 /// `aᵀb`.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    in_lanes(a, b, |x, y| x * y)
+    sum_in_lanes(a, b, |x, y| x * y)
 }
 
 /// `‖a − b‖`.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
-    in_lanes(a, b, |x, y| (x - y) * (x - y)).sqrt()
-}
-
-/// Sum of terms in several partial sums, which processors add side by side.
-fn in_lanes(a: &[f64], b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
-    const LANES: usize = 8;
-    let mut sums = [0.0; LANES];
-    let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest = left.remainder().iter().zip(right.remainder());
-    let rest: f64 = rest.map(|(x, y)| term(*x, *y)).sum();
-    for (x, y) in left.zip(right) {
-        for (lane, sum) in sums.iter_mut().enumerate() {
-            *sum += term(x[lane], y[lane]);
-        }
-    }
-    sums.iter().sum::<f64>() + rest
+    sum_in_lanes(a, b, |x, y| (x - y) * (x - y)).sqrt()
 }

@@ -8,7 +8,6 @@
 use super::cones::{Cones, own_rows};
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
-use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
 use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -172,7 +171,7 @@ impl Interior {
         units: Units,
         refined: bool,
     ) -> bool {
-        let Task { problem, stop, threads, .. } = *task;
+        let Task { problem, stop, .. } = *task;
         let gap: f64 = self.points.iter().map(|p| p.x.dot(&p.z)).sum();
         let mean = gap / self.points.len() as f64;
         for (i, point) in self.points.iter_mut().enumerate() {
@@ -180,8 +179,7 @@ impl Interior {
             self.a[i] = cones.t[i] * point.weight;
             self.b[i] = point.theta * point.slope * cones.k[i] * (point.weight * units.rho);
         }
-        let execution = Execution { threads, given_up: &|| stop.early() };
-        if !matrix.factor(problem, &self.a, &self.b, execution) {
+        if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             return false;
         }
         let mut solve = |interior: &mut Self, sigma_mean: f64, corrected: bool| {

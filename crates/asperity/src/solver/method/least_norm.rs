@@ -7,7 +7,6 @@
 //! some of them are not.
 
 use crate::law::ContactMatrix;
-use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
 use crate::solver::incumbent::Incumbent;
 use crate::solver::newton_matrix::NewtonMatrix;
@@ -41,7 +40,7 @@ impl LeastNorm {
         incumbent: &mut Incumbent<'_>,
         matrix: &mut NewtonMatrix,
     ) -> Option<f64> {
-        let Task { problem, stop, threads, .. } = incumbent.task;
+        let Task { problem, stop, .. } = incumbent.task;
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.clear();
         self.percussion.resize(rows, 0.0);
@@ -53,8 +52,7 @@ impl LeastNorm {
         self.b.resize(contacts, ContactMatrix::identity());
         let (mut steps, mut last, mut is_measured) = (0, f64::INFINITY, false);
         let close = CLOSE * stop.tolerance * problem.load_norm();
-        let execution = Execution { threads, given_up: &|| stop.early() };
-        if matrix.factor(problem, &self.a, &self.b, execution) {
+        if matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             loop {
                 let velocity = incumbent.velocity(&self.percussion);
                 let velocities = velocity.iter().zip(problem.restitution());

@@ -6,10 +6,8 @@
 
 use crate::contact::{ContactProblem, ContactRows};
 use crate::law::{ContactMatrix, ContactPoint, Derivatives, Rho};
-use crate::linear::Execution;
 use crate::solver::gauss_seidel::Task;
 use crate::solver::newton_matrix::NewtonMatrix;
-use crate::threads::{LEAF, join};
 use crate::vectors::norm;
 
 /// Halvings of a step, and values of `‖F‖` among which the largest must be undercut: more let steps pass that lead
@@ -40,8 +38,6 @@ pub(crate) struct Newton {
     a: Vec<ContactMatrix>,
     b: Vec<ContactMatrix>,
     f: Vec<f64>,
-    /// `F` contact by contact.
-    own: Vec<[f64; 4]>,
     xi: Vec<f64>,
     step: Vec<f64>,
     /// `(G + εI) d` of the step.
@@ -52,41 +48,6 @@ pub(crate) struct Newton {
     norms: Vec<f64>,
     /// Factorisations so far.
     pub(crate) factorizations: usize,
-}
-
-/// `F` with its derivatives of contacts that follow each other.
-struct Jets<'a> {
-    first: usize,
-    f: &'a mut [[f64; 4]],
-    a: &'a mut [ContactMatrix],
-    b: &'a mut [ContactMatrix],
-}
-
-/// Computes those of one contact.
-trait Jet: Fn(usize, &mut [f64; 4], &mut ContactMatrix, &mut ContactMatrix) + Sync {}
-
-impl<F: Fn(usize, &mut [f64; 4], &mut ContactMatrix, &mut ContactMatrix) + Sync> Jet for F {}
-
-impl Jets<'_> {
-    #[inline(always)]
-    fn each(self, jet: &impl Jet) {
-        let parts = self.f.iter_mut().zip(self.a).zip(self.b).enumerate();
-        parts.for_each(|(i, ((f, a), b))| jet(self.first + i, f, a, b));
-    }
-
-    /// The same by several threads.
-    fn in_halves(self, jet: &impl Jet) {
-        if self.f.len() <= LEAF {
-            return self.each(jet);
-        }
-        let Self { first, f, a, b } = self;
-        let half = f.len() / 2;
-        let (f, other_f) = f.split_at_mut(half);
-        let (a, other_a) = a.split_at_mut(half);
-        let (b, other_b) = b.split_at_mut(half);
-        let others = Jets { first: first + half, f: other_f, a: other_a, b: other_b };
-        join(|| Jets { first, f, a, b }.in_halves(jet), || others.in_halves(jet));
-    }
 }
 
 impl Newton {
@@ -104,7 +65,6 @@ impl Newton {
         ] {
             list.resize(rows, 0.0);
         }
-        self.own.resize(contacts, [0.0; 4]);
         self.a.resize(contacts, ContactMatrix::zeros());
         self.b.resize(contacts, ContactMatrix::zeros());
         self.factorizations = 0;
@@ -151,7 +111,7 @@ impl Newton {
     ) -> (f64, usize) {
         let Task { problem, stop, .. } = *task;
         self.start(problem, percussion, centre, goal.epsilon);
-        let mut norm = self.linearize(task, percussion, goal);
+        let mut norm = self.linearize(problem, percussion, goal);
         self.best.copy_from_slice(percussion);
         let mut best = norm;
         self.norms.clear();
@@ -162,7 +122,7 @@ impl Newton {
             if !self.direction(task, matrix, goal.epsilon) {
                 break;
             }
-            norm = self.search(task, percussion, goal);
+            norm = self.search(problem, percussion, goal);
             self.norms.push(norm);
             if norm < best {
                 best = norm;
@@ -197,38 +157,22 @@ impl Newton {
     }
 
     /// `F`, its Jacobians `A + (ε + shift) B`, `B`, and `‖F‖`.
-    fn linearize(&mut self, task: &Task<'_>, percussion: &[f64], goal: Goal) -> f64 {
-        let Task { problem, threads, .. } = *task;
-        let Self { rho, a, b, own, xi, .. } = self;
-        let (rho, xi) = (&rho[..], &xi[..]);
-        let jet = |i: usize, f: &mut [f64; 4], a: &mut ContactMatrix, b: &mut ContactMatrix| {
-            let rows = &problem.contacts()[i];
-            let at = point(rows, rho[i], percussion, xi);
-            rows.law.natural_map_jet(
-                at,
-                &mut f[..rows.len()],
-                Derivatives { a: &mut *a, b: &mut *b },
-            );
-            *a += *b * (goal.epsilon + goal.shift / rho[i].tangent);
-        };
-        let jets = Jets { first: 0, f: own, a, b };
-        if threads.serve(jets.f.len()) {
-            threads.run(|| jets.in_halves(&jet));
-        } else {
-            jets.each(&jet);
-        }
-        for (rows, own) in problem.contacts().iter().zip(&self.own) {
-            self.f[rows.rows()].copy_from_slice(&own[..rows.len()]);
+    fn linearize(&mut self, problem: &ContactProblem, percussion: &[f64], goal: Goal) -> f64 {
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let (a, b) = (&mut self.a[i], &mut self.b[i]);
+            let at = point(rows, self.rho[i], percussion, &self.xi);
+            let derivatives = Derivatives { a: &mut *a, b: &mut *b };
+            rows.law.natural_map_jet(at, &mut self.f[rows.rows()], derivatives);
+            *a += *b * (goal.epsilon + goal.shift / self.rho[i].tangent);
         }
         norm(&self.f)
     }
 
     /// The Newton step `(A + εB + BG) d = −F`; false if there is none.
     fn direction(&mut self, task: &Task<'_>, matrix: &mut NewtonMatrix, epsilon: f64) -> bool {
-        let Task { problem, stop, threads, .. } = *task;
+        let Task { problem, stop, .. } = *task;
         self.factorizations += 1;
-        let execution = Execution { threads, given_up: &|| stop.early() };
-        if !matrix.factor(problem, &self.a, &self.b, execution) {
+        if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             return false;
         }
         for (d, f) in self.step.iter_mut().zip(&self.f) {
@@ -247,8 +191,7 @@ impl Newton {
 
     /// Goes along the step as far as `‖F‖` falls below its largest of the last iterations, else to the best
     /// point that was seen.
-    fn search(&mut self, task: &Task<'_>, percussion: &mut [f64], goal: Goal) -> f64 {
-        let problem = task.problem;
+    fn search(&mut self, problem: &ContactProblem, percussion: &mut [f64], goal: Goal) -> f64 {
         let recent = self.norms.iter().rev().take(MEMORY);
         let reference = recent.fold(0.0_f64, |m, &v| m.max(v));
         let (mut length, mut best, mut shortest) = (1.0, f64::INFINITY, 1.0);
@@ -267,7 +210,7 @@ impl Newton {
         }
         percussion.copy_from_slice(&self.trial);
         self.xi.copy_from_slice(&self.trial_xi);
-        self.linearize(task, percussion, goal)
+        self.linearize(problem, percussion, goal)
     }
 
     /// `‖F‖` a part of the step ahead.

@@ -26,7 +26,8 @@ const LONG_SWEEPS: usize = 1000;
 /// Failed inner solves in turn that sweeps have not helped, after which none are made until one succeeds: where a problem has
 /// no solution sweeps would take most of the time.
 const SWEPT_IN_VAIN: usize = 10;
-/// Outer steps without a new best after which the iteration starts anew, since its start may have led it astray.
+/// Outer steps that have not halved the natural map after which the iteration starts anew: at this pace all of them would not
+/// be enough.
 const LOST: usize = 300;
 /// Outer steps without a new best after which prox parameters are matched to contacts that creep.
 const CREEP: usize = 30;
@@ -150,7 +151,8 @@ impl ProximalPoint {
         (steps, most): (&mut usize, usize),
     ) -> bool {
         let problem = incumbent.task.problem;
-        let (mut lowest, mut lost) = (grade, 0);
+        let (mut lowest, mut creeps) = (grade, 0);
+        let (mut halved, mut lost) = (grade, 0);
         while !incumbent.is_solved() && *steps < most && !incumbent.task.stop.early() {
             *steps += 1;
             let goal = self.inner_goal(incumbent, grade, schedule.epsilon, INNER);
@@ -159,12 +161,13 @@ impl ProximalPoint {
             if incumbent.is_solved() || incumbent.is_hopeless() {
                 return false;
             }
-            lost = if found < lowest { 0 } else { lost + 1 };
+            creeps = if found < lowest { 0 } else { creeps + 1 };
             lowest = lowest.min(found);
+            (halved, lost) = if found < 0.5 * halved { (found, 0) } else { (halved, lost + 1) };
             if lost == LOST {
                 return true;
             }
-            if lost == CREEP {
+            if creeps == CREEP {
                 self.kept.clone_from(&self.centre);
                 let before = self.newton.factorizations;
                 self.attempt_matched(incumbent, matrix);

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::contact::{BlockMatrix, Components, ContactProblem, Factored};
 use crate::law::ContactMatrix;
-use crate::linear::{Execution, Kind, Numeric, Symbolic};
+use crate::linear::{Kind, Numeric, Symbolic};
 
 /// Groups larger than this are not eliminated as dense blocks.
 const LARGEST_GROUP: usize = 64;
@@ -141,7 +141,7 @@ impl BodySpace {
         factored: &Factored,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
-        execution: Execution<'_>,
+        given_up: &dyn Fn() -> bool,
     ) -> bool {
         let mut symmetric = true;
         self.matrix.values_mut().fill(0.0);
@@ -160,13 +160,13 @@ impl BodySpace {
             contact.add(&self.d[i], &mut self.product, &mut self.matrix);
         }
         let mut factor =
-            |kind: Kind| self.numeric.factor(&self.symbolic, (&self.matrix, kind), execution);
+            |kind: Kind| self.numeric.factor(&self.symbolic, (&self.matrix, kind), given_up);
         // Where all `D` are symmetric, as those of what stands are, the matrix is; most are definite, too.
         if symmetric {
             if factor(Kind::Definite) {
                 return true;
             }
-            if (execution.given_up)() {
+            if given_up() {
                 return false;
             }
         }

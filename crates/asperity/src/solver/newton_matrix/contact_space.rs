@@ -2,7 +2,7 @@
 
 use crate::contact::{BlockMatrix, ContactProblem};
 use crate::law::ContactMatrix;
-use crate::linear::{Execution, Kind, Numeric, Symbolic};
+use crate::linear::{Kind, Numeric, Symbolic};
 
 /// Elimination among the rows of the contacts.
 #[derive(Debug, Clone, Default)]
@@ -44,7 +44,7 @@ impl ContactSpace {
         problem: &ContactProblem,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
-        execution: Execution<'_>,
+        given_up: &dyn Fn() -> bool,
     ) -> bool {
         let g = problem.delassus().blocks();
         self.matrix.values_mut().fill(0.0);
@@ -64,7 +64,7 @@ impl ContactSpace {
                 }
             }
         }
-        self.numeric.factor(&self.symbolic, (&self.matrix, Kind::General), execution)
+        self.numeric.factor(&self.symbolic, (&self.matrix, Kind::General), given_up)
     }
 }
 

@@ -7,7 +7,7 @@ mod dense_space;
 
 use crate::contact::{ContactProblem, Delassus};
 use crate::law::ContactMatrix;
-use crate::linear::{DenseLu, Execution, Symbolic};
+use crate::linear::{DenseLu, Symbolic};
 use body_space::BodySpace;
 use contact_space::ContactSpace;
 use dense_space::DenseSpace;
@@ -97,16 +97,16 @@ impl NewtonMatrix {
         problem: &ContactProblem,
         a: &[ContactMatrix],
         b: &[ContactMatrix],
-        execution: Execution<'_>,
+        given_up: &dyn Fn() -> bool,
     ) -> bool {
         if is_small(problem) {
             return self.dense.factor(problem, a, b);
         }
         match (self.in_body_space, &mut self.body, problem.delassus()) {
             (true, Some(body), Delassus::Factored(factored)) => {
-                body.factor(factored, a, b, execution)
+                body.factor(factored, a, b, given_up)
             }
-            _ => self.contact.factor(problem, a, b, execution),
+            _ => self.contact.factor(problem, a, b, given_up),
         }
     }
 

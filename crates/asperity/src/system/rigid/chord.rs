@@ -29,7 +29,7 @@ use nalgebra::Vector3;
 use super::contact::{Contact, Touching, direction};
 use super::pose::{Pose, Twist, angular, linear};
 use super::rigid_bodies::RigidBodies;
-use super::surface::{Surface, SurfaceCourse};
+use super::surface::{PredictedSurface, Surface};
 use crate::system::rotation::Turn;
 use crate::system::{Midpoint, Moment};
 
@@ -37,7 +37,7 @@ use crate::system::{Midpoint, Moment};
 const LARGEST_TURN: f64 = 1.0;
 
 /// How a body moves on with the velocities before the step, in the world's axes.
-pub(super) struct Course {
+pub(super) struct PredictedBody {
     pose: Pose,
     velocity: Vector3<f64>,
     omega: Vector3<f64>,
@@ -46,7 +46,7 @@ pub(super) struct Course {
     turn: Turn,
 }
 
-impl Course {
+impl PredictedBody {
     /// What the mean velocity of a point is above the present one, the arm from the centre of mass to it given.
     fn bend(&self, arm: &Vector3<f64>, dt: f64) -> Vector3<f64> {
         self.turn.chord(arm) / dt - self.omega.cross(arm)
@@ -67,8 +67,14 @@ pub(super) struct Bend {
 }
 
 impl RigidBodies {
-    /// The course of a body that has the velocities `u` before the step.
-    pub(super) fn course(&self, midpoint: &Midpoint, u: &[f64], body: usize, dt: f64) -> Course {
+    /// The predicted motion of a body that has the velocities `u` before the step.
+    pub(super) fn predicted(
+        &self,
+        midpoint: &Midpoint,
+        u: &[f64],
+        body: usize,
+        dt: f64,
+    ) -> PredictedBody {
         let (pose, twist) = (self.pose_at(&midpoint.configuration(), body), self.twist(u, body));
         let (inertial, rate) = (&self.inertial[body], angular(&twist));
         let omega = pose.rotation * rate;
@@ -81,7 +87,7 @@ impl RigidBodies {
             pose.rotation * (inertial.inverse_inertia * change)
         };
         let turn = Turn::new(&(omega * dt));
-        Course { pose, velocity: linear(&twist), omega, gyroscopic, turn }
+        PredictedBody { pose, velocity: linear(&twist), omega, gyroscopic, turn }
     }
 }
 
@@ -101,7 +107,13 @@ impl Contact {
     }
 
     /// The corrections of its rows.
-    pub(super) fn bend(&self, t: f64, first: &Course, second: Option<&Course>, dt: f64) -> Bend {
+    pub(super) fn bend(
+        &self,
+        t: f64,
+        first: &PredictedBody,
+        second: Option<&PredictedBody>,
+        dt: f64,
+    ) -> Bend {
         match &self.touching {
             Touching::Plane { point, radius, surface, timed } => {
                 let arm = first.pose.rotation * point;
@@ -109,16 +121,16 @@ impl Contact {
                     None => *surface,
                     Some(timed) => timed.at(surface, Moment::new(t)),
                 };
-                let course = match timed {
-                    None => surface.course(dt),
-                    Some(timed) => timed.course(&surface, t, dt),
+                let predicted = match timed {
+                    None => surface.predicted(dt),
+                    Some(timed) => timed.predicted(&surface, t, dt),
                 };
                 match second {
-                    None => on_plane(&arm, *radius, &surface, &course, first, None, dt),
+                    None => on_plane(&arm, *radius, &surface, &predicted, first, None, dt),
                     Some(second) => {
-                        let course = course.at(&second.pose.rotation);
+                        let predicted = predicted.at(&second.pose.rotation);
                         let surface = surface.at(&second.pose);
-                        on_plane(&arm, *radius, &surface, &course, first, Some(second), dt)
+                        on_plane(&arm, *radius, &surface, &predicted, first, Some(second), dt)
                     }
                 }
             }
@@ -134,9 +146,9 @@ fn on_plane(
     arm: &Vector3<f64>,
     radius: f64,
     surface: &Surface,
-    course: &SurfaceCourse,
-    first: &Course,
-    second: Option<&Course>,
+    predicted: &PredictedSurface,
+    first: &PredictedBody,
+    second: Option<&PredictedBody>,
     dt: f64,
 ) -> Bend {
     let centre = first.pose.position + arm;
@@ -145,7 +157,7 @@ fn on_plane(
     let point = centre - away;
     // The material of the surface moves within its plane, and is carried along with it.
     let (velocity, _) = surface.material_velocity(&point);
-    let way = surface.way(&point, course) / dt;
+    let way = surface.way(&point, predicted) / dt;
     let carried = second.map_or(Vector3::zeros(), |second| second.turn.chord(&way));
     let mut tangential = first.bend(arm, dt) - first.gyroscopic.cross(&(arm - away));
     let mut bend = Bend {
@@ -170,8 +182,8 @@ fn on_plane(
         bend.drilling += normal.dot(&second.gyroscopic) + 0.5 * dt * rolling;
         spin += second.omega;
     }
-    bend.drilling -= course.angle / dt - surface.spin;
-    if let (Some(plane), Some([shift, turning])) = (&course.plane, &surface.motion) {
+    bend.drilling -= predicted.angle / dt - surface.spin;
+    if let (Some(plane), Some([shift, turning])) = (&predicted.plane, &surface.motion) {
         let from = centre - surface.point;
         let own = plane.way(&from) / dt;
         relative -= own;
@@ -193,8 +205,8 @@ fn on_plane(
 fn between_spheres(
     centres: &[Vector3<f64>; 2],
     radii: &[f64; 2],
-    first: &Course,
-    second: &Course,
+    first: &PredictedBody,
+    second: &PredictedBody,
     dt: f64,
 ) -> Bend {
     let arms = [first.pose.rotation * centres[0], second.pose.rotation * centres[1]];

@@ -7,7 +7,7 @@ use super::rigid_bodies::RigidBodies;
 use crate::contact::Components;
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, MotionBounds,
-    Rotation, Step, System, SystemError, SystemPart, TimeDependence,
+    Rotation, Step, System, SystemError, SystemPart, TimeDependence, Turning,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -45,7 +45,11 @@ impl System for RigidBodies {
     }
 
     fn constancy(&self) -> Constancy {
-        Constancy { mass: true, contacts: false }
+        Constancy { mass: true, contacts: false, autonomous: !self.depends_on_time() }
+    }
+
+    fn turning(&self) -> Option<&dyn Turning> {
+        Some(self)
     }
 
     /// Bodies between which there are contacts or springs are of one part, however far they are from each other.
@@ -58,16 +62,6 @@ impl System for RigidBodies {
         for spring in &self.springs {
             connected.join(spring.body, spring.other.unwrap_or(spring.body));
         }
-        let of = connected.numbers();
-        let count = of.iter().max().map_or(0, |last| last + 1);
-        if count < 2 {
-            return Vec::new();
-        }
-        let (mut bodies, mut contacts) = (vec![Vec::new(); count], vec![Vec::new(); count]);
-        of.iter().enumerate().for_each(|(body, &part)| bodies[part].push(body));
-        for (i, contact) in self.contacts.iter().enumerate() {
-            contacts[of[contact.body]].push(i);
-        }
         let places = |bodies: &[usize], size: usize| -> Vec<usize> {
             bodies.iter().flat_map(|body| size * body..size * (body + 1)).collect()
         };
@@ -78,7 +72,8 @@ impl System for RigidBodies {
             velocities: places(&bodies, self.size),
             contacts,
         };
-        bodies.into_iter().zip(contacts).map(part).collect()
+        let touched = self.contacts.iter().map(|contact| contact.body);
+        connected.split(touched).into_iter().map(part).collect()
     }
 
     fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
@@ -98,6 +93,10 @@ impl System for RigidBodies {
         Ok(())
     }
 
+    fn time_dependence(&self, q: &[f64], t_end: f64) -> Option<TimeDependence> {
+        Some(self.extents_in_time(q, t_end))
+    }
+
     fn next_break(&self, t: f64) -> Option<Break> {
         let mut next = None;
         for load in &self.timed_loads {
@@ -111,10 +110,6 @@ impl System for RigidBodies {
             next = Break::earlier(next, plane.next_break(t));
         }
         next
-    }
-
-    fn time_dependence(&self, q: &[f64], _u: &[f64], t_end: f64) -> Option<TimeDependence> {
-        self.depends_on_time().then(|| self.extents_in_time(q, t_end))
     }
 
     fn forces(
@@ -131,16 +126,6 @@ impl System for RigidBodies {
             self.set_twist(forces, body, &twist(&linear(&load), &(angular(&load) + gyroscopic)));
         }
         Ok(())
-    }
-
-    /// The poses, twelve numbers per body.
-    fn derive(&self, q: &[f64], derived: &mut Vec<f64>) {
-        derived.clear();
-        for body in 0..self.bodies() {
-            let pose = self.pose_of(q, body);
-            derived.extend_from_slice(pose.position.as_slice());
-            derived.extend_from_slice(pose.rotation.as_slice());
-        }
     }
 
     #[inline]
@@ -185,6 +170,18 @@ impl System for RigidBodies {
         }
         Ok(if contact.unilateral { geometry.gap } else { 0.0 })
     }
+}
+
+impl Turning for RigidBodies {
+    /// The poses, twelve numbers per body.
+    fn derive(&self, q: &[f64], derived: &mut Vec<f64>) {
+        derived.clear();
+        for body in 0..self.bodies() {
+            let pose = self.pose_of(q, body);
+            derived.extend_from_slice(pose.position.as_slice());
+            derived.extend_from_slice(pose.rotation.as_slice());
+        }
+    }
 
     fn chord(
         &self,
@@ -199,8 +196,8 @@ impl System for RigidBodies {
         if !contact.bends(&self.twist(u, contact.body), &second, dt) {
             return false;
         }
-        let first = self.course(midpoint, u, contact.body, dt);
-        let second = contact.other.map(|body| self.course(midpoint, u, body, dt));
+        let first = self.predicted(midpoint, u, contact.body, dt);
+        let second = contact.other.map(|body| self.predicted(midpoint, u, body, dt));
         let bend = contact.bend(midpoint.t, &first, second.as_ref(), dt);
         let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
         let width = self.size * contact.touched().len();

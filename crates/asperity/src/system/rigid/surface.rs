@@ -157,22 +157,22 @@ impl Surface {
 
     /// How plane and material move on for `dt` if nothing depends on time.
     #[inline]
-    pub(super) fn course(&self, dt: f64) -> SurfaceCourse {
+    pub(super) fn predicted(&self, dt: f64) -> PredictedSurface {
         let belt = (self.e1 * self.velocity[0] + self.e2 * self.velocity[1]) * dt;
-        SurfaceCourse { belt, angle: self.spin * dt, plane: None }
+        PredictedSurface { belt, angle: self.spin * dt, plane: None }
     }
 
-    /// The way of the material at a place `x` of the plane along its course, within what the plane is fixed to. The
+    /// The way of the material at a place `x` of the plane along its predicted motion, within what the plane is fixed to. The
     /// velocity of what stays in the material turns with the spin.
     #[inline]
-    pub(super) fn way(&self, x: &Vector3<f64>, course: &SurfaceCourse) -> Vector3<f64> {
+    pub(super) fn way(&self, x: &Vector3<f64>, predicted: &PredictedSurface) -> Vector3<f64> {
         let arm = x - self.point;
-        let mut way = course.belt;
-        if course.angle != 0.0 {
-            let angle = self.normal * course.angle;
+        let mut way = predicted.belt;
+        if predicted.angle != 0.0 {
+            let angle = self.normal * predicted.angle;
             way = Turn::new(&angle).mean(&(way + angle.cross(&arm)));
         }
-        match &course.plane {
+        match &predicted.plane {
             None => way,
             Some(plane) => plane.way(&arm) + plane.rotation * way,
         }
@@ -181,22 +181,22 @@ impl Surface {
 
 /// What happens to a plane and its material in a time, in the axes that the plane has at its beginning or in those of
 /// what it is fixed to.
-pub(super) struct SurfaceCourse {
+pub(super) struct PredictedSurface {
     /// Way of the material within the plane, and the angle by which it turns about the normal.
     belt: Vector3<f64>,
     pub(super) angle: f64,
     /// How the plane itself moves, if it does.
-    pub(super) plane: Option<PlaneCourse>,
+    pub(super) plane: Option<PredictedPlane>,
 }
 
 /// How a plane moves in a time.
-pub(super) struct PlaneCourse {
+pub(super) struct PredictedPlane {
     /// Way of its point.
     shift: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
 }
 
-impl PlaneCourse {
+impl PredictedPlane {
     /// The rotation vector of its turn.
     pub(super) fn angle(&self) -> Vector3<f64> {
         Rotation3::from_matrix_unchecked(self.rotation).scaled_axis()
@@ -208,10 +208,10 @@ impl PlaneCourse {
     }
 }
 
-impl SurfaceCourse {
-    /// The course in the axes of the world, if what the plane is fixed to has this attitude.
+impl PredictedSurface {
+    /// The same in the axes of the world, if what the plane is fixed to has this attitude.
     pub(super) fn at(self, rotation: &Matrix3<f64>) -> Self {
-        let plane = self.plane.map(|PlaneCourse { shift, rotation: own }| PlaneCourse {
+        let plane = self.plane.map(|PredictedPlane { shift, rotation: own }| PredictedPlane {
             shift: rotation * shift,
             rotation: rotation * own * rotation.transpose(),
         });
@@ -257,17 +257,17 @@ impl Timed {
     }
 
     /// How plane and material move on from the time `t` for `dt`, where `surface` is the plane at that time.
-    pub(super) fn course(&self, surface: &Surface, t: f64, dt: f64) -> SurfaceCourse {
+    pub(super) fn predicted(&self, surface: &Surface, t: f64, dt: f64) -> PredictedSurface {
         let [v1, v2] = self.velocity.integral(t, t + dt);
         let [angle] = self.spin.integral(t, t + dt);
         let plane = self.motion.as_ref().map(|motion| {
             let [start, end] = [t, t + dt].map(|t| motion.at(Moment::new(t)));
-            PlaneCourse {
+            PredictedPlane {
                 shift: end.displacement - start.displacement,
                 rotation: end.rotation * start.rotation.transpose(),
             }
         });
-        SurfaceCourse { belt: surface.e1 * v1 + surface.e2 * v2, angle, plane }
+        PredictedSurface { belt: surface.e1 * v1 + surface.e2 * v2, angle, plane }
     }
 
     /// Sizes of the parts of the gap and of the velocities of a body that touches the plane at this distance from its point.

@@ -125,9 +125,9 @@ impl StepSize {
         usable.fold(0.01 * duration, f64::min)
     }
 
-    /// Whether a step with this estimate of its error is accurate enough. Sets the length of the next attempt.
+    /// Whether a step with this estimate of its error over the goal is accurate enough. Sets the length of the next attempt.
     pub(crate) fn accepts(&mut self, h: f64, error: f64) -> bool {
-        let error = (error / self.estimate).max(1e-12);
+        let error = error.max(1e-12);
         // The comparison also turns away NaN.
         if !(error <= 1.0) {
             self.h = h * (0.9 * error.powf(-1.0 / ESTIMATE)).clamp(0.1, 0.8);

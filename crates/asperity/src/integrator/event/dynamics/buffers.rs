@@ -80,7 +80,7 @@ pub(crate) struct IndependentParts {
     pub(crate) columns: Vec<Vec<usize>>,
 }
 
-/// What the parts of functions of time give, see [`TimeDependence`](crate::system::TimeDependence).
+/// What the parts of functions of time give, see `time_dependence.rs`.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct TimeParts {
     /// The largest acceleration that the parts of the forces give.

@@ -17,7 +17,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::integrator::event::state::State;
 use crate::system::mass::MassFactors;
-use crate::system::{Configuration, MotionBounds, Rotation, System, SystemError, full_rows};
+use crate::system::{
+    Configuration, MotionBounds, Rotation, System, SystemError, derive, full_rows,
+};
 
 /// Angle in rad beyond which the chart is recentred, and the largest turn in a step: θ stays far from a full turn.
 const RECENTRED: f64 = 0.5;
@@ -116,11 +118,11 @@ impl<'a> Chart<'a> {
     pub(crate) fn place(&mut self, x: &[f64]) {
         if self.is_trivial() {
             self.q.copy_from_slice(x);
-            self.system.derive(&self.q, &mut self.derived);
+            derive(self.system, &self.q, &mut self.derived);
             return;
         }
         self.system.advance(&self.centre, x, 1.0, &mut self.q);
-        self.system.derive(&self.q, &mut self.derived);
+        derive(self.system, &self.q, &mut self.derived);
         for turn in &mut self.rotations {
             turn.angle = turn.part(x);
             turn.differential = differential(&turn.angle);
@@ -134,7 +136,7 @@ impl<'a> Chart<'a> {
     pub(crate) fn place_along(&mut self, x: &[f64], w: &[f64], dt: f64, u: &mut [f64]) {
         if self.is_trivial() {
             self.system.advance(x, w, dt, &mut self.q);
-            self.system.derive(&self.q, &mut self.derived);
+            derive(self.system, &self.q, &mut self.derived);
             u.copy_from_slice(w);
             return;
         }

@@ -14,6 +14,7 @@ mod independent_parts;
 mod jacobian;
 mod projection;
 mod rounding;
+mod time_dependence;
 
 pub(crate) use chart::Chart;
 pub(crate) use contact_variables::{ContactVariables, ROWS};

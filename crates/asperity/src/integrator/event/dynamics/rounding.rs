@@ -6,6 +6,7 @@
 use crate::argument::length;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::TimeParts;
+use crate::integrator::event::dynamics::time_dependence::sampled;
 use crate::integrator::event::state::{
     CLOSED_GAP, EvaluationError, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY,
 };
@@ -21,7 +22,11 @@ impl Dynamics<'_> {
         u: &[f64],
         t_end: f64,
     ) -> Result<(), EvaluationError> {
-        let Some(found) = self.system.time_dependence(q, u, t_end) else { return Ok(()) };
+        if self.system.constancy().autonomous {
+            return Ok(());
+        }
+        let known = self.system.time_dependence(q, t_end);
+        let found = known.unwrap_or_else(|| sampled(self.system, q, u, t_end));
         let TimeDependence { mut forces, mut impulses, gaps, velocities } = found;
         let (n, contacts) = (self.n, self.contacts.len());
         for (sizes, count) in

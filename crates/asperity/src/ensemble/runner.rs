@@ -25,7 +25,7 @@ pub(super) type RunTogether<'a> = dyn Fn(Vec<Prepared<'_>>, &Stop, &mut Rows<'_>
 pub(super) type Prepared<'a> = Result<(Rc<Member<'a>>, InitialState), SystemError>;
 
 /// Threads that run the members of an ensemble.
-pub(super) struct Crew<'a> {
+pub(super) struct Runner<'a> {
     pub(super) members: &'a dyn Members,
     pub(super) keep: &'a Keep,
     /// Samples on the way that a member has.
@@ -33,7 +33,7 @@ pub(super) struct Crew<'a> {
     pub(super) threads: usize,
 }
 
-impl Crew<'_> {
+impl Runner<'_> {
     /// Runs all members, one after the other.
     pub(super) fn run(
         &self,
