@@ -197,3 +197,16 @@ def test_tangents_of_a_disc_are_given_or_circles():
             circumferential=True,
             tangents=[1.0, 0.0, 0.0],
         )
+
+
+def test_a_start_is_refused_and_velocities_along_normals_are_left_out():
+    law = asp.FrictionLaw.isotropic(0.4)
+    system = pad_system((3, 3, 2), law)
+    with pytest.raises(asp.ParameterError, match="q0: has no effect") as refused:
+        asp.equilibrium(system, q0=np.zeros(system.dof))
+    assert refused.value.argument == "q0"
+    across, within = (
+        asp.MeshContacts(law, coordinates=[[0, 1, 2]], velocity=[5.0, 0.0, along])
+        for along in (2.0, 0.0)
+    )
+    assert (across.slip == within.slip).all()

@@ -130,6 +130,8 @@ def equilibrium(
     if isinstance(system, SparseLinearSystem):
         from asperity.steady_sliding.sparse.steady_state import sparse_equilibrium
 
+        if q0 is not None:
+            raise ParameterError("q0", "has no effect on a system with sparse matrices")
         return sparse_equilibrium(system, closed, tolerance)
     of = Field(system, start(system, q0))
     touching = closed_contacts(of, closed)

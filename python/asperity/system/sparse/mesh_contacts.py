@@ -24,7 +24,8 @@ class MeshContacts(Record):
         law: friction law of dimension 2.
         coordinates: numbers of the displacements x, y, z of each node among the coordinates of the
             system, shape ``(m, 3)``.
-        velocity: v of the surface in m/s at each node, shape ``(3,)`` or ``(m, 3)``.
+        velocity: v of the surface in m/s at each node, shape ``(3,)`` or ``(m, 3)``; its part along
+            n is left out, as the surface stays in its place.
         normals: n, from the surface into the body, shape ``(3,)`` or ``(m, 3)``, of any length.
         tangents: directions of e₁, shape ``(3,)`` or ``(m, 3)``, of any length.
         gap: g₀ in m, a number or shape ``(m,)``.
