@@ -273,7 +273,14 @@ ARGUMENTS = {
     "Sine.integral": {"start": 0.0, "end": 1.0},
     "Sine.breaks": {"start": 0.0, "end": 1.0},
     "RigidBodies.angular_momentum": {"trajectory": RUN_OF_BODIES},
-    "simulate": {"system": BELT, "dt": 0.1, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
+    "simulate": {
+        "system": BELT,
+        "dt": 0.1,
+        "t_end": 1.0,
+        "q0": [0.0, 0.0],
+        "u0": [0.0, 0.0],
+        "implicit": 0.5,
+    },
     "integrate": {"system": BELT, "t_end": 1.0, "q0": [0.0, 0.0], "u0": [0.0, 0.0]},
     "limit_cycle": {"system": STICK_SLIP},
     "simulate_many": {

@@ -11,9 +11,9 @@ from asperity.steady_sliding.sparse.certificate import (
     certified,
     unexplained_phases,
 )
-from asperity.steady_sliding.sparse.dissection import nested_dissection
-from asperity.steady_sliding.sparse.factorisation import Factorisation
 from asperity.steady_sliding.sparse.nearest import nearest
+from asperity.system.sparse.dissection import nested_dissection
+from asperity.system.sparse.factorisation import Factorisation
 from brake_pads import dense_eigenvalues, eigenvalues_near, pad, pad_system
 
 LAWS = {

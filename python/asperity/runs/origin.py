@@ -26,6 +26,15 @@ def _on_failure(value: str, argument: str) -> str:
     return arrays.choice(value, argument, ["raise", "record"])
 
 
+def _theta(value: float | None, argument: str) -> float | None:
+    if value is None:
+        return None
+    theta = arrays.number(value, argument)
+    if not 0.5 <= theta <= 1.0:
+        raise ParameterError(argument, f"must be None or from 0.5 to 1, got {value!r}")
+    return theta
+
+
 class TimeStepping(Record):
     """Options of `simulate`, with the state that the run starts from.
 
@@ -38,6 +47,7 @@ class TimeStepping(Record):
         sample_every: time between samples in s, or None: every step is kept.
         until_rest: whether the run ends at rest.
         on_failure: ``"raise"`` or ``"record"``.
+        implicit: θ of implicit stiffness and damping, or None: explicit.
 
     >>> from asperity import FrictionLaw, SlidingPoint, simulate
     >>> block = SlidingPoint(1.0, law=FrictionLaw.isotropic(0.5))
@@ -54,6 +64,7 @@ class TimeStepping(Record):
     sample_every: Positive | None
     until_rest: bool
     on_failure: Annotated[str, _on_failure]
+    implicit: Annotated[float | None, _theta] = None
 
 
 class EventDriven(Record):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.steady_sliding.sparse.constraint import Constraint
-from asperity.steady_sliding.sparse.factorisation import Factorisation, SingularMatrixError
+from asperity.system.sparse.factorisation import Factorisation, SingularMatrixError
 
 if TYPE_CHECKING:
     from asperity.system.sparse.matrices import SparseMatrix

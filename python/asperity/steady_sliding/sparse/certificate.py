@@ -11,9 +11,9 @@ from asperity._base.arrays import Array
 from asperity._base.result import counted
 from asperity.errors import ConvergenceError
 from asperity.steady_sliding.linearised.pencil import Complex
-from asperity.steady_sliding.sparse.factorisation import SingularMatrixError
 from asperity.steady_sliding.sparse.nearest import are_new, nearest
 from asperity.steady_sliding.sparse.pencil import SparsePencil
+from asperity.system.sparse.factorisation import SingularMatrixError
 
 # Points on the circle at first and at most.
 _POINTS, _MOST = 12, 96

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.steady_sliding.linearised.pencil import SAFETY, Complex
-from asperity.steady_sliding.sparse.factorisation import Factorisation, SingularMatrixError
 from asperity.steady_sliding.sparse.pencil import SparsePencil
+from asperity.system.sparse.factorisation import Factorisation, SingularMatrixError
 
 # Backward error of a pair that is right to rounding.
 EXACT = 1e-12

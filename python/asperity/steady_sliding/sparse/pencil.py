@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.steady_sliding.linearised.pencil import ROUNDING, Complex
 from asperity.steady_sliding.sparse.constraint import Constraint
-from asperity.steady_sliding.sparse.dissection import nested_dissection
-from asperity.steady_sliding.sparse.factorisation import Factorisation
 from asperity.steady_sliding.sparse.friction import SlidingContacts
 from asperity.system import SparseLinearSystem
+from asperity.system.sparse.dissection import nested_dissection
+from asperity.system.sparse.factorisation import Factorisation
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array

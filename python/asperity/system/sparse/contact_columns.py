@@ -43,6 +43,19 @@ class ContactColumns:
         """Which contacts can open."""
         return np.isnan(self.normal_force)
 
+    def stacked(self) -> tuple[SparseMatrix, list[slice]]:
+        """Return w_N, if there is one, and W contact by contact, and the columns of each."""
+        from scipy.sparse import csc_array, hstack
+
+        free, m, sizes = np.flatnonzero(self.unilateral), len(self.laws), np.diff(self.first)
+        columns = np.append(free, m + np.arange(self.first[-1]))
+        of = np.append(free, np.repeat(np.arange(m), sizes))
+        whole = csc_array(hstack([self.normals, self.tangents], format="csc"))
+        ends = np.cumsum(sizes + self.unilateral)
+        starts = ends - sizes - self.unilateral
+        slices = [slice(a, b) for a, b in zip(starts.tolist(), ends.tolist(), strict=True)]
+        return whole[:, columns[np.argsort(of, kind="stable")]], slices
+
     def groups(self, chosen: NDArray[np.bool_]) -> Iterator[tuple[FrictionLaw, NDArray[np.intp]]]:
         """Yield each law with the numbers of those of the chosen contacts that obey it."""
         numbers = np.flatnonzero(chosen)

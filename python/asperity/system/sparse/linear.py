@@ -33,8 +33,9 @@ _PRINTED = 100
 class SparseLinearSystem(LinearSystem):
     """M q̈ + B q̇ + K q = f + W_N λ_N + W λ with sparse matrices, as `LinearSystem` makes it of them.
 
-    M may be singular, as that of finite elements with reduced integration. `equilibrium` and
-    `stability` with `near` or `band` take it; what needs dense matrices takes `dense()`.
+    M may be singular, as that of finite elements with reduced integration. `equilibrium`,
+    `stability` with `near` or `band` and `simulate` with `implicit` take it; what needs dense
+    matrices takes `dense()`.
 
     Attributes:
         mass, stiffness, damping: in compressed columns, as they were given.
@@ -82,8 +83,9 @@ class SparseLinearSystem(LinearSystem):
     def _core(self) -> NoReturn:  # type: ignore[override]
         raise ParameterError(
             "system",
-            f"has sparse matrices, of {counted(self.dof, 'coordinate')}; this needs dense ones: "
-            f"system.dense() makes them, up to {LARGEST_DENSE} coordinates",
+            f"has sparse matrices, of {counted(self.dof, 'coordinate')}: simulate takes them with "
+            "implicit=, such as 0.5; what needs dense ones takes system.dense(), up to "
+            f"{LARGEST_DENSE} coordinates",
         )
 
     @cached_property

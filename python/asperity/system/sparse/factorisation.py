@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.steady_sliding.sparse.dissection import nested_dissection
+from asperity.system.sparse.dissection import nested_dissection
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
