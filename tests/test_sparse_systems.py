@@ -210,3 +210,13 @@ def test_a_start_is_refused_and_velocities_along_normals_are_left_out():
         for along in (2.0, 0.0)
     )
     assert (across.slip == within.slip).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_contacts_take_sparse_directions(kind):
+    dense = asp.Contact(LAW, direction=np.eye(5)[:, :2], normal=np.eye(5)[3])
+    for shape in ((5, 1), (1, 5)):
+        normal = kind(np.eye(5)[3].reshape(shape))
+        assert asp.Contact(LAW, direction=kind(np.eye(5)[:, :2]), normal=normal) == dense
+    with pytest.raises(asp.DimensionError, match="normal"):
+        dense.replace(normal=kind(np.eye(4)[:, :1]))

@@ -84,7 +84,8 @@ class Contact(AnyContact):
 
     Args:
         law: friction law of dimension p.
-        direction: W, shape ``(n, p)``; ``(n,)`` will do for p = 1.
+        direction: W, shape ``(n, p)``; ``(n,)`` will do for p = 1. May be a sparse array of SciPy,
+            as may `normal`; both are held in full.
         normal_force: prescribed λ_N ≥ 0 in N.
         normal: w_N of a unilateral contact, shape ``(n,)``.
         gap: g₀, the gap of a unilateral contact at q = 0 in m.
@@ -116,13 +117,17 @@ class Contact(AnyContact):
 
     def _complete(self, given: dict[str, Any]) -> None:
         law, normal, velocity = given["law"], given["normal"], given["velocity"]
+        if hasattr(normal, "toarray"):
+            normal = normal.toarray().ravel()
         if (given["normal_force"] is None) == (normal is None):
             raise ParameterError(
                 "normal_force", "give either normal_force (prescribed) or normal (unilateral)"
             )
         if normal is None and given["gap"]:
             raise ParameterError("gap", "needs a unilateral contact: give normal")
-        columns = arrays.array(given["direction"], "direction")
+        columns = given["direction"]
+        columns = columns.toarray() if hasattr(columns, "toarray") else columns
+        columns = arrays.array(columns, "direction")
         if columns.ndim == 1 and law.dimension == 1:
             columns = columns[:, None]
         given["direction"] = arrays.array(columns, "direction", (None, law.dimension))
