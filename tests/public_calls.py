@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse
 from asperity import identify, mechanisms, plot, predict, problems, track
 from asperity.contact import files, grading
-from asperity.system import CalculixModel
+from asperity.system import FiniteElementModel
 from filmed import RUN, SMALL
 from matplotlib.figure import Figure
 from samples import public_of
@@ -129,7 +129,7 @@ SPARSE = asp.LinearSystem(
     force=[0.0, 0.0, -1.0, 0.0, 0.0, -2.0],
     contacts=asp.MeshContacts.on_disc(LAW, **MESH),
 )
-CALCULIX = CalculixModel(
+CALCULIX = FiniteElementModel(
     mass=scipy.sparse.identity(3, format="csc"),
     stiffness=scipy.sparse.identity(3, format="csc"),
     nodes=np.array([4, 4, 4]),
@@ -138,6 +138,10 @@ CALCULIX = CalculixModel(
     node_sets={"ALL": (4,)},
     findings=(),
 )
+# Removed with the process.
+FOLDER = tempfile.TemporaryDirectory()
+MATRIX = Path(FOLDER.name) / "one.mtx"
+MATRIX.write_text("1 1 2.0\n2 2 3.0\n")
 OBJECTS = [
     SPARSE,
     asp.stability(SPARSE, near=3.0, count=2),
@@ -206,8 +210,8 @@ ARGUMENTS = {
     "LinearSystem.with_law": {"law": LAW, "contacts": 0},
     "SparseLinearSystem.with_law": {"law": LAW},
     "MeshContacts.on_disc": {"law": LAW, **MESH},
-    "CalculixModel.coordinates": {"nodes": "ALL"},
-    "CalculixModel.positions": {"nodes": "ALL"},
+    "FiniteElementModel.coordinates": {"nodes": "ALL"},
+    "FiniteElementModel.positions": {"nodes": "ALL"},
     "PointPlane.cylinder": {
         "body": 0,
         "radius": 0.1,
@@ -303,6 +307,7 @@ ARGUMENTS = {
         "values": [0.5, 0.6],
         "cycles": False,
     },
+    "read_matrices": {"mass": MATRIX, "stiffness": MATRIX, "dof": [[5, 1], [5, 2]]},
     "equilibrium": {"system": mechanisms.mode_coupling(0.3), "closed": [0]},
     "stability": {"system": BELT},
     "growth_chart": {"system": BELT, "phi": PHI, "zeta": [0.0, 0.1]},
@@ -460,7 +465,7 @@ class Call:
 
 
 RESULTS = {
-    "CalculixModel",
+    "FiniteElementModel",
     "ComplexModes",
     "Certificate",
     "ContactSolution",

@@ -56,9 +56,9 @@ PAIRS = {
 """Callables with several arguments by position, and why: none of these is more the subject."""
 
 RESULTS = {
-    "BifurcationDiagram", "CalculixModel", "ComplexModes", "ContactSolution", "CriticalIntervals",
-    "CycleEnsemble", "EngineReport",
-    "Ensemble", "Equilibrium", "Event", "FlowReport", "GrowthChart", "Island",
+    "BifurcationDiagram", "ComplexModes", "ContactSolution", "CriticalIntervals",
+    "CycleEnsemble", "EngineReport", "Ensemble", "Equilibrium", "Event", "FiniteElementModel",
+    "FlowReport", "GrowthChart", "Island",
     "Labels", "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
     "Stability", "Stage", "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",

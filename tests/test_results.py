@@ -69,7 +69,7 @@ RESULTS = [
     asp.stability(BELT),
     asp.stability(BELT, near=1.0, count=2),
     asp.equilibrium(BELT),
-    asp.system.CalculixModel(
+    asp.system.FiniteElementModel(
         sparse.identity(3, format="csc"),
         sparse.identity(3, format="csc"),
         np.array([4, 4, 4]),

@@ -21,9 +21,10 @@ from asperity.system.rigid import (
     axis_angle,
 )
 from asperity.system.sliding_disk import SlidingDisk
-from asperity.system.sparse.files.calculix import CalculixModel as CalculixModel
 from asperity.system.sparse.files.calculix import read_calculix
+from asperity.system.sparse.files.formats import read_matrices
 from asperity.system.sparse.files.matrix_market import read_matrix_market
+from asperity.system.sparse.files.model import FiniteElementModel as FiniteElementModel
 from asperity.system.sparse.linear import SparseLinearSystem as SparseLinearSystem
 from asperity.system.sparse.mesh_contacts import MeshContacts
 from asperity.system.time_functions import Signal, Sine
@@ -53,5 +54,6 @@ __all__ = [
     "System",
     "axis_angle",
     "read_calculix",
+    "read_matrices",
     "read_matrix_market",
 ]

@@ -68,6 +68,33 @@ def symmetric(entries: Array, n: int, name: str, *, sign: float = 1.0) -> Sparse
     return csc_array((stacked, places), shape=(n, n))
 
 
+def either(entries: Array, n: int, name: str) -> SparseMatrix:
+    """Return a matrix whose entries off the diagonal are all stored, or those of one side each."""
+    made = general(entries, (n, n), name)
+    there = made.copy()
+    there.data[:] = 1.0
+    both = there.multiply(there.T)
+    both.setdiag(0.0)
+    both.eliminate_zeros()
+    if not both.nnz:
+        return symmetric(entries, n, name)
+    alone = (there - there.multiply(there.T)).tocoo()
+    alone.eliminate_zeros()
+    if alone.nnz:
+        i, j = int(alone.row[0]) + 1, int(alone.col[0]) + 1
+        raise ParameterError(
+            "path",
+            f"{name} holds both triangles of some entries and only ({i}, {j}) of others: it is not "
+            "clear whether the rest is to be added",
+        )
+    return made
+
+
+def number(word: str) -> float:
+    """Return a number with an exponent of C or of Fortran."""
+    return float(word.translate(TO_PYTHON))
+
+
 def general(entries: Array, shape: tuple[int, int], name: str) -> SparseMatrix:
     """Return the matrix of which all entries are stored."""
     from scipy.sparse import csc_array
