@@ -89,6 +89,8 @@ RUN_OF_BODIES = asp.simulate(BODIES, dt=0.01, t_end=0.1)
 FRAME = np.full((60, 80, 3), 120, dtype=np.uint8)
 FRAME[20:40, 30:50] = 200, 30, 30
 FOLDER = tempfile.TemporaryDirectory()
+MATRIX = Path(FOLDER.name) / "one.mtx"
+MATRIX.write_text("1 1 2.0\n2 2 3.0\n")
 SCENARIO, _ = predict.write_example("sliding point", Path(FOLDER.name) / "scenario")
 # As few laws as the confidence allows: every process of the tests draws them.
 SCENARIO.write_text(re.sub("samples = [0-9]+", "samples = 40", SCENARIO.read_text()))
@@ -138,10 +140,6 @@ CALCULIX = FiniteElementModel(
     node_sets={"ALL": (4,)},
     findings=(),
 )
-# Removed with the process.
-FOLDER = tempfile.TemporaryDirectory()
-MATRIX = Path(FOLDER.name) / "one.mtx"
-MATRIX.write_text("1 1 2.0\n2 2 3.0\n")
 OBJECTS = [
     SPARSE,
     asp.stability(SPARSE, near=3.0, count=2),
