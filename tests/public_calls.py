@@ -98,6 +98,9 @@ LAW_FILE = FIT.save_law(Path(FOLDER.name) / "law.toml")
 PREDICTION = predict.simulate_scenario(SCENARIO, law=LAW_FILE, bands=True)
 LAW_SHEET = predict.describe_law(LAW_FILE)
 STABILITY_SHEET = predict.describe_stability(LAW_FILE)
+SQUEAL = predict.write_example("squeal", Path(FOLDER.name) / "squeal")[0]
+SQUEAL.write_text(SQUEAL.read_text().replace("certify = true", "certify = false"))
+SQUEAL_SHEET = predict.describe_squeal(SQUEAL)
 TABLE = Path(FOLDER.name) / "run.csv"
 TABLE.write_text(
     "time,angle,tangential,radial,normal\n"

@@ -113,6 +113,9 @@ def test_a_folder_holds_one_result(tmp_path, monkeypatch):
     scenario = write_example("sliding point", tmp_path / "in")[0]
     changed = re.sub("samples = .*", "samples = 40", scenario.read_text())
     scenario.write_text(changed)
+    model = write_example("squeal", tmp_path / "model")[0]
+    model.write_text(model.read_text().replace("certify = true", "certify = false"))
+    model = str(model)
     fitted, other = str(tmp_path / "fitted.toml"), str(tmp_path / "other.toml")
     commands = {
         "simulate": [
@@ -122,6 +125,7 @@ def test_a_folder_holds_one_result(tmp_path, monkeypatch):
         ],
         "law": [[fitted], [other, "--json"]],
         "stability": [[fitted], [other, "--json"]],
+        "squeal": [[model, "--law", fitted], [model, "--law", other, "--json"]],
     }
     # Tests of faults write these one after the other; the last two have no such options.
     elsewhere = {"identify", "identify-paths", "track", "demo", "init"}

@@ -23,6 +23,7 @@ from public_calls import (
     PREDICTION,
     PROBLEM,
     PUSHES,
+    SQUEAL_SHEET,
     STABILITY_SHEET,
     TRIANGLE,
 )
@@ -95,6 +96,7 @@ RESULTS = [
     PREDICTION,
     LAW_SHEET,
     STABILITY_SHEET,
+    SQUEAL_SHEET,
     asp.sweeps.SweepStatus(points=100, done=40, failed=1, seconds_left=200.0, idle=3.0),
     asp.sweeps.SweepStatus(points=100, done=0, failed=0, seconds_left=float("nan"), idle=3.0),
 ]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from asperity.commands.options import SUCCESS, Commands, quoted
 
-_KINDS = ("sliding point", "sliding disk", "mass on belt", "rigid bodies")
+_KINDS = ("sliding point", "sliding disk", "mass on belt", "rigid bodies", "squeal")
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -16,7 +16,8 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "init",
         help="write an example scenario and a friction law to edit",
         description="Write scenario.toml and law.toml, with comments that say what every line "
-        "means, to start from. Files that are there are never overwritten.",
+        "means, to start from; with --kind squeal squeal.toml, law.toml and the matrices of a "
+        "small model. Files that are there are never overwritten.",
         epilog="example: asperity init --kind 'sliding disk' --out disk, then: asperity simulate "
         "disk/scenario.toml",
     )
@@ -33,6 +34,8 @@ def run(options: argparse.Namespace) -> int:
     """Write and print; return the exit code."""
     from asperity.predict.examples import write_example
 
-    scenario, law = write_example(options.kind, options.out)
-    print(f"wrote {scenario} and {law}\nnow: asperity simulate {quoted(scenario)}")
+    scenario, *others = write_example(options.kind, options.out)
+    *rest, last = map(str, [scenario, *others])
+    verb = "squeal" if options.kind == "squeal" else "simulate"
+    print(f"wrote {', '.join(rest)} and {last}\nnow: asperity {verb} {quoted(scenario)}")
     return SUCCESS

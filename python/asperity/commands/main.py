@@ -22,6 +22,7 @@ from asperity.commands import (
     scenario,
     sliding_stability,
     solve,
+    squeal,
     track,
 )
 from asperity.commands.options import INTERRUPTED, PIPE_CLOSED, USER_ERROR
@@ -34,6 +35,7 @@ _VERBS = (
     init,
     scenario,
     sliding_stability,
+    squeal,
     parameter_sweep,
     track,
     solve,

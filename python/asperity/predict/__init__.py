@@ -17,6 +17,8 @@ from asperity.predict.law_sheet import describe_law
 from asperity.predict.scenario import Scenario
 from asperity.predict.simulation import Simulation as Simulation
 from asperity.predict.simulation import simulate_scenario
+from asperity.predict.squeal_sheet import SquealSheet as SquealSheet
+from asperity.predict.squeal_sheet import describe_squeal
 from asperity.predict.stability_sheet import Belt, describe_stability
 from asperity.predict.stability_sheet import StabilitySheet as StabilitySheet
 
@@ -24,6 +26,7 @@ __all__ = [
     "Belt",
     "Scenario",
     "describe_law",
+    "describe_squeal",
     "describe_stability",
     "propagate",
     "simulate_scenario",
