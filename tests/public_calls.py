@@ -129,6 +129,7 @@ SPARSE = asp.LinearSystem(
     force=[0.0, 0.0, -1.0, 0.0, 0.0, -2.0],
     contacts=asp.MeshContacts.on_disc(LAW, **MESH),
 )
+REDUCED = asp.reduce(SPARSE, band=(0.0, 5.0))
 CALCULIX = CalculixModel(
     mass=scipy.sparse.identity(3, format="csc"),
     stiffness=scipy.sparse.identity(3, format="csc"),
@@ -140,6 +141,7 @@ CALCULIX = CalculixModel(
 )
 OBJECTS = [
     SPARSE,
+    REDUCED,
     asp.stability(SPARSE, near=3.0, count=2),
     CALCULIX,
     *PROBLEMS,
@@ -298,6 +300,15 @@ ARGUMENTS = {
     },
     "equilibrium": {"system": mechanisms.mode_coupling(0.3), "closed": [0]},
     "stability": {"system": BELT},
+    "reduce": {"system": SPARSE, "band": (0.0, 5.0), "accuracy": 0.1},
+    "squeal_map": {
+        "system": SPARSE,
+        "parameters": {"friction": [0.5, 1.0]},
+        "band": (0.0, 5.0),
+        "accuracy": 0.1,
+    },
+    "LinearSystem.varied": {"friction": 0.5, "phi": 0.0, "speed": 2.0},
+    "ReducedSystem.expand": {"y": np.zeros(REDUCED.dof)},
     "growth_chart": {"system": BELT, "phi": PHI, "zeta": [0.0, 0.1]},
     "compare_path": {"run": RUN, "measured": RUN},
     "ellipses_can_be_unstable": {"n1": 2.0, "n2": 1.0, "nu": 0.1, "p1": 1.0, "p2": 2.0},
@@ -453,6 +464,8 @@ class Call:
 
 
 RESULTS = {
+    "ReducedSystem",
+    "SquealMap",
     "CalculixModel",
     "ComplexModes",
     "Certificate",

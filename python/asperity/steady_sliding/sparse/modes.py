@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -211,7 +212,10 @@ def _sparse(system: object) -> SparseLinearSystem:
         raise ParameterError(
             "system", f"must be a LinearSystem for near or band, got {type(system).__name__}"
         )
-    made = LinearSystem(**{**linear._parameters, "mass": csc_array(linear.mass)})
+    # Of a reduced system without its basis.
+    names = inspect.signature(LinearSystem).parameters
+    given = {name: linear._parameters[name] for name in names}
+    made = LinearSystem(**{**given, "mass": csc_array(linear.mass)})
     assert isinstance(made, SparseLinearSystem)
     return made
 
