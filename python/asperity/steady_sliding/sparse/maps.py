@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -203,7 +203,8 @@ def squeal_map(
         parameters: values of one or two of ``"friction"``, a factor of the reservoirs C, ``"phi"``,
             the turn of the sliding velocity in rad, and ``"speed"``, a factor of it, as of
             `LinearSystem.varied`.
-        band: lowest and highest angular frequency in rad/s.
+        band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
+            a tenth of the highest are left out.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative
             to the frequency.
         progress: ``True`` for a bar of tqdm, or a function of (done, all).
@@ -243,7 +244,7 @@ def squeal_map(
             followed.add(at, s, state.spread(shapes))
             if report is not None:
                 report((_SAMPLING + (1.0 - _SAMPLING) * (done + 1) / whole) * whole, whole)
-    eigenvalues = followed.within(*reduction.band)
+    eigenvalues = followed.chosen(reduction.wanted)
     return SquealMap(
         grid, eigenvalues, opened, reduced, tuple(reduction.points), reduction.estimates
     )
@@ -298,13 +299,16 @@ class _Followed:
         good = alike[rows, columns] > _ALIKE
         names[free[columns[good]]] = listed[rows[good]]
 
-    def within(self, low: float, high: float) -> Complex:
-        """Return eigenvalues by mode and point within a band, by falling growth, NaN elsewhere."""
+    def chosen(self, wanted: Callable[[Complex], NDArray[np.bool_]]) -> Complex:
+        """Return those eigenvalues that are wanted by mode and point, by falling growth, else NaN.
+
+        Args:
+            wanted: says which.
+        """
         found = np.full((self._count, *self._shape), complex(np.nan, np.nan))
         for at, modes in self._values.items():
-            for name, s in modes.items():
-                if low <= s.imag <= high:
-                    found[(name, *at)] = s
+            found[(list(modes), *at)] = list(modes.values())
+        found[~wanted(found)] = complex(np.nan, np.nan)
         growth = np.where(np.isnan(found.real), -np.inf, found.real)
         largest = growth.reshape(self._count, -1).max(axis=1, initial=-np.inf)
         order = np.argsort(-largest, kind="stable")

@@ -7,7 +7,7 @@ from itertools import product
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -33,6 +33,8 @@ _SMALL, _DEPENDENT = 3e-4, 1e-6
 # A guess of the number of modes in a band, and how many beside it are taken, as friction moves
 # others into it.
 _GUESS, _MARGIN = 16, 4
+# Largest |Re s| of modes in a band, as a share of its upper end.
+_GROWTH = 0.1
 # Points of a grid along its shorter and longer parameter at which residuals are examined, or along
 # its only one; rounds of corrections, and the share that a round leaves where it is of use.
 _EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 6, 0.5
@@ -60,7 +62,8 @@ def reduce(
 
     Args:
         system: `LinearSystem` with sparse matrices and a symmetric stiffness.
-        band: lowest and highest angular frequency in rad/s.
+        band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
+            a tenth of the highest are left out.
         parameters: values of one or two of ``"friction"``, ``"phi"`` and ``"speed"`` between which
             the reduced system is to be good, as of `LinearSystem.varied`. Default: as it is.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative
@@ -120,7 +123,10 @@ class Reduction:
         if not 0.0 <= low < high:
             raise ParameterError("band", f"must be 0 ≤ lo < hi in rad/s, got {(low, high)}")
         self.full, self.band = full, (low, high)
-        self.centre, self.radius = 0.5j * (low + high), 0.5 * (high - low)
+        # Those within the band that grow or decay with at most `growth` lie in this circle.
+        self.growth = _GROWTH * high
+        self.centre = 0.5j * (low + high)
+        self.radius = float(np.hypot(0.5 * (high - low), self.growth))
         self.statics = StaticModes(full)
         self.points: list[Point] = []
         self.estimates: dict[tuple[float, ...], float] = {}
@@ -181,6 +187,11 @@ class Reduction:
                 report(len(first) + done + 1, rounds)
         return self.system
 
+    def wanted(self, s: Complex) -> NDArray[np.bool_]:
+        """Return which eigenvalues are in the band."""
+        low, high = self.band
+        return (low <= s.imag) & (s.imag <= high) & (np.abs(s.real) <= self.growth)
+
     def _modes(self, pencil: SparsePencil) -> Complex:
         """Return the modes within the band, and some beside it."""
         values, modes = approximate(pencil, self.centre, self.radius, self.count)
@@ -197,7 +208,7 @@ class Reduction:
         """
         state = reduced.states.at(None, **point)
         s, shapes = eigenpairs(state, self.centre, self.radius, self.count)
-        inside = (self.band[0] <= s.imag) & (s.imag <= self.band[1])
+        inside = self.wanted(s)
         s, shapes = s[inside], shapes[:, inside]
         errors, lacking = estimated_errors(reduced, self.statics, state, s, shapes)
         growth = np.abs(errors.real) + _DOUBT * np.abs(errors)
