@@ -178,3 +178,43 @@ def test_what_cannot_be_reduced_is_refused():
     loose = sp.csc_array(pad((2, 2, 1), spring=0.0)[2])
     with pytest.raises(asp.ParameterError, match=r"nothing holds|singular"):
         asp.reduce(system.replace(stiffness=loose), band=BAND)
+
+
+def test_mode_shapes_on_the_mesh(tmp_path):
+    cells = np.array((3, 2, 1))
+    system = pad_system(cells, LAWS["isotropic"], phi=0.4)
+    positions = pad(cells)[4]
+    modes = asp.stability(system, near=2.0 * np.pi * 3e3, count=2)
+    number = np.arange(len(positions)).reshape(cells + 1)
+    corners = [
+        (0, 0, 0),
+        (1, 0, 0),
+        (1, 1, 0),
+        (0, 1, 0),
+        (0, 0, 1),
+        (1, 0, 1),
+        (1, 1, 1),
+        (0, 1, 1),
+    ]
+    bricks = np.stack(
+        [number[a : a + 3, b : b + 2, c : c + 1].ravel() for a, b, c in corners], axis=1
+    )
+    coordinates = np.arange(system.dof).reshape(-1, 3)
+    coordinates[3, 1] = -1
+    file = tmp_path / "modes.vtk"
+    modes.save_vtk(file, coordinates=coordinates, positions=positions, cells=bricks)
+    words = file.read_text().split()
+    at = words.index("POINTS") + 3
+    read = np.array(words[at : at + positions.size], dtype=float).reshape(-1, 3)
+    np.testing.assert_array_equal(read, positions)
+    starts = [k for k, word in enumerate(words) if word == "VECTORS"]
+    assert len(starts) == 4
+    parts = [np.array(words[k + 3 : k + 3 + positions.size], dtype=float) for k in starts]
+    wanted = modes.modes[:, 1].copy()
+    wanted[10] = 0.0
+    np.testing.assert_array_equal(parts[2] + 1j * parts[3], wanted)
+    for name, wrong in (("coordinates", coordinates + 5), ("cells", bricks[:, :5])):
+        given = {"coordinates": coordinates, "positions": positions, "cells": bricks, name: wrong}
+        with pytest.raises(asp.AsperityError, match=name):
+            modes.save_vtk(tmp_path / "wrong.vtk", **given)
+    assert not (tmp_path / "wrong.vtk").exists()

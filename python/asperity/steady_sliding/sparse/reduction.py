@@ -37,7 +37,9 @@ _GUESS, _MARGIN = 16, 4
 _GROWTH = 0.1
 # Points of a grid along its shorter and longer parameter at which residuals are examined, or along
 # its only one; rounds of corrections, and the share that a round leaves where it is of use.
-_EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 6, 0.5
+_EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 8, 0.5
+# Share of the allowed error at points that are examined, as it is larger between them.
+_BETWEEN = 0.5
 # Share of an estimated error that is not known.
 _DOUBT = 0.1
 # Accuracy of the rate of growth relative to |s|, as a share of that relative to itself.
@@ -160,7 +162,11 @@ class Reduction:
         self, grid: Mapping[str, Array], accuracy: float, report: Report | None
     ) -> ReducedSystem:
         """Sample corners and centre of a grid, then correct where residuals ask for it."""
-        ends = [np.unique(values[[0, -1]]).tolist() for values in grid.values()]
+        # Real modes stand for little friction.
+        ends = [
+            [float(values.max())] if name == "friction" else np.unique(values[[0, -1]]).tolist()
+            for name, values in grid.items()
+        ]
         centre = [float(values[len(values) // 2]) for values in grid.values()]
         first = dict.fromkeys([*product(*ends), tuple(centre)])
         rounds = len(first) + _ROUNDS
@@ -175,7 +181,7 @@ class Reduction:
                 place: self._estimate(reduced, _named(grid, place), accuracy) for place in left
             }
             self.estimates |= {place: largest for place, (largest, _) in found.items()}
-            left = [place for place in left if self.estimates[place] > 1.0]
+            left = [place for place in left if self.estimates[place] > _BETWEEN]
             if not left:
                 break
             self._extend(np.concatenate([found[place][1] for place in left], axis=1), 1.0)
@@ -204,7 +210,8 @@ class Reduction:
     ) -> tuple[float, Complex]:
         """Return the largest estimated error of a growth rate over the one that is allowed.
 
-        Also what modes lack that exceed it, of the length √ of that, as errors are of second order.
+        Also what modes lack that exceed their share of it, of the length √ of how far, as errors
+        are of second order.
         """
         state = reduced.states.at(None, **point)
         s, shapes = eigenpairs(state, self.centre, self.radius, self.count)
@@ -213,9 +220,9 @@ class Reduction:
         errors, lacking = estimated_errors(reduced, self.statics, state, s, shapes)
         growth = np.abs(errors.real) + _DOUBT * np.abs(errors)
         ratio = growth / (accuracy * np.maximum(np.abs(s.real), _FLOOR * np.abs(s)))
-        over = ratio > 1.0
-        lengths = np.linalg.norm(lacking[:, over], axis=0)
-        return float(ratio.max(initial=0.0)), lacking[:, over] * np.sqrt(ratio[over]) / lengths
+        over = ratio > _BETWEEN
+        lengths = np.linalg.norm(lacking[:, over], axis=0) / np.sqrt(ratio[over] / _BETWEEN)
+        return float(ratio.max(initial=0.0)), lacking[:, over] / lengths
 
     def _extend(self, vectors: Complex | Array, least: float) -> None:
         """Add what vectors have beside the basis: left singular vectors above a least value."""

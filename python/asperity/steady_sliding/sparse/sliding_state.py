@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # Exchanges of contacts, all wrong ones at once for as long as their number falls; rounding.
 _EXCHANGES, _PATIENCE, _ROUNDING = 200, 6, 1e-11
 # Relative error of 1/(s − σ) by Arnoldi's method; size up to which all eigenvalues are computed.
-_CONVERGED, _FEW = 1e-9, 60
+_CONVERGED, _FEW = 1e-8, 60
 
 
 @dataclass(frozen=True, eq=False)
