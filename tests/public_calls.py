@@ -134,6 +134,7 @@ SPARSE = asp.LinearSystem(
     force=[0.0, 0.0, -1.0, 0.0, 0.0, -2.0],
     contacts=asp.MeshContacts.on_disc(LAW, **MESH),
 )
+REDUCED = asp.reduce(SPARSE, band=(0.0, 5.0))
 CALCULIX = FiniteElementModel(
     mass=scipy.sparse.identity(3, format="csc"),
     stiffness=scipy.sparse.identity(3, format="csc"),
@@ -145,6 +146,7 @@ CALCULIX = FiniteElementModel(
 )
 OBJECTS = [
     SPARSE,
+    REDUCED,
     asp.stability(SPARSE, near=3.0, count=2),
     CALCULIX,
     *PROBLEMS,
@@ -311,6 +313,15 @@ ARGUMENTS = {
     "read_matrices": {"mass": MATRIX, "stiffness": MATRIX, "dof": [[5, 1], [5, 2]]},
     "equilibrium": {"system": mechanisms.mode_coupling(0.3), "closed": [0]},
     "stability": {"system": BELT},
+    "reduce": {"system": SPARSE, "band": (0.0, 5.0), "accuracy": 0.1},
+    "squeal_map": {
+        "system": SPARSE,
+        "parameters": {"friction": [0.5, 1.0]},
+        "band": (0.0, 5.0),
+        "accuracy": 0.1,
+    },
+    "LinearSystem.varied": {"friction": 0.5, "phi": 0.0, "speed": 2.0},
+    "ReducedSystem.expand": {"y": np.zeros(REDUCED.dof)},
     "growth_chart": {"system": BELT, "phi": PHI, "zeta": [0.0, 0.1]},
     "compare_path": {"run": RUN, "measured": RUN},
     "ellipses_can_be_unstable": {"n1": 2.0, "n2": 1.0, "nu": 0.1, "p1": 1.0, "p2": 2.0},
@@ -467,6 +478,8 @@ class Call:
 
 RESULTS = {
     "FiniteElementModel",
+    "ReducedSystem",
+    "SquealMap",
     "ComplexModes",
     "Certificate",
     "ContactSolution",

@@ -60,7 +60,7 @@ RESULTS = {
     "CycleEnsemble", "EngineReport", "Ensemble", "Equilibrium", "Event", "FiniteElementModel",
     "FlowReport", "GrowthChart", "Island",
     "Labels", "LimitCycle", "LocalSolution", "MemberFailure", "Motion", "Origin", "PathComparison",
-    "Stability", "Stage", "SweepStatus", "Trajectory",
+    "ReducedSystem", "SquealMap", "Stability", "Stage", "SweepStatus", "Trajectory",
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
     "identify.IdentifiedLaw",

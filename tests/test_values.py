@@ -12,6 +12,7 @@ from collections.abc import Mapping, MutableMapping
 import asperity as asp
 import numpy as np
 import pytest
+import scipy.sparse
 from asperity._base.value import Value, _check_of
 from asperity.identify import Configuration, fit_law
 from numpy.typing import NDArray
@@ -23,6 +24,15 @@ PROBLEM = asp.ContactProblem(
     np.eye(3), free_velocity=[-1.0, 0.2, 3.0], laws=LAW, normal_restitution=0.5
 )
 MESH = asp.MeshContacts(LAW, coordinates=[[0, 1, 2]], velocity=[1.0, 2.0, 0.0], gap=0.1)
+REDUCED = asp.reduce(
+    asp.LinearSystem(
+        scipy.sparse.identity(3),
+        stiffness=scipy.sparse.diags_array([4.0, 5.0, 6.0]),
+        force=[0.0, 0.0, -1.0],
+        contacts=MESH.replace(gap=0.0),
+    ),
+    band=(0.0, 5.0),
+)
 CONTACT = asp.Contact(LAW, direction=np.eye(2), normal_force=1.0, velocity=[0.0, -1.0])
 MOTION = asp.simulate(asp.SlidingPoint(1.0, law=LAW), dt=0.01, t_end=0.1, u0=[1.0, 0.0])
 BELT = asp.MassOnBelt(
@@ -131,6 +141,7 @@ VALUES = [
     CYCLES,
     asp.ensemble.MemberFailure((1, 2), 0.5, ValueError("no")),
     asp.equilibrium(BELT),
+    REDUCED,
     asp.BifurcationDiagram(
         "speed", [0.1, 0.2], [asp.stability(BELT), None], [CYCLE, None], ["", "stuck"]
     ),

@@ -17,6 +17,7 @@ from asperity.plot.runs.forces import plot_forces_in_reservoir
 from asperity.plot.runs.histories import plot_history
 from asperity.plot.runs.paths import plot_path, plot_phase_portrait
 from asperity.plot.sets import plot_gauge, plot_set
+from asperity.plot.squeal import plot_damping_ratios, plot_squeal_map
 from asperity.plot.steady_sliding import plot_bifurcation, plot_growth_chart, plot_root_locus
 from asperity.plot.tracking import plot_track
 
@@ -24,6 +25,7 @@ __all__ = [
     "plot_bifurcation",
     "plot_bodies",
     "plot_cones",
+    "plot_damping_ratios",
     "plot_deflection",
     "plot_fitted_forces",
     "plot_fitted_paths",
@@ -40,6 +42,7 @@ __all__ = [
     "plot_residuals",
     "plot_root_locus",
     "plot_set",
+    "plot_squeal_map",
     "plot_track",
     "save_animation",
     "save_figure",

@@ -11,7 +11,11 @@ from asperity.steady_sliding.critical.directions import (
 from asperity.steady_sliding.critical.intervals import CriticalIntervals as CriticalIntervals
 from asperity.steady_sliding.critical.rotations import critical_rotation
 from asperity.steady_sliding.incremental import incremental_distance
+from asperity.steady_sliding.sparse.maps import SquealMap as SquealMap
+from asperity.steady_sliding.sparse.maps import squeal_map
 from asperity.steady_sliding.sparse.modes import ComplexModes as ComplexModes
+from asperity.steady_sliding.sparse.reduced_system import ReducedSystem as ReducedSystem
+from asperity.steady_sliding.sparse.reduction import reduce
 from asperity.steady_sliding.steady_state import Equilibrium as Equilibrium
 from asperity.steady_sliding.steady_state import equilibrium
 
@@ -22,5 +26,7 @@ __all__ = [
     "equilibrium",
     "growth_chart",
     "incremental_distance",
+    "reduce",
+    "squeal_map",
     "stability",
 ]

@@ -136,6 +136,22 @@ class Contact(AnyContact):
         belt = np.zeros(law.dimension) if velocity is None else velocity
         given["velocity"] = arrays.constant(belt, "velocity", (law.dimension,))
 
+    def _turned(self, friction: float, phi: float, speed: float) -> Contact:
+        """Return a contact with C times a factor and its surface's velocity turned and scaled."""
+        velocity, p = speed * self.velocity, self.law.dimension
+        if phi and p != 2:
+            raise DimensionError("phi", f"turns planar sliding, a contact has {p} directions")
+        velocity = arrays.rotation(phi) @ velocity if phi else velocity
+        return self.replace(law=scaled_law(self.law, friction), velocity=velocity)
+
+
+def scaled_law(law: FrictionLaw, factor: float) -> FrictionLaw:
+    """Return a law whose forces are those of another times a factor."""
+    if factor == 1.0:
+        return law
+    sets = {name: law._parameters[name].scaled(factor) for name in ("reservoir", "direction")}
+    return law.replace(**sets)
+
 
 def relawed(
     parts: Sequence[_Part],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -145,6 +145,29 @@ class LinearSystem(Value):
         True
         """
         return self.replace(contacts=relawed(self.contacts, law, contacts, "contacts"))
+
+    def varied(self, *, friction: float = 1.0, phi: float = 0.0, speed: float = 1.0) -> Self:
+        """Return the same system with more friction, or a surface that moves otherwise.
+
+        These are the parameters of `reduce` and `squeal_map`, relative to the system as it is.
+
+        Args:
+            friction: factor of all reservoirs C, and so of all forces of friction; of an isotropic
+                law with μ = 1 it is the coefficient of friction.
+            phi: angle in rad by which the velocities of the surfaces are turned, from e₁ to e₂ and
+                counter-clockwise seen against n; the laws stay where they are.
+            speed: factor of these velocities.
+
+        >>> from asperity import mechanisms
+        >>> mechanisms.mode_coupling(0.5).varied(friction=0.2).contacts[0].law.reservoir
+        Interval(-0.1, 0.1)
+        """
+        given = (
+            arrays.positive(friction, "friction"),
+            arrays.number(phi, "phi"),
+            arrays.positive(speed, "speed"),
+        )
+        return self.replace(contacts=[one._turned(*given) for one in self.contacts])
 
     @property
     def dof(self) -> int:

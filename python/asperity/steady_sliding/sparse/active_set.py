@@ -50,7 +50,7 @@ class LinearContact:
             if done and not swapped.any():
                 return near
             closed = closed ^ swapped
-        raise _none_found()
+        raise none_found()
 
 
 class ClosedContacts:
@@ -137,7 +137,7 @@ def _exchanged(near: ClosedContacts) -> tuple[NDArray[np.bool_], bool]:
         else:
             patience -= 1
         swapped[wrong if patience >= 0 else wrong[-1:]] ^= True
-    raise _none_found()
+    raise none_found()
 
 
 def _other_side(block: Array, offset: Array) -> Array:
@@ -161,7 +161,8 @@ def _loose(closed: NDArray[np.bool_]) -> ParameterError:
     )
 
 
-def _none_found() -> ConvergenceError:
+def none_found() -> ConvergenceError:
+    """Return the error of a search for closed contacts that failed."""
     return ConvergenceError(
         "no set of closed contacts was found with loads and gaps that are not negative",
         residual=float("nan"),

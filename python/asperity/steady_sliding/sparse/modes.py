@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -19,6 +21,7 @@ from asperity.steady_sliding.linearised.pencil import Complex
 from asperity.steady_sliding.sparse.certificate import Certificate, Circle, certified
 from asperity.steady_sliding.sparse.nearest import Pairs, are_new, nearest
 from asperity.steady_sliding.sparse.pencil import SmallMotions
+from asperity.steady_sliding.sparse.shape_files import write_vtk
 from asperity.steady_sliding.sparse.steady_state import residual_of, sparse_equilibrium
 from asperity.steady_sliding.steady_state import Equilibrium
 from asperity.system import LinearSystem, SparseLinearSystem
@@ -123,6 +126,31 @@ class ComplexModes(TableResult):
         why = named or "no single force of friction accounts for it"
         return f"Small motions grow like exp({rate:.6g} t) at {at:.6g} Hz: {why}."
 
+    def save_vtk(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        coordinates: ArrayLike,
+        positions: ArrayLike,
+        cells: ArrayLike | None = None,
+    ) -> None:
+        """Write the shapes for ParaView and meshio, real and imaginary part as two vectors each.
+
+        Args:
+            path: of the file, ``.vtk``, which is complete or not there.
+            coordinates: numbers of the displacements x, y, z of each node, shape ``(m, 3)``; −1
+                where it is held.
+            positions: of the nodes in m, shape ``(m, 3)``.
+            cells: nodes of each tetrahedron, wedge or hexahedron in the order of VTK, counted from
+                0, shape ``(cells, nodes)``. Default: points alone.
+
+        Raises:
+            DimensionError, ParameterError: naming the argument.
+        """
+        numbered = enumerate(zip(self.frequencies, self.growth_rates, strict=True))
+        names = [f"mode_{k}_{hertz:.0f}_Hz_growth_{rate:.4g}" for k, (hertz, rate) in numbered]
+        write_vtk(path, self.modes, names, coordinates, positions, cells)
+
     def __repr__(self) -> str:
         return f"<ComplexModes: {counted(len(self.eigenvalues), 'mode')}, {self._verdict()}>"
 
@@ -211,7 +239,10 @@ def _sparse(system: object) -> SparseLinearSystem:
         raise ParameterError(
             "system", f"must be a LinearSystem for near or band, got {type(system).__name__}"
         )
-    made = LinearSystem(**{**linear._parameters, "mass": csc_array(linear.mass)})
+    # Of a reduced system without its basis.
+    names = inspect.signature(LinearSystem).parameters
+    given = {name: linear._parameters[name] for name in names}
+    made = LinearSystem(**{**given, "mass": csc_array(linear.mass)})
     assert isinstance(made, SparseLinearSystem)
     return made
 

@@ -32,6 +32,8 @@ _SLOW = 0.01
 _FEW, _INFINITE = 60, 1e-12
 # Entries whose products overflow.
 _LARGEST = 1e150
+# Relative error of 1/(s − σ) of modes that span a space.
+_ROUGH = 1e-7
 # Shares of its size by which a shift beside an eigenvalue is moved.
 _ASIDE = (1e-4, 3e-3, 3e-2)
 
@@ -119,6 +121,24 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
     )
 
 
+def approximate(
+    pencil: SparsePencil, shift: complex, radius: float, count: int
+) -> tuple[Complex, Complex]:
+    """Return the eigenvalues within a circle, and others, to six digits; count is a guess.
+
+    Raises:
+        ConvergenceError: if Arnoldi's method fails.
+    """
+    point = shift * (1.0 + _ASIDE[0] * (1.0 + 0.5j))
+    factors = pencil.factorised(point)
+    while True:
+        count = min(count, pencil.most)
+        values, modes = _shift_and_invert(pencil, factors, point, count, tolerance=_ROUGH)
+        if count == pencil.most or np.abs(values - point).max() >= radius:
+            return values, modes
+        count += count // 2 + 1
+
+
 def are_new(pencil: SparsePencil, values: Complex, known: Complex) -> NDArray[np.bool_]:
     """Return which eigenvalues are not among those known; members of close pairs are counted."""
     still = _STILL * pencil.fastest
@@ -140,7 +160,12 @@ def _doubtful(pencil: SparsePencil, values: Complex) -> NDArray[np.bool_]:
 
 
 def _shift_and_invert(
-    pencil: SparsePencil, factors: Factorisation, shift: complex, count: int
+    pencil: SparsePencil,
+    factors: Factorisation,
+    shift: complex,
+    count: int,
+    *,
+    tolerance: float = 0.0,
 ) -> tuple[Complex, Complex]:
     """Run Arnoldi's method for (x, sx/ω), in complex numbers throughout.
 
@@ -163,7 +188,7 @@ def _shift_and_invert(
     operator = LinearOperator((2 * n, 2 * n), matvec=inverted, dtype=np.complex128)
     start = np.cos(np.arange(1.0, 2 * n + 1.0)).astype(np.complex128)
     try:
-        found, vectors = eigs(operator, k=count, which="LM", v0=start)
+        found, vectors = eigs(operator, k=count, which="LM", v0=start, tol=tolerance)
     except ArpackError as error:
         raise ConvergenceError(
             f"Arnoldi's method near {shift:.6g} 1/s: {error}",

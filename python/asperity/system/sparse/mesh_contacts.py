@@ -13,6 +13,7 @@ from asperity._base.arrays import Array
 from asperity._base.value import AnyArray, AnyArrayOrNone, Given, Record, field, unchecked
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
+from asperity.system.contacts import scaled_law
 
 
 class MeshContacts(Record):
@@ -108,6 +109,14 @@ class MeshContacts(Record):
     def slip(self) -> Array:
         """γ = −Tv of the node at rest in m/s, shape ``(m, 2)``."""
         return -np.einsum("mij,mj->mi", self.axes[:, :2], self.velocity)
+
+    def _turned(self, friction: float, phi: float, speed: float) -> MeshContacts:
+        """Return contacts with C times a factor and the velocity turned about n and scaled."""
+        n = self.axes[:, 2]
+        along = np.sum(n * self.velocity, axis=1)[:, None] * n
+        v, across = self.velocity - along, np.cross(n, self.velocity)
+        velocity = speed * (np.cos(phi) * v + np.sin(phi) * across)
+        return self.replace(law=scaled_law(self.law, friction), velocity=velocity + along)
 
     def _complete(self, given: dict[str, Any]) -> None:
         if given["law"].dimension != 2:

@@ -1,0 +1,220 @@
+"""Reduced systems and maps of squeal against the sparse systems that they stand for."""
+
+import asperity as asp
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from brake_pads import pad, pad_system
+from matplotlib.figure import Figure
+
+LAWS = {
+    "isotropic": asp.FrictionLaw.isotropic(1.0),
+    "extended": asp.FrictionLaw(asp.Ellipse(1.0, 0.6, angle=0.9), asp.Ellipse(0.5, 0.3)),
+    "falling": asp.FrictionLaw.associated(asp.Ellipse(0.9, 0.7)).replace(
+        rate=asp.Stribeck(8.0, ratio=0.5)
+    ),
+}
+BAND = (2.0 * np.pi * 300.0, 2.0 * np.pi * 1.5e4)
+GRID = {"friction": np.linspace(0.2, 0.9, 5), "phi": np.deg2rad(np.linspace(0.0, 90.0, 7))}
+
+
+def in_band(system, band=BAND):
+    """Return eigenvalues of the whole system by solutions of its own."""
+    return asp.stability(system, band=band).eigenvalues
+
+
+@pytest.mark.parametrize("disc", [False, True])
+@pytest.mark.parametrize("law", LAWS)
+def test_loads_and_open_contacts_are_those_of_the_whole_system(law, disc):
+    system = pad_system((4, 3, 2), LAWS[law], tilt=1500.0, disc=disc)
+    # Whatever the modes are, the static ones give loads and gaps.
+    reduced = asp.reduce(system, band=(0.0, 2.0 * np.pi * 3e3))
+    opened = set()
+    for friction, phi, speed in [
+        (1.0, 0.0, 1.0),
+        (0.3, 1.0, 2.0),
+        (0.9, 2.5, 0.5),
+        (0.6, 4.0, 1.0),
+    ]:
+        there = {"friction": friction, "phi": phi, "speed": speed}
+        whole = asp.equilibrium(system.varied(**there))
+        size = whole.normal_force.max()
+        small = asp.equilibrium(reduced.varied(**there), closed=whole.closed)
+        np.testing.assert_allclose(small.normal_force, whole.normal_force, atol=1e-10 * size)
+        state = reduced.states.at(**there)
+        np.testing.assert_allclose(state.load, whole.normal_force, atol=1e-10 * size)
+        assert np.flatnonzero(state.closed).tolist() == list(whole.closed)
+        opened.add(len(whole.closed) < len(state.closed))
+        gaps = system.columns.normals.T @ reduced.expand(small.q)
+        np.testing.assert_allclose(gaps, small.q[: len(gaps)], atol=1e-12 * np.abs(gaps).max())
+    assert True in opened
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_growth_rates_of_a_reduced_system(law):
+    system = pad_system((5, 3, 2), LAWS[law], phi=0.4)
+    reduced = asp.reduce(system, band=BAND)
+    assert reduced.dof < system.dof / 3
+    found = asp.stability(reduced).eigenvalues
+    near = asp.stability(reduced, band=BAND).eigenvalues
+    for s in in_band(system):
+        for values in (found, near):
+            nearest = values[np.abs(values - s).argmin()]
+            assert abs(nearest.real - s.real) <= 1e-2 * abs(s.real)
+            assert abs(nearest - s) <= 1e-5 * abs(s)
+
+
+def test_a_reduced_pad_moves_like_the_whole_one():
+    system = pad_system((4, 3, 1), asp.FrictionLaw.isotropic(0.4), contacts=4)
+    whole = system.dense()
+    reduced = asp.reduce(system, band=(0.0, 2.0 * np.pi * 2e4), sticking=True)
+    assert reduced.dof < 0.5 * whole.dof
+    start = asp.equilibrium(reduced)
+    whole_start = asp.equilibrium(system)
+    np.testing.assert_allclose(
+        reduced.expand(start.q), whole_start.q, atol=1e-9 * np.abs(whole_start.q).max()
+    )
+    mode = asp.stability(system, near=2.0 * np.pi * 3e3, count=2).modes[:, 0].real
+    kick = 0.3 * np.linalg.lstsq(reduced.basis, mode / np.abs(mode).max(), rcond=None)[0]
+    run = {"dt": 2e-7, "t_end": 4e-4}
+    one = asp.simulate(reduced, q0=start.q, u0=kick, **run)
+    other = asp.simulate(whole, q0=reduced.expand(start.q), u0=reduced.expand(kick), **run)
+    moved = other.q - other.q[0]
+    error = np.abs(reduced.expand(one.q) - other.q).max()
+    assert error <= 0.01 * np.abs(moved).max()
+
+
+def test_a_map_against_solutions_of_the_whole_system():
+    system = pad_system((5, 3, 2), LAWS["isotropic"])
+    chart = asp.squeal_map(system, parameters=GRID, band=BAND)
+    assert max(chart.estimates.values()) <= 1.0
+    assert chart.open_contacts.max() > 0
+    frame = chart.to_pandas()
+    data = chart.to_xarray()
+    points = [(0, 0), (2, 3), (4, 1), (4, 4), (3, 6)]
+    for i, j in points:
+        there = {
+            name: float(values[k]) for (name, values), k in zip(GRID.items(), (i, j), strict=True)
+        }
+        wanted = in_band(system.varied(**there))
+        values = chart.eigenvalues[:, i, j]
+        values = values[~np.isnan(values)]
+        assert len(values) == len(wanted)
+        for s in wanted:
+            nearest = values[np.abs(values - s).argmin()]
+            assert abs(nearest.real - s.real) <= max(1e-2 * abs(s.real), 1e-5 * abs(s))
+        here = frame[
+            (frame["friction [-]"] == there["friction"]) & (frame["phi [rad]"] == there["phi"])
+        ]
+        np.testing.assert_array_equal(np.sort(here["growth rate [1/s]"]), np.sort(values.real))
+        there_too = data["frequency"].sel(there).to_numpy()
+        np.testing.assert_array_equal(
+            np.sort(there_too)[: len(values)], np.sort(values.imag) / 2 / np.pi
+        )
+    assert "full solves" in chart.summary()
+    assert len(chart._repr_html_()) > 1000
+
+
+def test_modes_keep_their_names_over_friction():
+    system = pad_system((5, 3, 2), LAWS["isotropic"])
+    chart = asp.squeal_map(system, parameters={"friction": np.linspace(0.05, 0.3, 26)}, band=BAND)
+    # Without contacts that open modes change continuously.
+    assert (chart.open_contacts == 0).all()
+    inner = chart.frequencies[
+        ((chart.frequencies > 400.0) & (chart.frequencies < 1.48e4)).all(axis=1)
+    ]
+    assert len(inner) >= 4
+    assert np.abs(np.diff(inner, axis=1)).max() <= 0.02 * inner.max()
+    for quantity in ("growth_rates", "frequencies", "damping_ratios"):
+        ax = asp.plot.plot_squeal_map(chart, ax=Figure().add_subplot(), quantity=quantity)
+        circles = [line for line in ax.lines if line.get_marker() == "o"]
+        begins = sum(len(line.get_xdata()) for line in circles)
+        growth = chart.growth_rates
+        assert begins == (growth[:, 1:] * growth[:, :-1] < 0.0).sum()
+    ax = asp.plot.plot_damping_ratios(chart, ax=Figure().add_subplot())
+    assert len(ax.lines[1].get_xdata()) == (chart.growth_rates > 0.0).sum()
+
+
+def test_speed_and_friction_are_relative_to_the_system():
+    system = pad_system((3, 2, 1), LAWS["falling"], phi=0.3)
+    same = system.varied()
+    assert same == system
+    twice = system.varied(friction=2.0, phi=0.5, speed=3.0).contacts[0]
+    mesh = system.contacts[0]
+    np.testing.assert_allclose(twice.law.force([1.0, 2.0]), 2.0 * mesh.law.force([1.0, 2.0]))
+    v = 15.0 * np.array([np.cos(0.8), np.sin(0.8), 0.0])
+    np.testing.assert_allclose(twice.velocity, np.broadcast_to(v, (mesh.count, 3)), atol=1e-14)
+    dense = system.dense().varied(friction=2.0, phi=0.5, speed=3.0)
+    for i, contact in enumerate(dense.contacts):
+        np.testing.assert_allclose(contact.velocity, twice.slip[i], atol=1e-14)
+    line = asp.mechanisms.mode_coupling(0.5)
+    with pytest.raises(asp.DimensionError, match="phi"):
+        line.varied(phi=0.1)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "band", "name"),
+    [
+        ({"mu": [0.1]}, BAND, "parameters"),
+        ({}, BAND, "parameters"),
+        ({"friction": [0.0, 1.0]}, BAND, "friction"),
+        ({"phi": []}, BAND, "phi"),
+        ({"phi": [0.0]}, (5.0, 1.0), "band"),
+    ],
+)
+def test_wrong_parameters_are_named(parameters, band, name):
+    system = pad_system((2, 2, 1), LAWS["isotropic"])
+    with pytest.raises(asp.AsperityError, match=name):
+        asp.squeal_map(system, parameters=parameters, band=band)
+
+
+def test_what_cannot_be_reduced_is_refused():
+    system = pad_system((2, 2, 1), LAWS["isotropic"])
+    with pytest.raises(asp.AsperityError, match="sparse"):
+        asp.reduce(system.dense(), band=BAND)
+    skew = sp.csc_array(system.stiffness + sp.diags_array([1e6] * (system.dof - 1), offsets=1))
+    with pytest.raises(asp.ParameterError, match="stiffness"):
+        asp.reduce(system.replace(stiffness=skew), band=BAND)
+    loose = sp.csc_array(pad((2, 2, 1), spring=0.0)[2])
+    with pytest.raises(asp.ParameterError, match=r"nothing holds|singular"):
+        asp.reduce(system.replace(stiffness=loose), band=BAND)
+
+
+def test_mode_shapes_on_the_mesh(tmp_path):
+    cells = np.array((3, 2, 1))
+    system = pad_system(cells, LAWS["isotropic"], phi=0.4)
+    positions = pad(cells)[4]
+    modes = asp.stability(system, near=2.0 * np.pi * 3e3, count=2)
+    number = np.arange(len(positions)).reshape(cells + 1)
+    corners = [
+        (0, 0, 0),
+        (1, 0, 0),
+        (1, 1, 0),
+        (0, 1, 0),
+        (0, 0, 1),
+        (1, 0, 1),
+        (1, 1, 1),
+        (0, 1, 1),
+    ]
+    bricks = np.stack(
+        [number[a : a + 3, b : b + 2, c : c + 1].ravel() for a, b, c in corners], axis=1
+    )
+    coordinates = np.arange(system.dof).reshape(-1, 3)
+    coordinates[3, 1] = -1
+    file = tmp_path / "modes.vtk"
+    modes.save_vtk(file, coordinates=coordinates, positions=positions, cells=bricks)
+    words = file.read_text().split()
+    at = words.index("POINTS") + 3
+    read = np.array(words[at : at + positions.size], dtype=float).reshape(-1, 3)
+    np.testing.assert_array_equal(read, positions)
+    starts = [k for k, word in enumerate(words) if word == "VECTORS"]
+    assert len(starts) == 4
+    parts = [np.array(words[k + 3 : k + 3 + positions.size], dtype=float) for k in starts]
+    wanted = modes.modes[:, 1].copy()
+    wanted[10] = 0.0
+    np.testing.assert_array_equal(parts[2] + 1j * parts[3], wanted)
+    for name, wrong in (("coordinates", coordinates + 5), ("cells", bricks[:, :5])):
+        given = {"coordinates": coordinates, "positions": positions, "cells": bricks, name: wrong}
+        with pytest.raises(asp.AsperityError, match=name):
+            modes.save_vtk(tmp_path / "wrong.vtk", **given)
+    assert not (tmp_path / "wrong.vtk").exists()
