@@ -129,6 +129,30 @@ def test_what_the_core_makes_equals_what_python_makes():
     assert of_the_core > 25
 
 
+@pytest.mark.parametrize(
+    ("system", "name"), [(POINT, "law"), (BELT, "law"), (BELT.linear, "contacts[0].law")]
+)
+def test_the_core_itself_puts_laws_into_linear_systems(system, name):
+    rng = np.random.default_rng(2)
+    laws = [LAW, *(asp.FrictionLaw(star_plane(rng), convex_plane(rng)) for _ in range(6))]
+    laws.append(LAW.replace(rate=asp.Stribeck(0.1, ratio=0.6)))
+    other = {"gravity": [[4.0], [9.81]]} if system is POINT else {}
+    variants = Variants(system, {name: laws, **other})
+    assert variants.of_the_core() is not None
+    many = asp.simulate_many(system, **STEPS, u0=[0.4, -0.3], replace={name: laws, **other})
+    for number, index in enumerate(np.ndindex(many.shape)):
+        found = variants.system(number)
+        assert getattr(found, "linear", found).contacts[0].law == laws[index[-1]]
+        assert_is(many, index, asp.simulate(found, **STEPS, u0=[0.4, -0.3]))
+    # What a system does not take, it refuses in its own words.
+    for odd, words in ((asp.FrictionLaw.isotropic(0.3, dimension=1), "must"), (POINT, "law")):
+        (failure,) = asp.simulate_many(
+            system, **STEPS, u0=[0.4, -0.3], replace={name: [LAW, odd]}
+        ).failures
+        assert failure.index == (1,)
+        assert words in str(failure.error)
+
+
 @pytest.mark.parametrize("threads", [2, 3, 7])
 def test_results_do_not_depend_on_threads_and_neighbours(threads):
     rng = np.random.default_rng(threads)
@@ -334,7 +358,7 @@ def report(done, whole):
         print("ready", flush=True)
 try:
     {call}
-except asp.EnsembleInterrupted as stopped:
+except asp.errors.EnsembleInterrupted as stopped:
     print("interrupted", flush=True)
     many = stopped.ensemble
     done = many.status == "finished"

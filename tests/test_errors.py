@@ -360,7 +360,7 @@ EXCEPTIONS = [
     asp.DivergenceError("no longer finite"),
     asp.DivergenceError("no longer finite", MOTION),
     asp.NoSolutionError("no solution", contact=0, residual=1.0),
-    asp.SimulationInterrupted(MOTION),
+    asp.errors.SimulationInterrupted(MOTION),
     asp.SweepError("workers have died"),
     asp.SweepError("ValueError: bad", {"phi": 0.1, "law": "wood"}, "Traceback ..."),
 ]
@@ -380,8 +380,8 @@ def test_exception_hierarchy():
     assert issubclass(asp.DimensionError, asp.ParameterError)
     assert issubclass(asp.ConvergenceError, RuntimeError)
     assert issubclass(asp.NoSolutionError, asp.ConvergenceError)
-    assert issubclass(asp.SimulationInterrupted, KeyboardInterrupt)
-    assert not issubclass(asp.SimulationInterrupted, Exception)
+    assert issubclass(asp.errors.SimulationInterrupted, KeyboardInterrupt)
+    assert not issubclass(asp.errors.SimulationInterrupted, Exception)
 
 
 ISO = asp.FrictionLaw.isotropic(0.3)

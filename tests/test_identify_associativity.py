@@ -98,7 +98,7 @@ def test_a_tribometer_tells_whether_a_law_is_associated():
         assert found.may_be_associated == answer
         assert (found.shortfall.low == 0.0) == answer
         assert found.defect_error > 0.0
-        assert f"is {found.slope} times what D = C would make it" in str(found)
+        assert f"is {found.slope} times the associated value" in str(found)
 
 
 def test_isotropic_forces_tell_no_slope():

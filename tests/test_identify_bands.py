@@ -382,7 +382,7 @@ def test_a_model_that_does_not_hold_the_law_does_not_fit():
         law = FrictionLaw.asperity(mu, beta=np.arctan(0.87 / mu))
         for noise in (1e-4, 3e-3):
             fit = fit_law(sampled(law, 4320, 6, noise), direction="ellipse")
-            assert "the model does not fit: it misses the mean forces by " in fit.warnings[-1]
+            assert "the model does not fit: mean forces deviate by " in fit.warnings[-1]
             assert 0.01 < fit.defects["lack of fit"].size < 0.05
 
 

@@ -20,6 +20,7 @@ from asperity.identify import (
     fit_law,
     process,
 )
+from asperity.identify.evidence.forces import normal_equations
 from asperity.identify.evidence.forces.bins import grouped
 from asperity.identify.evidence.forces.errors import _pulls
 from asperity.identify.evidence.forces.normal_equations import Family
@@ -376,3 +377,14 @@ def test_a_direction_set_that_is_not_convex_is_named():
     fit = fit_law(sampled(law), reservoir="fourier", direction=FourierDirection(12))
     with pytest.raises(FitError, match="not convex at φ"):
         _ = fit.law
+
+
+def test_fits_of_many_samples_have_the_same_bits_on_any_number_of_threads(monkeypatch):
+    samples = sampled(TABLE_1, 60_000, 5, noise=0.01)
+    fits = []
+    for threads in (1, 2, 3):
+        monkeypatch.setattr(normal_equations, "threads_to_use", lambda count=threads: count)
+        fits.append(fit_law(samples, loss="huber"))
+    for fit in fits[1:]:
+        np.testing.assert_array_equal(fit.coordinates, fits[0].coordinates)
+        np.testing.assert_array_equal(fit.covariance.total, fits[0].covariance.total)

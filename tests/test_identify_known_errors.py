@@ -151,7 +151,7 @@ def mistaken(change, *, turn_back=False):
 def test_a_misfit_that_a_wrong_sign_explains_is_named():
     (warning,) = mistaken(lambda r: r * [1.0, -1.0, 1.0]).warnings
     assert "the model does not fit" in warning
-    assert "with the sign of the radial channel turned, the model would miss them by 1." in warning
+    assert "with the sign of the radial channel turned, they would deviate by 1." in warning
     assert not mistaken(lambda r: r).warnings
 
 

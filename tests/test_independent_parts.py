@@ -56,7 +56,7 @@ def test_an_interrupted_run_keeps_the_motion_until_then(sample_every):
         if t > 50.0:
             raise KeyboardInterrupt
 
-    with pytest.raises(asp.SimulationInterrupted) as caught:
+    with pytest.raises(asp.errors.SimulationInterrupted) as caught:
         asp.integrate(
             system,
             t_end=1e4,

@@ -310,7 +310,7 @@ def report(t, t_end):
 system = asp.LinearSystem(1.0, stiffness=1e6)
 try:
     asp.integrate(system, t_end=1e6, q0=[1.0], sample_every=1e3, progress=report)
-except asp.SimulationInterrupted as stopped:
+except asp.errors.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     assert stopped.trajectory.t[-1] > 0.0
     assert all(t < t_end == 1e6 for t, t_end in seen)

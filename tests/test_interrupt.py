@@ -23,7 +23,7 @@ def report(step, steps):
         print("ready", flush=True)
 try:
     asp.simulate(belt, dt=1e-6, t_end=1e6, sample_every=1e-3, progress=report)
-except asp.SimulationInterrupted as stopped:
+except asp.errors.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     trajectory = stopped.trajectory
     assert trajectory.steps > 0
@@ -60,7 +60,7 @@ def report(step, steps):
         print("ready", flush=True)
 try:
     asp.simulate(belt, dt=1e-3, t_end=10.0, solver=solver, sample_every=0.007, progress=report)
-except asp.SimulationInterrupted as stopped:
+except asp.errors.SimulationInterrupted as stopped:
     print("interrupted", flush=True)
     part = stopped.trajectory
     assert 0 < part.steps < 1000

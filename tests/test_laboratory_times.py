@@ -1,5 +1,7 @@
 """Times of day and durations, and windows of them; tables in memory with words for numbers."""
 
+import re
+
 import laboratory_files as lab
 import numpy as np
 import pytest
@@ -103,6 +105,42 @@ def test_words_for_numbers_are_refused_by_what_they_say():
     words = held.assign(radial="overload")
     with pytest.raises(AsperityError, match=r"column 'radial' \(radial\): no number in lines 1, 2"):
         identify.load(words, {})
+
+
+@pytest.mark.parametrize(
+    ("decimal", "thousands", "cell", "says"),
+    [
+        (",", None, "9.5", r"its decimal mark seems to be '\.'; see .*decimal"),
+        (",", None, "9.500", r"decimal mark seems to be '\.', or its digits stand in groups of"),
+        (
+            ",",
+            ".",
+            "9.5",
+            r"'\.' parts groups of three digits, which these are not; see .*thousands",
+        ),
+        (",", ".", "0.950", r"'\.' parts groups of three digits"),
+        (".", ",", "9,5", r"decimal mark seems to be ','|',' parts groups of three digits"),
+        (".", " ", "9 5", r"' ' parts groups of three digits"),
+    ],
+)
+def test_a_mark_at_the_wrong_place_is_refused_with_line_and_column(
+    tmp_path, decimal, thousands, cell, says
+):
+    """A point where commas are decimal is an error, and so is a group of other than 3 digits."""
+    held = pandas.DataFrame(
+        [[lab.number(x, 6, decimal, thousands or "") for x in row] for row in TABLE],
+        columns=["time", "angle", "tangential", "radial", "normal"],
+    )
+    form = {"delimiter": ";", "decimal": decimal}
+    form |= {} if thousands is None else {"thousands": thousands}
+    held.to_csv(tmp_path / "sound.csv", index=False, sep=";")
+    read = identify.load(tmp_path / "sound.csv", {"file": form})
+    np.testing.assert_allclose(read.force, identify.load(frame(TABLE[:, 0]), {}).force, atol=1e-5)
+    held.loc[6, "normal"] = cell
+    held.to_csv(tmp_path / "mixed.csv", index=False, sep=";")
+    where = f"column 'normal': line 8 reads '{re.escape(cell)}': .*"
+    with pytest.raises(RecordError, match=where + says):
+        identify.load(tmp_path / "mixed.csv", {"file": form})
 
 
 def test_texts_spreadsheets_and_frames_are_refused_in_the_same_words(tmp_path):

@@ -344,7 +344,7 @@ def test_a_sweep_goes_on_where_it_was(tmp_path):
         return several(a, b, rng)
 
     options = {"seed": SEED, "store": store, "chunk": 3}
-    with pytest.raises(asp.SweepInterrupted) as stopped:
+    with pytest.raises(asp.errors.SweepInterrupted) as stopped:
         swept(function, GRID, progress=interrupted_after(30), **options)
     part = stopped.value
     assert 30 <= part.done < part.points == 117
@@ -372,7 +372,7 @@ class Unusable(ThreadPoolExecutor):
 
 
 def test_what_is_in_memory_is_returned_when_it_is_interrupted():
-    with pytest.raises(asp.SweepInterrupted) as stopped:
+    with pytest.raises(asp.errors.SweepInterrupted) as stopped:
         swept(several, GRID, seed=SEED, chunk=3, progress=interrupted_after(30))
     assert int((stopped.value.dataset.status != 0).sum()) == stopped.value.done >= 30
 
@@ -407,7 +407,7 @@ def interrupted_in_a_commit(store, after):
     sys.settrace(call)
     try:
         swept(two_fails, {"a": [1.0, 2.0, 3.0]}, chunk=2, store=store)
-    except asp.SweepInterrupted as stopped:
+    except asp.errors.SweepInterrupted as stopped:
         return stopped
     finally:
         sys.settrace(None)

@@ -230,7 +230,7 @@ INTERRUPTED = textwrap.dedent("""
             print("ready", flush=True)
     try:
         asp.sweep(slow, {{"a": np.arange(5000.0)}}, store=store, chunk=5, progress=report)
-    except asp.SweepInterrupted as stopped:
+    except asp.errors.SweepInterrupted as stopped:
         print("interrupted", flush=True)
         assert int((stopped.dataset.status == 1).sum()) == stopped.done > 0
         raise SystemExit(42)

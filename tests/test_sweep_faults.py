@@ -189,7 +189,7 @@ if __name__ == "__main__":
     whole = asp.sweep(several, GRID, store=folder + "/whole.zarr", **options).load()
     try:
         asp.sweep(several, GRID, store=folder + "/part.zarr", progress=stopped, **options)
-    except asp.SweepInterrupted:
+    except asp.errors.SweepInterrupted:
         pass
     for place, names, files in os.walk(folder, topdown=False):
         os.chmod(place, 0o555)

@@ -43,7 +43,7 @@ def impatient(done, whole):
 
 try:
     asp.simulate_many(disk, u0=start, dt=1e-3, t_end=1.0, threads=1, progress=impatient)
-except asp.EnsembleInterrupted as stopped:
+except asp.errors.EnsembleInterrupted as stopped:
     statuses, numbers = np.unique(stopped.ensemble.status.astype(str), return_counts=True)
     print(dict(zip(statuses.tolist(), numbers.tolist(), strict=True)))
 

@@ -30,7 +30,7 @@ def impatient(done, whole):
 
 try:
     asp.simulate(belt, dt=1e-4, t_end=120.0, sample_every=0.05, progress=impatient)
-except asp.SimulationInterrupted as stopped:
+except asp.errors.SimulationInterrupted as stopped:
     first = stopped.trajectory
 print(f"{first.status.name.lower()} after {first.t[-1]:.2f} s")
 

@@ -43,7 +43,7 @@ with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
 
     try:
         asp.sweep(slide, grid, progress=impatient, **call)
-    except asp.SweepInterrupted as stopped:
+    except asp.errors.SweepInterrupted as stopped:
         print(f"stopped with {stopped.done} of {stopped.points} points")
     # What is in the store is read when it is needed: here, before the folder vanishes.
     chart = asp.sweep(slide, grid, units={"distance": "m"}, **call).load()

@@ -219,6 +219,7 @@ class LinearVariants:
         laws: Sequence[str | None],
         places: Sequence[tuple[str, int, int, list[str]]],
         values: _Array,
+        replaced: Sequence[tuple[int, Sequence[Law]]],
     ) -> LinearVariants: ...
 
 @final

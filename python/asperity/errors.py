@@ -5,37 +5,52 @@ Every exception keeps its whole state in ``args``, so that it survives pickling 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     import xarray
+    from numpy.typing import NDArray
 
-    from asperity.contact.certificate import Infeasibility
-    from asperity.contact.problem import ContactProblem
-    from asperity.ensemble.result import AnyEnsemble
-    from asperity.runs.run import Run
-    from asperity.runs.trajectory import Trajectory
-
-
+# What Ctrl-C raises stays here: it is caught, by few, and nobody makes it.
 __all__ = [
     "AsperityError",
     "ConfigurationError",
     "ConvergenceError",
     "DimensionError",
     "DivergenceError",
-    "EnsembleInterrupted",
     "FitError",
     "NoCycleError",
     "NoSolutionError",
     "ParameterError",
     "RecordError",
-    "SimulationInterrupted",
     "SweepError",
-    "SweepInterrupted",
 ]
 
 _LONGEST = 250
+
+
+class PartOfRun(Protocol):
+    """What the part of a run before an error has, a `Trajectory` or a `Motion`, beside more."""
+
+    @property
+    def t(self) -> NDArray[Any]:
+        """Times in s."""
+
+    @property
+    def q(self) -> NDArray[Any]:
+        """Coordinates, ``(n_t, n)``."""
+
+    @property
+    def u(self) -> NDArray[Any]:
+        """Velocities, ``(n_t, n)``."""
+
+    @property
+    def contact_names(self) -> Sequence[str]:
+        """Of all contacts."""
+
+    def summary(self) -> str:
+        """Return a few lines of text."""
 
 
 class AsperityError(Exception):
@@ -133,7 +148,7 @@ class ConvergenceError(AsperityError, RuntimeError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Run | None = None,
+        trajectory: PartOfRun | None = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
         self.message = message
@@ -169,9 +184,10 @@ class NoSolutionError(ConvergenceError):
     """There is no solution: Painlevé paradox, or bodies squeezed by prescribed motions.
 
     Attributes:
-        infeasibility: the proof.
-        problem: what has no solution, of `simulate` in percussions, of `integrate` in forces and
-            accelerations or, at an impact, in percussions. ``None`` for `RigidBodies`.
+        infeasibility: the proof, an `Infeasibility`, if there is one.
+        problem: the `ContactProblem` without a solution, of `simulate` in percussions, of
+            `integrate` in forces and accelerations or, at an impact, in percussions. ``None`` for
+            `RigidBodies`.
     """
 
     def __init__(
@@ -182,9 +198,9 @@ class NoSolutionError(ConvergenceError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: Run | None = None,
-        infeasibility: Infeasibility | None = None,
-        problem: ContactProblem | None = None,
+        trajectory: PartOfRun | None = None,
+        infeasibility: Any = None,
+        problem: Any = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
         self.args = (*self.args, infeasibility, problem)
@@ -204,7 +220,7 @@ class DivergenceError(AsperityError, ArithmeticError):
         trajectory: the part before, if there is one.
     """
 
-    def __init__(self, message: str, trajectory: Trajectory | None = None) -> None:
+    def __init__(self, message: str, trajectory: PartOfRun | None = None) -> None:
         super().__init__(message, trajectory)
         self.message = message
         self.trajectory = trajectory
@@ -220,7 +236,7 @@ class SimulationInterrupted(KeyboardInterrupt):
         trajectory: the part computed so far.
     """
 
-    def __init__(self, trajectory: Run) -> None:
+    def __init__(self, trajectory: PartOfRun) -> None:
         super().__init__(trajectory)
         self.trajectory = trajectory
 
@@ -237,7 +253,7 @@ class EnsembleInterrupted(KeyboardInterrupt):
         ensemble: the runs that are done; the others have the status `Outcome.INTERRUPTED`.
     """
 
-    def __init__(self, ensemble: AnyEnsemble) -> None:
+    def __init__(self, ensemble: Any) -> None:
         super().__init__(ensemble)
         self.ensemble = ensemble
 

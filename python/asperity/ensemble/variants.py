@@ -131,17 +131,25 @@ class Variants(Value):
         """Return what makes them without Python: of linear systems that differ in numbers."""
         if {"mass", "gravity"} <= self.values.keys() and isinstance(self.first, SlidingPoint):
             return None  # Each of them changes the normal force.
+        linear = _linear(self.first)
+        if linear is None or not self._places:
+            return None
         changes: list[_CoreChange] = []
+        replaced: list[tuple[int, list[_core.Law]]] = []
         for name, found in self._places.items():
             for place in found:
+                if (contact := _contact_of_law(self.first, place)) is not None:
+                    laws_here = np.broadcast_to(self.values[name], self.shape).reshape(-1).tolist()
+                    p = linear.contacts[contact].law.dimension
+                    if not all(isinstance(x, FrictionLaw) and x.dimension == p for x in laws_here):
+                        return None
+                    replaced.append((contact, [law._core for law in laws_here]))
+                    continue
                 values = self._columns(name)
                 added = None if values is None else _core_changes(self.first, place, values)
                 if added is None:
                     return None
                 changes.extend(added)
-        linear = _linear(self.first)
-        if not changes or linear is None:
-            return None
         numbers = {place[1] for place, _ in changes if place[0] == "law"}
         laws = [
             json.dumps(law_file.table_of(contact.law, "law")) if i in numbers else None
@@ -155,7 +163,8 @@ class Variants(Value):
             [contact._core_data() for contact in linear.contacts],
             laws,
             [place for place, _ in changes],
-            np.stack([column for _, column in changes], axis=-1),
+            np.array([column for _, column in changes]).reshape(-1, self.count).T,
+            replaced,
         )
 
     def inner_axes(self, name: str) -> int:
@@ -252,6 +261,16 @@ def _linear(system: Model) -> LinearSystem | None:
     if type(system) is SlidingPoint or type(system) is MassOnBelt:
         return system.linear
     return system if type(system) is LinearSystem else None
+
+
+def _contact_of_law(system: Model, place: Place) -> int | None:
+    """Return the number of the contact whose law is at a place; None if there is something else."""
+    match place:
+        case ("law",) if isinstance(system, SlidingPoint | MassOnBelt):
+            return 0
+        case ("contacts", int(i), "law") if isinstance(system, LinearSystem):
+            return i
+    return None
 
 
 def _core_changes(system: Model, place: Place, values: Array) -> list[_CoreChange] | None:

@@ -20,6 +20,7 @@ from asperity.law import FrictionLaw
 from asperity.predict.kinds import REST, Course, Quantity
 from asperity.predict.scenario import RunOptions, Scenario
 from asperity.status import Outcome
+from asperity.system import RigidBodies
 
 # Ellipses settle within a few rounds; this many end the search if two of them take turns.
 _ROUNDS = 50
@@ -138,11 +139,12 @@ def propagate(
     failed: list[str] = []
     doubts: list[str] = []
     with reporter(progress, "draw") as report:
-        for made, outcome, course in _courses(scenario, drawn, nominal, report):
+        system = scenario.setup()[0]
+        for outcome, course in _courses(scenario, drawn, nominal, report):
             if isinstance(course, str):
                 failed.append(course)
                 continue
-            rows.append(scenario.kind.quantities(made, course))
+            rows.append(scenario.kind.quantities(system, course))
             doubts += scenario.doubtful(outcome, course)[:1]
     if not rows:
         raise AsperityError(f"no motion of a drawn law could be computed: {failed[0]}")
@@ -160,10 +162,10 @@ def _courses(
     drawn: Mapping[str, Sequence[FrictionLaw]],
     nominal: Sequence[Quantity],
     report: Report | None,
-) -> Iterator[tuple[Any, Outcome, Course | str]]:
-    """Yield system, outcome and course of the motion with every law, or why there is none."""
+) -> Iterator[tuple[Outcome, Course | str]]:
+    """Yield outcome and course of the motion with every law, or why there is none."""
     options, kind, done = scenario.options, scenario.kind, 0
-    count = scenario.bands.samples
+    count, (first, start) = scenario.bands.samples, scenario.setup()
     kept: Any = {"samples": 0, "rest": "rest_time", "end": "end"}[kind.needs]
     chunk, t_end = count, options.duration
     if kind.needs == "samples":
@@ -172,17 +174,22 @@ def _courses(
             # There is memory for samples until then: few motions take longer than this.
             rest = [one.value for one in nominal if one.name == REST]
             t_end = min([t_end, *(_LONGER * one for one in rest)])
-        first = scenario.setup()[0]
         width = 2 * first.dof + 6 * len(first.contacts)
         chunk = max(1, int(_NUMBERS * options.output / (t_end * width)))
     while done < count:
         numbers = range(done, min(done + chunk, count))
-        made = [scenario.setup({name: laws[i] for name, laws in drawn.items()}) for i in numbers]
-        systems, start = [system for system, _ in made], made[0][1]
+        some = [{name: laws[i] for name, laws in drawn.items()} for i in numbers]
+        # The core itself puts laws into systems of one contact.
+        systems: Any = first
+        changes: Any = {"replace": {"law": [law for laws in some for law in laws.values()]}}
+        if isinstance(first, RigidBodies):
+            systems, changes = [scenario.setup(laws)[0] for laws in some], {}
         with scenario.blamed():
             part = part_of(report, done, count)
             if options.event_driven:
-                many = integrate_many(systems, t_end=t_end, keep=kept, progress=part, **start)
+                many = integrate_many(
+                    systems, t_end=t_end, keep=kept, progress=part, **changes, **start
+                )
             else:
                 many = simulate_many(
                     systems,
@@ -192,20 +199,17 @@ def _courses(
                     keep=kept,
                     lanes=True,
                     progress=part,
+                    **changes,
                     **start,
                 )
         failures = {one.index[0]: str(one.error) for one in many.failures}
-        for i, system in enumerate(systems):
+        for i, laws in enumerate(some):
             outcome = Outcome(many.status[i])
             if t_end < options.duration and outcome is Outcome.FINISHED:
-                run = scenario.run({name: laws[done + i] for name, laws in drawn.items()})
-                yield system, run.status, Course.of_run(run, by_events=kind.needs != "samples")
+                run = scenario.run(laws)
+                yield run.status, Course.of_run(run, by_events=kind.needs != "samples")
                 continue
-            yield (
-                system,
-                outcome,
-                failures[i] if i in failures else _course(many, i, start, options),
-            )
+            yield outcome, failures.get(i) or _course(many, i, start, options)
         done += len(numbers)
 
 

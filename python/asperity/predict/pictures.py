@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,30 +10,30 @@ from matplotlib.figure import Figure
 
 from asperity.plot import look, plot_history
 from asperity.plot.look import style
+from asperity.predict.bands import PredictionBands
+from asperity.predict.kinds import Quantity
+from asperity.predict.scenario import Scenario
+from asperity.runs.run import Run
 from asperity.status import Phase
-
-if TYPE_CHECKING:
-    from asperity.predict.simulation import Simulation
 
 # So many of the contacts that close are drawn.
 _CONTACTS = 8
 
 
-def paths(simulation: Simulation) -> Figure:
+def paths(
+    scenario: Scenario, run: Run, quantities: Sequence[Quantity], bands: PredictionBands | None
+) -> Figure:
     """Draw what moves from above, and where it ends under the laws that were drawn."""
-    scenario, bands = simulation.scenario, simulation.bands
     with style():
         figure = Figure(figsize=(6.4 if bands is None else 9.6, 4.8), layout="constrained")
-        found = scenario.kind.paths(scenario.setup()[0], simulation.run.q)
+        found = scenario.kind.paths(scenario.setup()[0], run.q)
         if bands is None or bands.ends is None or bands.region is None:
             ax = figure.add_subplot()
         else:
             ax, near = figure.subplots(1, 2)
             near.plot(*(1e3 * bands.ends.T), ".", color=look.GREY, markersize=3.0)
             near.plot(*(1e3 * bands.region.outline().T), color=look.INK, linewidth=1.1)
-            near.plot(
-                1e3 * simulation.quantities[0].value, 1e3 * simulation.quantities[1].value, "o"
-            )
+            near.plot(*(1e3 * one.value for one in quantities[:2]), "o")
             near.set_title(
                 f"{len(bands.ends)} drawn laws: ellipse of {100 * bands.confidence:g} % of the ends"
             )
@@ -55,9 +55,8 @@ def _label(ax: Axes) -> None:
     ax.set_ylabel("along e2 in mm")
 
 
-def history(simulation: Simulation) -> Figure:
+def history(scenario: Scenario, run: Run) -> Figure:
     """Draw positions over time, and friction forces with bars of stick, slip and open."""
-    scenario, run = simulation.scenario, simulation.run
     closed = np.flatnonzero(((run.phase == Phase.STICK) | (run.phase == Phase.SLIP)).any(axis=0))
     shown = closed[:_CONTACTS].tolist()
     with style():

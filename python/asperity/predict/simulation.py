@@ -204,7 +204,8 @@ class Simulation(TableResult):
     def _figures(self) -> dict[str, Figure]:
         from asperity.predict.pictures import history, paths
 
-        return {"path": paths(self), "history": history(self)}
+        path = paths(self.scenario, self.run, self.quantities, self.bands)
+        return {"path": path, "history": history(self.scenario, self.run)}
 
 
 def simulate_scenario(

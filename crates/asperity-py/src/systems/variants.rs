@@ -12,6 +12,7 @@ use serde_json::Value;
 use super::linear::linear_contact;
 use crate::convert::{Numbers, Points, matrix, numbers};
 use crate::errors::{Failure, dimension, parameter};
+use crate::law::Law as PythonLaw;
 
 /// A number of a linear system.
 enum Place {
@@ -40,6 +41,9 @@ pub struct LinearVariants {
     places: Vec<Place>,
     /// A row of numbers per variant.
     values: Vec<f64>,
+    /// Contacts with another law in every variant.
+    replaced: Vec<(usize, Vec<Law>)>,
+    count: usize,
 }
 
 /// A kind of place, the numbers of contact, row and column, and the keys of an argument.
@@ -47,7 +51,8 @@ type GivenPlace = (String, usize, usize, Vec<String>);
 
 #[pymethods]
 impl LinearVariants {
-    /// `laws` holds a table in JSON for every contact whose law changes.
+    /// `laws` holds a table in JSON for every contact of whose law a number changes, `replaced` the laws of those that get
+    /// another one.
     #[new]
     #[allow(clippy::too_many_arguments)] // The Python side calls it in one place, by position.
     fn new(
@@ -59,6 +64,7 @@ impl LinearVariants {
         laws: Vec<Option<String>>,
         places: Vec<GivenPlace>,
         values: Points<'_>,
+        replaced: Vec<(usize, Vec<Bound<'_, PythonLaw>>)>,
     ) -> Result<Self, Failure> {
         let (mass, force) = (matrix(&mass, "mass")?, numbers(&force, "force")?.to_vec());
         let contacts: Vec<Contact> =
@@ -90,9 +96,15 @@ impl LinearVariants {
             Ok(place)
         };
         let places: Vec<Place> = places.into_iter().map(place).collect::<PyResult<_>>()?;
-        if values.as_array().ncols() != places.len() || places.is_empty() {
+        let variants = values.as_array().nrows();
+        let fits = |(i, laws): &(usize, Vec<_>)| *i < count && laws.len() == variants;
+        if values.as_array().ncols() != places.len() || !replaced.iter().all(fits) {
             return Err(dimension("replace", "must have a column per place").into());
         }
+        let replaced = replaced
+            .into_iter()
+            .map(|(i, laws)| (i, laws.iter().map(|law| law.get().0.clone()).collect()))
+            .collect();
         Ok(Self {
             mass,
             stiffness: matrix(&stiffness, "stiffness")?,
@@ -102,6 +114,8 @@ impl LinearVariants {
             laws,
             places,
             values: values.as_array().iter().copied().collect(),
+            replaced,
+            count: variants,
         })
     }
 }
@@ -109,7 +123,7 @@ impl LinearVariants {
 impl LinearVariants {
     /// Number of variants.
     pub fn count(&self) -> usize {
-        self.values.len() / self.places.len()
+        self.count
     }
 
     /// One of them.
@@ -139,6 +153,9 @@ impl LinearVariants {
             if let Some(table) = table {
                 contact.law = Law::deserialize(table).map_err(|error| refused("law", &error))?;
             }
+        }
+        for (i, laws) in &self.replaced {
+            contacts[*i].law = laws[variant].clone();
         }
         Ok(LinearSystem::new(mass, stiffness, damping, force, contacts)?)
     }

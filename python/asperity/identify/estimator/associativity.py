@@ -68,8 +68,8 @@ class Associativity(Record):
         if not self.slope.identifiable:
             return "the force along the sliding is the same in all directions"
         return (
-            f"the force across the sliding is {self.slope} times what D = C would make it; another "
-            f"admissible force would dissipate up to {self.shortfall.value:.2%} more"
+            f"the transverse force is {self.slope} times the associated value; some admissible "
+            f"force would dissipate up to {self.shortfall.value:.2%} more"
         )
 
 

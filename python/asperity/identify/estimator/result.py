@@ -26,6 +26,7 @@ class LawFit(SavedResult, Record):
 
     _unit: ClassVar[str] = "-"
     """Of parameters that are no angles."""
+    _rms_unit: ClassVar[str] = "N"
 
     # The kinds of evidence give what follows, as fields or properties.
     if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class LawFit(SavedResult, Record):
 
         @property
         def rms(self) -> float:
-            """Root mean square of the residuals."""
+            """Root mean square of forces in N or of distances in m, of wrenches relative."""
 
         @property
         def warnings(self) -> tuple[str, ...]:
@@ -132,7 +133,7 @@ class LawFit(SavedResult, Record):
             for name, text in words.items()
         }
         axis = Axis(tuple(self.parameters), "", "parameter")
-        return Table({"parameter": axis}, series, {"rms": self.rms})
+        return Table({"parameter": axis}, series, {"rms": self.rms, "rms_unit": self._rms_unit})
 
 
 class PlanarFit(LawFit):

@@ -38,7 +38,13 @@ impl<S: Simd> Sets<S> for Ellipses<Number<S>> {
 
     /// The square of the gauge.
     #[inline(always)]
-    fn measure(&self, _simd: S, force: Pair<Number<S>>) -> Number<S> {
+    fn measure(
+        &self,
+        _simd: S,
+        force: Pair<Number<S>>,
+        _enough: Number<S>,
+        _active: Mask<S>,
+    ) -> Number<S> {
         form(self.gauge, squares(force))
     }
 

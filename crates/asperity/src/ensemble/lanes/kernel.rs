@@ -12,7 +12,7 @@
 
 use pulp::Simd;
 
-use super::vector::{Mask, Number, Pair, dot, product};
+use super::vector::{Mask, Number, Pair, components, dot, product};
 
 /// How far a gauge is from one where rounding does not decide between stick and slip, that of the scalar solver.
 const BORDER: f64 = 1e-12;
@@ -25,8 +25,15 @@ pub(super) trait Sets<S: Simd>: Copy {
     /// Those of the runs of all lanes.
     fn gather<'a>(simd: S, of: impl Fn(usize) -> &'a Self::Plain) -> Self;
 
-    /// What loads are compared by: the reservoir's gauge of a force, or an increasing function of it that costs less.
-    fn measure(&self, simd: S, force: Pair<Number<S>>) -> Number<S>;
+    /// What loads are compared by: the reservoir's gauge of a force, or an increasing function of it that costs less; or a
+    /// lower bound of it, if that is above `enough` in all lanes that are `active`.
+    fn measure(
+        &self,
+        simd: S,
+        force: Pair<Number<S>>,
+        enough: Number<S>,
+        active: Mask<S>,
+    ) -> Number<S>;
 
     /// The measure of a force with this gauge.
     fn of_gauge(gauge: Number<S>) -> Number<S>;
@@ -116,35 +123,36 @@ pub(super) fn step<S: Simd, L: Sets<S>>(
 ) -> Tried<S> {
     let number = |value: f64| Number::splat(simd, value);
     let (zero, one) = (number(0.0), number(1.0));
-    let middle = [0, 1].map(|i| s.position[i] + c.half * (s.velocity[i] - c.belt[i]));
+    let middle = components(|i| s.position[i] + c.half * (s.velocity[i] - c.belt[i]));
     let (moved, kept) = (product(&c.by_position, middle), product(&c.by_velocity, s.velocity));
-    let free = [0, 1].map(|i| moved[i] + kept[i] + c.constant[i]);
+    let free = components(|i| moved[i] + kept[i] + c.constant[i]);
     let load = product(&c.compliance, free);
-    let measure = sets.measure(simd, load);
+    let [low, high] = components(|i| L::of_gauge(c.doubtful[i]));
+    let border = L::of_gauge(number(1.0 + BORDER));
+    let measure = sets.measure(simd, load, high.above(border).select(high, border), active);
     let sticks = measure.below(L::of_gauge(number(1.0 - BORDER)));
-    let wanted = active & measure.above(L::of_gauge(number(1.0 + BORDER)));
-    let [low, high] = c.doubtful.map(L::of_gauge);
+    let wanted = active & measure.above(border);
     let doubtful = !(measure.below(low) | measure.above(high));
 
     // A contact that slips goes on as before, another one slips as the force that stick would need says.
     let slid = s.slips.above(zero);
-    let ahead = [0, 1].map(|i| s.velocity[i] + s.change[i] + s.bend[i]);
+    let ahead = components(|i| s.velocity[i] + s.change[i] + s.bend[i]);
     let goes_on = dot(ahead, s.velocity).above(0.5 * dot(s.velocity, s.velocity));
-    let direction = [0, 1].map(|i| slid.select(goes_on.select(ahead[i], s.velocity[i]), load[i]));
+    let direction = components(|i| slid.select(goes_on.select(ahead[i], s.velocity[i]), load[i]));
     let size = free[0].abs() + free[1].abs() + c.strongest;
     let equation = SlipEquation { free, resistance: c.resistance, size };
     let start = Start { direction, is_normal: slid };
     let (velocity, found) = sets.slip(simd, &equation, start, wanted);
-    let velocity = velocity.map(|v| found.select(v, zero));
+    let velocity = components(|i| found.select(velocity[i], zero));
 
     let continues = found & slid;
-    let change = [0, 1].map(|i| continues.select(velocity[i] - s.velocity[i], zero));
+    let change = components(|i| continues.select(velocity[i] - s.velocity[i], zero));
     let state = State {
-        position: [0, 1].map(|i| middle[i] + c.half * (velocity[i] - c.belt[i])),
+        position: components(|i| middle[i] + c.half * (velocity[i] - c.belt[i])),
         velocity,
-        slip: [0, 1].map(|i| found.select(velocity[i], s.slip[i])),
+        slip: components(|i| found.select(velocity[i], s.slip[i])),
         change,
-        bend: [0, 1].map(|i| continues.select(change[i] - s.change[i], zero)),
+        bend: components(|i| continues.select(change[i] - s.change[i], zero)),
         slips: found.select(one, zero),
     };
     let failed = active & !(sticks | found);

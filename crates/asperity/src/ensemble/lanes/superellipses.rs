@@ -53,7 +53,7 @@ struct Ratios<S: Simd> {
 impl<S: Simd> Ratios<S> {
     #[inline(always)]
     fn new(simd: S, v: Pair<Number<S>>) -> Self {
-        let [x, y] = v.map(Number::abs);
+        let (x, y) = (v[0].abs(), v[1].abs());
         let first = x.above(y);
         let (larger, least) = (first.select(x, y), Number::splat(simd, f64::MIN_POSITIVE));
         // Of zero there are zero ratios, which have powers.
@@ -121,11 +121,21 @@ impl<S: Simd> Sets<S> for Superellipses<Number<S>> {
         }
     }
 
-    /// The gauge.
+    /// The gauge, or the larger component of `R x`, which takes no power.
     #[inline(always)]
-    fn measure(&self, simd: S, force: Pair<Number<S>>) -> Number<S> {
+    fn measure(
+        &self,
+        simd: S,
+        force: Pair<Number<S>>,
+        enough: Number<S>,
+        active: Mask<S>,
+    ) -> Number<S> {
         let at = product(&self.to_reservoir, force);
-        self.gauge_along(simd, at, at).0
+        let larger = Ratios::new(simd, at).larger;
+        if (active & !larger.above(enough)).any() {
+            return self.gauge_along(simd, at, at).0;
+        }
+        larger
     }
 
     #[inline(always)]

@@ -180,6 +180,12 @@ impl<S: Simd> Not for Mask<S> {
     }
 }
 
+/// A vector by its components. The iterators of `array::map` are not compiled for the wide registers.
+#[inline(always)]
+pub(super) fn components<T>(of: impl Fn(usize) -> T) -> Pair<T> {
+    [of(0), of(1)]
+}
+
 #[inline(always)]
 pub(super) fn dot<S: Simd>(a: Pair<Number<S>>, b: Pair<Number<S>>) -> Number<S> {
     a[0] * b[0] + a[1] * b[1]

@@ -91,9 +91,13 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
         )
     defects = fit.defects
     if "closure" in defects and defects["closure"].matters:
+        raw = getattr(fit.data, "raw", None)
+        cause = ", as crosstalk of a sensor makes them: give a [calibration]"
         sentences.append(
-            f"no direction set belongs to these forces: closure {defects['closure'].size:.3g} "
-            "instead of 1"
+            "the forces are inconsistent with any direction set (closure "
+            f"{defects['closure'].size:.3g}, expected 1)"
+            + cause
+            * (raw is not None and raw.calibration is None)
         )
     if "asymmetry" in defects and defects["asymmetry"].matters:
         sentences.append(
@@ -105,11 +109,11 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
         explained = (
             ""
             if other is None
-            else f"; with {other.words}, the model would miss them by {other.misfit:.1%}: check it"
+            else f"; with {other.words}, they would deviate by {other.misfit:.1%}: check it"
         )
         sentences.append(
-            f"the model does not fit: it misses the mean forces by "
-            f"{defects['lack of fit'].size:.1%}, more than turns scatter; the "
+            f"the model does not fit: mean forces deviate by "
+            f"{defects['lack of fit'].size:.1%}, more than the turn-to-turn scatter; the "
             f"confidence intervals do not include this{explained}"
         )
     return (*sentences, *_unlike_noise(fit))

@@ -11,6 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity._base.pool import threads_to_use
+from asperity._base.threads import Stop, in_threads
 from asperity._base.value import Value
 from asperity.identify.estimator.descent import Sums
 from asperity.identify.estimator.loss import Loss
@@ -22,6 +24,8 @@ from asperity.identify.models.structure import PlanarStructure
 
 # Samples that models are evaluated at one after the other.
 _CHUNK = 2**16
+# Threads cost more than they bring for fewer chunks of 8192 samples.
+_FEW_CHUNKS = 32
 
 
 class Family(Value):
@@ -96,26 +100,28 @@ class Family(Value):
     def residuals(
         self, phi: Array, force: Array, normal: Array, p: Array
     ) -> tuple[Array, Array, Array, Array]:
-        """Return residuals along and across the force, in N, and their derivatives by p."""
+        """Return residuals along and across the force, in N, and their derivatives.
+
+        Those along the force are by p, those across it by the coordinates of D.
+        """
         cos, sin, turn = self.direction.force_direction(np.cos(phi), np.sin(phi), p[self.split :])
         x, y = force[:, 0], force[:, 1]
         along, across = x * cos + y * sin, y * cos - x * sin
         jacobian_along = np.empty((self.size, phi.size))
-        jacobian_across = np.zeros((self.size, phi.size))
         if self.joint:
             log_radius, slope, by = self.reservoir.log_radius(cos, sin, p[: self.split])
             size = normal * np.exp(log_radius)
             along -= size
-            jacobian_along[self.split :] = slope * turn
+            jacobian_across = turn * size
+            np.multiply(jacobian_across, slope, out=jacobian_along[self.split :])
         else:
             length = np.maximum(np.hypot(x, y), TINY)
             log_radius, _, by = self.reservoir.log_radius(x / length, y / length, p[: self.split])
             size = normal * np.exp(log_radius)
             along = length - size
+            jacobian_across = turn * size
             jacobian_along[self.split :] = 0.0
-        jacobian_along[: self.split] = by
-        jacobian_along *= size
-        np.multiply(turn, size, out=jacobian_across[self.split :])
+        np.multiply(by, size, out=jacobian_along[: self.split])
         return along, across, jacobian_along, jacobian_across
 
     def left(self, samples: Samples, p: Array) -> Samples:
@@ -128,26 +134,38 @@ class Family(Value):
         return replace(samples, force=left)
 
     def sums(self, samples: Samples, p: Array, loss: Loss) -> Sums:
-        """Return the normal equations at p."""
+        """Return the normal equations at p, to the bit the same for any number of threads."""
         cost = np.zeros(samples.turns)
         gradient = np.zeros((samples.turns, self.size))
         matrix = np.zeros((samples.turns, self.size, self.size))
-        d = slice(self.split, None)
-        for part, turn in samples.chunks():
-            along, across, by_along, by_across = self.residuals(
-                samples.phi[part], samples.force[part], samples.normal[part], p
-            )
-            by_across = by_across[d]
-            if loss.is_linear:
-                cost[turn] += along @ along + across @ across
-                weighted_along, weighted_across = by_along, by_across
-            else:
-                value, weight, curvature = loss.at(along * along + across * across)
-                cost[turn] += value.sum()
-                along, across = along * weight, across * weight
-                weighted_along, weighted_across = by_along * curvature, by_across * curvature
-            gradient[turn] += by_along @ along
-            gradient[turn, d] += by_across @ across
-            matrix[turn] += weighted_along @ by_along.T
-            matrix[turn, d, d] += weighted_across @ by_across.T
+        chunks = list(samples.chunks())
+        threads = threads_to_use() if len(chunks) > _FEW_CHUNKS else 1
+
+        def added(chunk: tuple[slice, int], _: Stop | None) -> tuple[int, float, Array, Array]:
+            return chunk[1], *self._added(samples, chunk[0], p, loss)
+
+        found = (added(one, None) for one in chunks)
+        for turn, *parts in found if threads == 1 else in_threads(added, chunks, threads):
+            for whole, part in zip((cost, gradient, matrix), parts, strict=True):
+                whole[turn] += part
         return Sums(cost, gradient, matrix)
+
+    def _added(
+        self, samples: Samples, part: slice, p: Array, loss: Loss
+    ) -> tuple[float, Array, Array]:
+        """Return what a chunk of samples adds to cost, gradient and matrix."""
+        d = slice(self.split, None)
+        along, across, by_along, by_across = self.residuals(
+            samples.phi[part], samples.force[part], samples.normal[part], p
+        )
+        weighted_along, weighted_across = by_along, by_across
+        if loss.is_linear:
+            cost = along @ along + across @ across
+        else:
+            value, weight, curvature = loss.at(along * along + across * across)
+            cost, along, across = value.sum(), along * weight, across * weight
+            weighted_along, weighted_across = by_along * curvature, by_across * curvature
+        gradient, matrix = by_along @ along, weighted_along @ by_along.T
+        gradient[d] += by_across @ across
+        matrix[d, d] += weighted_across @ by_across.T
+        return float(cost), gradient, matrix

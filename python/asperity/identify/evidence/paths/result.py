@@ -88,6 +88,8 @@ class PathFit(PlanarFit):
         warnings: sentences on what these paths do not tell or the models do not hold.
     """
 
+    _rms_unit = "m"
+
     paths: Annotated[Given[Sequence[FittedPath], tuple[FittedPath, ...]], a_tuple]
     _: KW_ONLY
     found: IdentifiedLaw

@@ -94,6 +94,7 @@ class BlockFit(LawFit):
 
     # Those of forces, loads and lengths are the user's.
     _unit = ""
+    _rms_unit = "1"
     _in_ground: ClassVar[bool] = False
     """Whether wrenches and twists were given in the axes of the ground."""
 

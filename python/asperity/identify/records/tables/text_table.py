@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
@@ -53,11 +53,11 @@ class Format:
 
     Attributes:
         delimiter: between columns; None or a blank for any white space.
-        decimal: "." or ",".
+        decimal: "." or ","; the other one is not part of a number then, but for `thousands`.
         header: lines before the numbers.
         encoding: of the text.
         names: the line of the header that names the columns, from 1; None for the last.
-        thousands: between groups of three digits; None if nothing is.
+        thousands: between groups of three digits, nowhere else; None if nothing is.
         sheet: of a spreadsheet, by name or number from 0.
     """
 
@@ -274,8 +274,11 @@ class _Wanted:
             marks = {}
             if not math.isnan(number_in(cell, other)) and self.form.thousands != other.decimal:
                 marks["decimal"] = f"its decimal mark seems to be {other.decimal!r}"
-            if self.form.thousands is None and _GROUPED.fullmatch(cell):
+            mark = self.form.thousands
+            if mark is None and _GROUPED.fullmatch(cell):
                 marks["thousands"] = "its digits stand in groups of three: say what parts them"
+            elif mark and mark in cell and number_in(cell.replace(mark, ""), self.form) < math.inf:
+                marks["thousands"] = f"{mark!r} parts groups of three digits, which these are not"
             if marks:
                 says = f"column {called}: line {lines[row]} reads {cell!r}"
                 words = f"{says}: {', or '.join(marks.values())}"
@@ -508,25 +511,39 @@ def _short(name: str) -> str:
     return repr(name if len(name) <= _LONGEST else f"{name[:_LONGEST]}…")
 
 
-def _replaced(lines: Iterable[str], mark: str, other: str) -> Iterable[str]:
-    return (line.replace(mark, other) for line in lines)
+@cache
+def _groups(mark: str, decimal: str) -> re.Pattern[str]:
+    """Return the pattern of digits in groups of three, before a decimal mark."""
+    mark = re.escape(mark)
+    return re.compile(rf"(?<![\d{decimal}])[1-9]\d{{0,2}}(?:{mark}\d{{3}})+(?!\d)")
+
+
+def _pointed(texts: Iterable[str], form: Format) -> Iterable[str]:
+    """Yield texts whose numbers have a decimal point and no groups.
+
+    A mark of groups counts between three digits each, and a point is no mark of a number where the
+    decimal mark is a comma: what is left of either makes the text no number.
+    """
+    if form.thousands is not None:
+        mark, groups = form.thousands, _groups(form.thousands, form.decimal)
+        texts = (groups.sub(lambda one: one[0].replace(mark, ""), text) for text in texts)
+    if form.decimal == ",":
+        texts = (text.replace(".", "?").replace(",", ".") for text in texts)
+    return texts
 
 
 def _loaded(lines: Iterable[str], form: Format, places: Sequence[int]) -> Array | None:
     """Return the columns if every line is in order and there are some, else None."""
     import warnings
 
-    for mark, plain in ((form.thousands, ""), (form.decimal, ".")):
-        if mark is not None and mark == form.delimiter:
-            return None
-        if mark is not None and mark != plain:
-            lines = _replaced(lines, mark, plain)
+    if form.delimiter is not None and form.delimiter in (form.thousands, form.decimal):
+        return None
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         # That there are no numbers is said in our own words.
         warnings.simplefilter("ignore", UserWarning)
         try:
             found = np.loadtxt(
-                lines,
+                _pointed(lines, form),
                 delimiter=form.delimiter,
                 usecols=places,
                 ndmin=2,
@@ -542,12 +559,9 @@ def _loaded(lines: Iterable[str], form: Format, places: Sequence[int]) -> Array 
 
 def number_in(cell: str, form: Format) -> float:
     """Return the number in a cell, NaN if there is none."""
-    text = cell.strip('"')
-    if form.thousands is not None:
-        text = text.replace(form.thousands, "")
-    if form.decimal == ",":
-        text = text.replace(",", ".")
+    (text,) = _pointed([cell.strip('"')], form)
     try:
-        return float(text)
+        # Python takes an underline within a number.
+        return math.nan if "_" in text else float(text)
     except ValueError:
         return math.nan
