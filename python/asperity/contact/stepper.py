@@ -187,7 +187,7 @@ class ContactStepper:
                 is driven at −γ; shape ``(rows,)``.
             items: what the rows are, see the class; integers, shape ``(items,)``.
             bounds: percussions in N s up to which joints hold by dry friction, shape ``(items,)``;
-                the entries of other items do not matter.
+                the entries of other items do not count.
             keys: a different integer per item, the same in every step, shape ``(items,)``; default:
                 the place of the item.
             time_limit: in s; default none.
@@ -199,11 +199,14 @@ class ContactStepper:
             DimensionError, ParameterError: naming the argument.
         """
         arrays.choice(on_failure, "on_failure", ("raise", "record"))
+        held = None if bounds is None else _floats(bounds, "bounds", 1)
+        if held is not None and not np.all((held >= 0.0) & (held < np.inf)):
+            raise ParameterError("bounds", "must be finite and not negative")
         step = self._stepper.step(
             _floats(delassus, "delassus", 2),
             _floats(free_velocity, "free_velocity", 1),
             _integers(items, "items"),
-            None if bounds is None else _floats(bounds, "bounds", 1),
+            held,
             None if keys is None else _integers(keys, "keys"),
             self._tolerance,
             None if time_limit is None else arrays.positive(time_limit, "time_limit"),
@@ -237,10 +240,11 @@ def _floats(values: ArrayLike, argument: str, dimensions: int) -> Array:
 def _integers(values: ArrayLike, argument: str) -> NDArray[np.int64]:
     if type(values) is np.ndarray and values.dtype == np.int64 and values.ndim == 1:
         return values
-    converted = np.asarray(values)
-    if converted.size and not np.issubdtype(converted.dtype, np.integer):
+    converted = arrays.array(values, argument, (None,))
+    whole = np.ascontiguousarray(converted, dtype=np.int64)
+    if not np.array_equal(whole, converted):
         raise ParameterError(argument, "must be integers")
-    return np.ascontiguousarray(converted, dtype=np.int64).reshape(-1)
+    return whole
 
 
 def _failure(step: StepSolution) -> ConvergenceError | ParameterError:
