@@ -145,6 +145,7 @@ CALCULIX = FiniteElementModel(
     findings=(),
 )
 OBJECTS = [
+    asp.ContactStepper([LAW]),
     SPARSE,
     REDUCED,
     asp.stability(SPARSE, near=3.0, count=2),
@@ -258,6 +259,16 @@ ARGUMENTS = {
         "directions": np.eye(3),
         "free_velocity": [-1.0, 0.2, 3.0],
         "laws": LAW,
+    },
+    "ContactStepper": {"laws": [LAW]},
+    "ContactStepper.certificate": {},
+    "ContactStepper.forget": {},
+    "ContactStepper.solve": {
+        "delassus": np.eye(4),
+        "free_velocity": [-1.0, 0.2, 3.0, 0.4],
+        "items": [0, asp.ContactStepper.DRY_FRICTION],
+        "bounds": [0.0, 0.1],
+        "keys": [3, 1],
     },
     "certificate": {"percussion": [1.0, 0.0, 0.1]},
     "natural_map": {"percussion": [1.0, 0.0, 0.1]},
@@ -486,6 +497,7 @@ RESULTS = {
     "Island",
     "LocalSolution",
     "Stage",
+    "StepSolution",
     "Equilibrium",
     "Event",
     "Infeasibility",
@@ -584,8 +596,8 @@ def calls():
 def _call(key, kind, member):
     arguments = ARGUMENTS.get(key)
     if member is kind:
-        own = tuple(dict(one._parameters) for one in OBJECTS if type(one) is kind)
-        variants = (arguments,) if arguments is not None else own
+        own = (dict(one._parameters) for one in OBJECTS if type(one) is kind)
+        variants = (arguments,) if arguments is not None else tuple(own)
     else:
         arguments = ARGUMENTS.get(key.rpartition(".")[2]) if arguments is None else arguments
         variants = () if arguments is None else (arguments,)

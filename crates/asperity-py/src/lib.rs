@@ -21,6 +21,8 @@ mod _core {
     #[pymodule_export]
     use crate::contact::solver::Solver;
     #[pymodule_export]
+    use crate::contact::stepper::{Step, Stepper};
+    #[pymodule_export]
     use crate::law::{Law, flow_law};
     #[pymodule_export]
     use crate::runs::event::integrate;

@@ -59,6 +59,7 @@ pub mod ensemble;
 pub mod integrator;
 pub mod law;
 mod linear;
+pub mod mechanism;
 #[cfg(test)]
 #[path = "../tests/common/random.rs"]
 mod random;

@@ -4,6 +4,7 @@
 use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
+use asperity::mechanism::{ContactStepper, Rows, StepRows};
 use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
 use asperity::solver::{Measure, Solver, Status, Stop, Workspace};
 use asperity::stepper::{State, Stepper};
@@ -156,6 +157,42 @@ fn allocations_of_solving(contacts: usize, measure: Measure) -> usize {
     (0..4).map(|_| count()).min().unwrap()
 }
 
+/// Allocations of further steps of a mechanism whose contacts stay the same, without joints.
+fn allocations_of_a_mechanism() -> usize {
+    let mut stepper = ContactStepper::new(vec![ellipse().into()], Solver::AUTO).unwrap();
+    let delassus: Vec<f64> = (0..64)
+        .map(|k| {
+            if k % 9 == 0 {
+                1.0
+            } else if k / 8 % 3 == k % 8 % 3 {
+                0.3
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    let items = [Rows::Contact(0), Rows::Contact(0), Rows::Frictionless, Rows::DryFriction(0.1)];
+    let mut speed = 1.0;
+    let mut step = || {
+        speed += 0.01;
+        let rows = StepRows {
+            delassus: &delassus,
+            free_velocity: &[-1.0, speed, 0.3, -0.5, 0.1, speed, -0.2, 0.4],
+            items: &items,
+            keys: Some(&[9, 3, 7, 5]),
+        };
+        assert_eq!(stepper.step(&rows, Stop::default()).unwrap().status, Status::Converged);
+    };
+    (0..20).for_each(|_| step());
+    let mut count = || {
+        let region = Region::new(ALLOCATOR);
+        (0..20).for_each(|_| step());
+        let change = region.change();
+        change.allocations + change.reallocations
+    };
+    (0..3).map(|_| count()).min().unwrap()
+}
+
 /// Bytes that the scheme keeps per slider, with its solver and all states.
 fn bytes_per_slider() -> f64 {
     let law = Law::from(ellipse());
@@ -181,6 +218,7 @@ fn bytes_per_slider() -> f64 {
 
 #[test]
 fn steps_do_not_allocate_while_contacts_stay() {
+    assert_eq!(allocations_of_a_mechanism(), 0, "mechanism");
     let rated = || {
         let rate = Stribeck::new(Fall::Exponential, 0.1, 0.5, 1.0, 0.0).unwrap();
         ellipse().with_rate(rate)

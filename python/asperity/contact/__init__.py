@@ -7,7 +7,10 @@ from asperity.contact.solution import ContactSolution as ContactSolution
 from asperity.contact.solution import Island as Island
 from asperity.contact.solution import LocalSolution as LocalSolution
 from asperity.contact.solution import Stage as Stage
+from asperity.contact.stepper import ContactStepper
+from asperity.contact.stepper import StepSolution as StepSolution
 
 __all__ = [
     "ContactProblem",
+    "ContactStepper",
 ]

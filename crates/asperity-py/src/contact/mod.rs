@@ -4,3 +4,4 @@ pub mod delassus;
 pub mod outcome;
 pub mod problem;
 pub mod solver;
+pub mod stepper;

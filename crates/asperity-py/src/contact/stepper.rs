@@ -1,0 +1,173 @@
+//! Steps of a mechanism with contacts.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use asperity::contact::Phase;
+use asperity::mechanism::{ContactStepper, Rows, StepRows};
+use asperity::solver::{SolveReport, Stop};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::outcome::certified;
+use super::solver::Solver;
+use crate::convert::{Numbers, Points, numbers};
+use crate::errors::{Failure, dimension, parameter};
+use crate::interrupt::asked;
+use crate::law::Law;
+
+/// What stands for rows that are those of no contact with friction.
+const FRICTIONLESS: i64 = -1;
+const BILATERAL: i64 = -2;
+const DRY_FRICTION: i64 = -3;
+
+/// A stepper, and buffers for what Python hands over.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Stepper(Mutex<(ContactStepper, Vec<Rows>, Vec<u64>)>);
+
+/// A step that was solved.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct Step {
+    report: SolveReport,
+    percussion: Vec<f64>,
+    velocity: Vec<f64>,
+    phases: Vec<Phase>,
+    ambiguous: Vec<bool>,
+    #[pyo3(get)]
+    mismatch: f64,
+}
+
+#[pymethods]
+impl Stepper {
+    #[new]
+    fn new(laws: Vec<Bound<'_, Law>>, solver: &Solver) -> Result<Self, Failure> {
+        let laws = laws.iter().map(|law| law.get().0.clone()).collect();
+        let stepper = ContactStepper::new(laws, solver.0.clone())?;
+        Ok(Self(Mutex::new((stepper, Vec::new(), Vec::new()))))
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn step(
+        &self,
+        py: Python<'_>,
+        delassus: Points<'_>,
+        free_velocity: Numbers<'_>,
+        kinds: PyReadonlyArray1<'_, i64>,
+        bounds: Option<Numbers<'_>>,
+        keys: Option<PyReadonlyArray1<'_, i64>>,
+        tolerance: f64,
+        time_limit: Option<f64>,
+    ) -> Result<Step, Failure> {
+        let entries =
+            delassus.as_slice().map_err(|_| dimension("delassus", "must be contiguous"))?;
+        let (height, width) = delassus.as_array().dim();
+        if height != width {
+            return Err(dimension("delassus", "must have as many columns as rows").into());
+        }
+        let free_velocity = numbers(&free_velocity, "free_velocity")?;
+        let bounds = bounds.as_ref().map(|bounds| numbers(bounds, "bounds")).transpose()?;
+        let kinds = kinds.as_array();
+        if bounds.is_some_and(|bounds| bounds.len() != kinds.len()) {
+            return Err(dimension("bounds", "must have one entry per item").into());
+        }
+        let mut guard = self.0.lock().map_err(|_| parameter("stepper", "has failed before"))?;
+        let (stepper, items, numbers_of) = &mut *guard;
+        items.clear();
+        for (item, &kind) in kinds.iter().enumerate() {
+            items.push(match kind {
+                FRICTIONLESS => Rows::Frictionless,
+                BILATERAL => Rows::Bilateral,
+                DRY_FRICTION => Rows::DryFriction(bounds.map_or(f64::NAN, |bounds| bounds[item])),
+                law => Rows::Contact(usize::try_from(law).unwrap_or(usize::MAX)),
+            });
+        }
+        numbers_of.clear();
+        if let Some(keys) = &keys {
+            // Any numbers will do as long as equal ones stay equal and their order is theirs.
+            numbers_of.extend(keys.as_array().iter().map(|&key| (key as u64) ^ (1 << 63)));
+        }
+        let rows = StepRows {
+            delassus: entries,
+            free_velocity,
+            items,
+            keys: keys.is_some().then_some(&numbers_of[..]),
+        };
+        let report = asked(py, |cancelled| {
+            let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
+            let mut stop = Stop::at(tolerance).unless(cancelled);
+            stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
+            stepper.step(&rows, stop)
+        })??;
+        Ok(Step {
+            report,
+            percussion: stepper.percussion().to_vec(),
+            velocity: stepper.velocity().to_vec(),
+            phases: stepper.phases().to_vec(),
+            ambiguous: stepper.ambiguous().to_vec(),
+            mismatch: stepper.mismatch(),
+        })
+    }
+
+    fn forget(&self) -> Result<(), Failure> {
+        let mut guard = self.0.lock().map_err(|_| parameter("stepper", "has failed before"))?;
+        guard.0.forget();
+        Ok(())
+    }
+
+    fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
+        let guard = self.0.lock().map_err(|_| parameter("stepper", "has failed before"))?;
+        Ok(certified(py, &guard.0.certificate()?)?)
+    }
+}
+
+/// An array that refuses writing.
+fn array<'py, T: numpy::Element>(py: Python<'py>, values: &[T]) -> Bound<'py, PyArray1<T>> {
+    let array = PyArray1::from_slice(py, values);
+    let _ = array.readwrite().make_nonwriteable();
+    array
+}
+
+#[pymethods]
+impl Step {
+    #[getter]
+    fn percussion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, &self.percussion)
+    }
+
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, &self.velocity)
+    }
+
+    #[getter]
+    fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let phases: Vec<i64> = self.phases.iter().map(|phase| *phase as i64).collect();
+        array(py, &phases)
+    }
+
+    #[getter]
+    fn ambiguous_items<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        array(py, &self.ambiguous)
+    }
+
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.report.status.name()
+    }
+
+    #[getter]
+    fn residual(&self) -> f64 {
+        self.report.residual
+    }
+
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.report.iterations
+    }
+
+    #[getter]
+    fn worst_item(&self) -> usize {
+        self.report.worst_contact
+    }
+}

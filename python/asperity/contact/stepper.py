@@ -1,0 +1,260 @@
+"""Contacts among the joints, limits and dry joints of a mechanism, step after step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import asperity._core as _core
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.contact.certificate import Certificate
+from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
+from asperity.law import FrictionLaw
+from asperity.solvers import Solver, chosen
+from asperity.status import Status
+
+
+class StepSolution:
+    """What `ContactStepper.solve` found in a step; rows and items are those that were given.
+
+    Attributes:
+        percussion: P in N s, or N m s in rows that turn, shape ``(rows,)``.
+        velocity: ξ = G P + b in m/s or rad/s, shape ``(rows,)``.
+        phase: `Phase` of each item as integers: joints stick; ``NONE`` where nothing can move.
+        status: how the solve ended; ``status.advice`` says what to try.
+        residual: largest relative defect of a contact, as `ContactProblem.residual`.
+        mismatch: largest velocity that is left in a bilateral row, or with which bodies approach
+            each other that no percussion moves, in m/s or rad/s.
+        iterations: sweeps or iterations of the solver.
+        ambiguous_items: whether each item had several solutions, the others held.
+        worst_item: the item with the largest residual, or the one without a solution.
+    """
+
+    def __init__(self, step: _core.Step) -> None:
+        self._step = step
+
+    @cached_property
+    def percussion(self) -> Array:
+        """P of all rows in N s."""
+        return self._step.percussion
+
+    @cached_property
+    def velocity(self) -> Array:
+        """G P + b of all rows in m/s."""
+        return self._step.velocity
+
+    @cached_property
+    def phase(self) -> NDArray[np.int64]:
+        """`Phase` of each item as integers."""
+        return self._step.phase
+
+    @cached_property
+    def ambiguous_items(self) -> NDArray[np.bool_]:
+        """Whether each item had several solutions, the others held."""
+        return self._step.ambiguous_items
+
+    @property
+    def status(self) -> Status:
+        """How the solve ended."""
+        return Status(self._step.status)
+
+    @property
+    def residual(self) -> float:
+        """Largest relative defect of a contact."""
+        return self._step.residual
+
+    @property
+    def mismatch(self) -> float:
+        """Largest velocity that no percussion can take out, in m/s."""
+        return self._step.mismatch
+
+    @property
+    def iterations(self) -> int:
+        """Sweeps or iterations of the solver."""
+        return self._step.iterations
+
+    @property
+    def worst_item(self) -> int:
+        """The item with the largest residual, or the one without a solution."""
+        return self._step.worst_item
+
+    @property
+    def converged(self) -> bool:
+        """Whether the tolerance was reached."""
+        return self._step.status == Status.CONVERGED.value
+
+    def __repr__(self) -> str:
+        items = len(self.phase)
+        return f"<StepSolution: {self.status}, {items} items, residual {self.residual:.3g}>"
+
+
+class ContactStepper:
+    """Solve the contacts of a mechanism step after step: ξ = G P + b, item by item.
+
+    An engine of multibody dynamics hands over the rows of a step; percussions come back. Items are
+
+    - the number k of a law: a contact, its normal row and then the p rows of ``laws[k]``,
+    - ``FRICTIONLESS``: one row, 0 ≤ P ⊥ ξ ≥ 0, a contact without friction or a limit of a joint,
+    - ``BILATERAL``: one row, ξ = 0 and P of any sign, a joint,
+    - ``DRY_FRICTION``: one row, |P| ≤ bound, against ξ: a joint with dry friction.
+
+    Percussions and phases start from those that the item with the same key had in the step before.
+    Items are solved in the order of their keys: the result does not depend on the order in which
+    they are listed, to the bit, also where percussions are not unique. Bilateral rows may repeat
+    each other, as in loops: their percussions have the least Σ G_ii P_i² among all that leave the
+    least velocities. They may not contradict each other by more than 1e-6 of the velocities that
+    they take out. Where the bodies of a contact cannot move in some of its rows, as in planar
+    models, they stick up to the friction of sliding in the direction that is left; at rest what is
+    transmitted across it is undetermined, and goes with the force along it as in sliding.
+
+    A stepper changes with every step: one per simulation, and per thread.
+
+    Args:
+        laws: friction laws of dimension p = 1, 2 or 3, without a factor of the speed.
+        solver: default `Auto`.
+        tolerance: largest relative defect of a contact.
+
+    Raises:
+        ParameterError: naming the argument.
+
+    Reference: [WL19] (19), (55).
+
+    >>> import numpy as np
+    >>> from asperity import ContactStepper, FrictionLaw
+    >>> stepper = ContactStepper([FrictionLaw.isotropic(0.5)])
+    >>> step = stepper.solve(
+    ...     np.eye(5),
+    ...     free_velocity=[-1.0, 3.0, 4.0, 0.2, 0.5],
+    ...     items=[0, ContactStepper.BILATERAL, ContactStepper.DRY_FRICTION],
+    ...     bounds=[0.0, 0.0, 0.3],
+    ... )
+    >>> step.percussion.round(12).tolist(), step.velocity.round(12).tolist()
+    ([1.0, -0.3, -0.4, -0.2, -0.3], [0.0, 2.7, 3.6, 0.0, 0.2])
+    """
+
+    FRICTIONLESS: ClassVar[int] = -1
+    BILATERAL: ClassVar[int] = -2
+    DRY_FRICTION: ClassVar[int] = -3
+
+    def __init__(
+        self,
+        laws: FrictionLaw | Sequence[FrictionLaw],
+        *,
+        solver: Solver | None = None,
+        tolerance: float = 1e-10,
+    ) -> None:
+        listed = (laws,) if isinstance(laws, FrictionLaw) else arrays.several(laws, "laws")
+        for law in listed:
+            arrays.of_kind(law, "laws", FrictionLaw, "a FrictionLaw or a sequence of them")
+        self._laws: tuple[FrictionLaw, ...] = listed
+        self._tolerance = arrays.positive(tolerance, "tolerance")
+        self._stepper = _core.Stepper([law._core for law in listed], chosen(solver)._core)
+
+    @property
+    def laws(self) -> tuple[FrictionLaw, ...]:
+        """The friction laws, which items name by their numbers."""
+        return self._laws
+
+    @property
+    def tolerance(self) -> float:
+        """Largest relative defect of a contact that counts as solved."""
+        return self._tolerance
+
+    def __repr__(self) -> str:
+        return f"<ContactStepper: {len(self._laws)} laws, tolerance {self._tolerance:g}>"
+
+    def solve(
+        self,
+        delassus: ArrayLike,
+        *,
+        free_velocity: ArrayLike,
+        items: ArrayLike,
+        bounds: ArrayLike | None = None,
+        keys: ArrayLike | None = None,
+        time_limit: float | None = None,
+        on_failure: str = "raise",
+    ) -> StepSolution:
+        """Solve a step.
+
+        Args:
+            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``.
+            free_velocity: b in m/s, with e∘γ_B added where there is restitution and γ where a joint
+                is driven at −γ; shape ``(rows,)``.
+            items: what the rows are, see the class; integers, shape ``(items,)``.
+            bounds: percussions in N s up to which joints hold by dry friction, shape ``(items,)``;
+                the entries of other items do not count.
+            keys: a different integer per item, the same in every step, shape ``(items,)``; default:
+                the place of the item.
+            time_limit: in s; default none.
+            on_failure: ``"raise"`` or ``"record"``: return the best percussions with their status.
+
+        Raises:
+            NoSolutionError: if bodies are squeezed, or joints contradict each other.
+            ConvergenceError: if the tolerance is not reached.
+            DimensionError, ParameterError: naming the argument.
+        """
+        arrays.choice(on_failure, "on_failure", ("raise", "record"))
+        held = None if bounds is None else _floats(bounds, "bounds", 1)
+        if held is not None and not np.all((held >= 0.0) & (held < np.inf)):
+            raise ParameterError("bounds", "must be finite and not negative")
+        step = self._stepper.step(
+            _floats(delassus, "delassus", 2),
+            _floats(free_velocity, "free_velocity", 1),
+            _integers(items, "items"),
+            held,
+            None if keys is None else _integers(keys, "keys"),
+            self._tolerance,
+            None if time_limit is None else arrays.positive(time_limit, "time_limit"),
+        )
+        solution = StepSolution(step)
+        if on_failure == "raise" and not solution.converged:
+            raise _failure(solution)
+        return solution
+
+    def forget(self) -> None:
+        """Forget the steps before: the next one starts without percussions and phases."""
+        self._stepper.forget()
+
+    def certificate(self) -> Certificate:
+        """Return what is left of the contact laws in the last step, from its percussions alone."""
+        return Certificate(**self._stepper.certificate())
+
+
+def _floats(values: ArrayLike, argument: str, dimensions: int) -> Array:
+    """Return contiguous numbers; those of an engine are taken as they are."""
+    if (
+        type(values) is np.ndarray
+        and values.dtype == np.float64
+        and values.ndim == dimensions
+        and values.flags.c_contiguous
+    ):
+        return values
+    return np.ascontiguousarray(arrays.array(values, argument, (None,) * dimensions))
+
+
+def _integers(values: ArrayLike, argument: str) -> NDArray[np.int64]:
+    if type(values) is np.ndarray and values.dtype == np.int64 and values.ndim == 1:
+        return values
+    converted = arrays.array(values, argument, (None,))
+    whole = np.ascontiguousarray(converted, dtype=np.int64)
+    if not np.array_equal(whole, converted):
+        raise ParameterError(argument, "must be integers")
+    return whole
+
+
+def _failure(step: StepSolution) -> ConvergenceError | ParameterError:
+    status = step.status
+    if status is Status.NOT_APPLICABLE:
+        return ParameterError("solver", f"{status.message}. {status.advice}")
+    if status is Status.NO_SOLUTION:
+        left = f" at item {step.worst_item}, where {step.mismatch:.3g} m/s are left"
+        message = status.message + (left if step.mismatch else f" at item {step.worst_item}")
+        return NoSolutionError(message, residual=step.residual)
+    return ConvergenceError(
+        f"{status.message} at item {step.worst_item}", residual=step.residual, advice=status.advice
+    )
