@@ -255,7 +255,7 @@ impl ContactProblem {
     }
 
     /// The contacts, to be changed in their normal percussions.
-    pub(super) fn contacts_mut(&mut self) -> &mut [ContactRows] {
+    pub(crate) fn contacts_mut(&mut self) -> &mut [ContactRows] {
         &mut self.contacts
     }
 
