@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of the solvers and what they may use.
-const SOLVER: [(&str, &[&str]); 15] = [
+const SOLVER: [(&str, &[&str]); 16] = [
     ("measure", &[]),
     ("one_contact", &["measure"]),
     ("infeasible", &["measure", "one_contact"]),
@@ -57,6 +57,7 @@ const SOLVER: [(&str, &[&str]); 15] = [
             "list",
         ],
     ),
+    ("equal_compliance", &["measure", "report", "settings", "solve"]),
     ("solution", &["measure", "infeasible", "island", "report", "settings", "solve"]),
 ];
 

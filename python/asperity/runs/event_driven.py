@@ -136,7 +136,8 @@ def integrate(
         The motion, from the state before any impact at 0 on. Bounces that are lower than 1e-13 of
         the contact's reach, the largest |w_N|ᵀ|q| so far, end a sequence of impacts, of one contact
         or of several between which a body rocks: they stay closed from there. Closed contacts whose
-        normal forces equilibrium leaves open share them as contacts of equal compliance do. One
+        normal forces or percussions equilibrium leaves open share them as contacts of equal
+        compliance do. One
         whose share would pull is closed without load, `Phase.OPEN`, until its share presses.
 
     Raises:

@@ -16,6 +16,7 @@
 //! solver and grade them all; `infeasible/` proves that there is no solution.
 
 mod cascade;
+mod equal_compliance;
 mod findings;
 mod gauss_seidel;
 mod incumbent;
@@ -31,6 +32,7 @@ mod settings;
 mod solution;
 mod solve;
 
+pub(crate) use equal_compliance::{DEPENDENT, LIGHT, RANK, SINGULAR, Shares};
 pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
 pub use island::{Island, Islands};
 pub use measure::certificate::Certificate;

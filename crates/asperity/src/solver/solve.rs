@@ -82,6 +82,11 @@ impl Workspace {
         self.list.islands(members, report, stop, &measured, &self.ambiguous)
     }
 
+    /// Contacts that influence each other.
+    pub(super) fn members(&self) -> &Members {
+        self.buffers.sweeper.islands()
+    }
+
     /// Buffers for this problem; to be called again whenever its Delassus operator or its laws change.
     #[inline(never)]
     pub(crate) fn prepare(&mut self, problem: &ContactProblem) {

@@ -7,7 +7,7 @@ use super::outcome::StepError;
 use super::rated::Correction;
 use super::stepper::Stepper;
 use crate::contact::{ContactRows, Memory};
-use crate::solver::{self, SolveReport, Status, Stop};
+use crate::solver::{self, Shares, SolveReport, Status, Stop};
 use crate::system::Step;
 use crate::vectors::{are_finite, largest, square};
 
@@ -60,7 +60,10 @@ impl Stepper<'_> {
         match updated? {
             Change::None => {}
             Change::Operator => self.workspace.refresh(&self.closed.problem),
-            Change::Contacts => self.workspace.prepare(&self.closed.problem),
+            Change::Contacts => {
+                self.workspace.prepare(&self.closed.problem);
+                self.shares = Shares::default();
+            }
         }
         self.check_problem()?;
         std::mem::swap(&mut self.before, &mut self.memory);
@@ -110,11 +113,16 @@ impl Stepper<'_> {
     /// Solves the contact problem, again and again where factors of the friction follow from the solution.
     #[inline]
     fn solve(&mut self, stop: Stop<'_>) -> SolveReport {
-        let Self { solver, closed, assembly, memory, before, workspace, .. } = self;
+        let Self { solver, closed, assembly, memory, before, workspace, shares, .. } = self;
         if assembly.factors().rises() {
             return self.solve_with_rising_factors(stop);
         }
-        solver.solve_from(&closed.problem, stop, before, memory, workspace)
+        let report = solver.solve_from(&closed.problem, stop, before, memory, workspace);
+        if closed.problem.is_uncoupled() || report.status != Status::Converged {
+            return report;
+        }
+        let (problem, states) = (&closed.problem, &before.states);
+        shares.find(problem, stop, &report, states, memory, workspace).unwrap_or(report)
     }
 
     #[inline(never)]

@@ -10,7 +10,7 @@ use super::state::State;
 use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::integrator::options;
-use crate::solver::{Solver, Unsolvable, Workspace};
+use crate::solver::{Shares, Solver, Unsolvable, Workspace};
 use crate::system::{Configuration, System, rotation};
 
 /// The scheme with its state and all its buffers.
@@ -30,6 +30,7 @@ pub struct Stepper<'a> {
     /// The memory before the present step.
     pub(super) before: Memory,
     pub(super) workspace: Workspace,
+    pub(super) shares: Shares,
     pub(super) outputs: Outputs,
     pub(super) reversals: Reversals,
 }
@@ -77,6 +78,7 @@ impl<'a> Stepper<'a> {
             memory: Memory::default(),
             before: Memory::default(),
             workspace: Workspace::default(),
+            shares: Shares::default(),
             outputs: Outputs::new(contacts),
             reversals: Reversals::default(),
         };
@@ -110,6 +112,7 @@ impl<'a> Stepper<'a> {
         self.closed.recall(&mut self.memory);
         self.before.clear();
         self.workspace.restart(&self.closed.problem);
+        self.shares = Shares::default();
         self.outputs.restart();
         self.reversals = Reversals::default();
         Ok(())

@@ -7,12 +7,11 @@ use crate::integrator::event::contact_problem::load_bearing::{ClosedContact, loa
 use crate::integrator::event::contact_problem::problem::{
     Decision, Participants, Question, Solved, Solving,
 };
-use crate::integrator::event::dynamics::{
-    ContactVariables, DEPENDENT, Dynamics, LIGHT, RANK, ROWS, SlidingForces,
-};
+use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::{EvaluationError, LEAST, ROUNDING, State};
 use crate::linear::LeastNorm;
+use crate::solver::{DEPENDENT, LIGHT, RANK};
 use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load that counts as none.

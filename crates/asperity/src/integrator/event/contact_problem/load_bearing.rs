@@ -23,19 +23,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::integrator::event::dynamics::{
-    DEPENDENT, Dynamics, LIGHT, PARTS, RANK, ROWS, mean_mobility, null_projection,
-};
+use crate::integrator::event::dynamics::{Dynamics, PARTS, ROWS, mean_mobility, null_projection};
 use crate::linear::LeastNorm;
+use crate::solver::{DEPENDENT, LIGHT, RANK};
 use crate::vectors::{add, largest};
 
 /// Normal acceleration, over what it is the sum of, that counts as none: solvers leave as much.
 const AT_REST: f64 = 1e-9;
-/// Pivots of Lemke's method at most, for each contact.
-const PIVOTS: usize = 20;
-/// Compliance, over the mean mobility, that is small but far above rounding, and entries of the tableau that are no pivots.
-const COMPLIANCE: f64 = 1e-7;
-const SMALL_PIVOT: f64 = 1e-12;
+/// Exchanges at most, for each contact.
+const EXCHANGES: usize = 20;
 /// Rounds without fewer contacts of the wrong sign before another way is taken.
 const PATIENCE: usize = 3;
 
@@ -107,77 +103,25 @@ impl NormalForces {
 
     /// Whether each contact carries load, looked for from `start` on; `None` if that is not found.
     fn load_bearing(&self, start: Vec<bool>) -> Option<Vec<bool>> {
-        self.exchanged(start).or_else(|| self.exchanged(self.of_compliant_contacts()?))
+        let all = vec![true; start.len()];
+        self.exchanged(start).or_else(|| self.exchanged(all))
     }
 
-    /// Exchanges all contacts of the wrong sign until there are none; `None` where they do not become fewer.
-    fn exchanged(&self, start: Vec<bool>) -> Option<Vec<bool>> {
-        let mut loaded = start;
+    /// Exchanges all contacts of the wrong sign until there are none; where they do not become fewer, the first of them
+    /// only: Murty's method (\[CottlePangStone1992\] section 4.2), which ends where no principal minor of K is negative.
+    fn exchanged(&self, mut loaded: Vec<bool>) -> Option<Vec<bool>> {
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
-        while patience > 0 {
+        for _ in 0..=EXCHANGES * loaded.len() {
             let wrong = self.of_wrong_sign(&loaded)?;
             if wrong.is_empty() {
                 return Some(loaded);
             }
-            patience = if wrong.len() < fewest { PATIENCE } else { patience - 1 };
+            patience = if wrong.len() < fewest { PATIENCE } else { patience.saturating_sub(1) };
             fewest = fewest.min(wrong.len());
-            wrong.iter().for_each(|&i| loaded[i] = !loaded[i]);
+            let exchanged = if patience > 0 { &wrong } else { &wrong[..1] };
+            exchanged.iter().for_each(|&i| loaded[i] = !loaded[i]);
         }
         None
-    }
-
-    /// The contacts that carry load with the small compliance [`COMPLIANCE`], by Lemke's method
-    /// (\[CottlePangStone1992\] section 4.4), which goes on where K has negative principal minors; `None` where it ends on a
-    /// ray.
-    fn of_compliant_contacts(&self) -> Option<Vec<bool>> {
-        let count = self.free.len();
-        let scale = mean_mobility(&self.mobility);
-        // Rows of `w − (K/ρ + ε) z − z₀ = b/ρ`: w, z, z₀, right-hand side.
-        let (cover, right) = (2 * count, 2 * count + 1);
-        let mut tableau = DMatrix::<f64>::zeros(count, 2 * count + 2);
-        for k in 0..count {
-            tableau[(k, k)] = 1.0;
-            for l in 0..count {
-                tableau[(k, count + l)] = -self.effects[(k, l)] / scale;
-            }
-            tableau[(k, count + k)] -= COMPLIANCE;
-            tableau[(k, cover)] = -1.0;
-            tableau[(k, right)] = self.free[k] / scale;
-        }
-        let mut basis: Vec<usize> = (0..count).collect();
-        let least = |&k: &usize, &l: &usize| self.free[k].total_cmp(&self.free[l]);
-        let mut row = (0..count).min_by(least).filter(|&k| self.free[k] < 0.0);
-        let mut entering = cover;
-        for _ in 0..=PIVOTS * count {
-            let Some(leaves) = row else { break };
-            let element = tableau[(leaves, entering)];
-            tableau.row_mut(leaves).unscale_mut(element);
-            let pivot = tableau.row(leaves).clone_owned();
-            for k in (0..count).filter(|&k| k != leaves) {
-                let factor = tableau[(k, entering)];
-                tableau.row_mut(k).zip_apply(&pivot, |entry, p| *entry -= factor * p);
-            }
-            let left = std::mem::replace(&mut basis[leaves], entering);
-            if left == cover {
-                row = None;
-                continue;
-            }
-            entering = (left + count) % (2 * count);
-            let ratio = |k: usize| tableau[(k, right)] / tableau[(k, entering)];
-            let mut first: Option<usize> = None;
-            for k in (0..count).filter(|&k| tableau[(k, entering)] > SMALL_PIVOT) {
-                // Of equal ratios, that of the covering vector, which ends the search.
-                let earlier =
-                    |f: usize| ratio(k) < ratio(f) || (ratio(k) == ratio(f) && basis[k] == cover);
-                if first.is_none_or(earlier) {
-                    first = Some(k);
-                }
-            }
-            row = Some(first?);
-        }
-        let mut loaded = vec![false; count];
-        basis.iter().filter(|&&k| k >= count && k < cover).for_each(|&k| loaded[k - count] = true);
-        (!basis.contains(&cover)).then_some(loaded)
     }
 
     /// The contacts whose load, acceleration or share has the wrong sign; `None` if the contacts with load have no forces.

@@ -7,7 +7,7 @@ use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::state::EvaluationError;
 use crate::integrator::observer::Observer;
-use crate::solver::{Solver, Status, Stop, Unsolvable, Workspace};
+use crate::solver::{self, Shares, Solver, Status, Stop, Unsolvable, Workspace};
 use crate::vectors::{dot, largest, norm};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over. Where
@@ -164,7 +164,7 @@ impl Participants {
         Solving { memory, observer, t }: &Solving<'_, '_>,
     ) -> Result<Solved, Outcome> {
         let mut start = Memory::new(problem.rows(), self.contacts.len());
-        start.states = self.contacts.iter().map(|&i| memory[i]).collect();
+        start.states = self.states(memory);
         if self.contacts.is_empty() {
             return Ok(Solved { ambiguous: false, found: start, velocity: Vec::new() });
         }
@@ -208,6 +208,30 @@ impl Participants {
             };
         }
         Err(outcome)
+    }
+
+    /// The solution with percussions of equal compliance, where the problem leaves them open.
+    pub(crate) fn shared(
+        &self,
+        problem: &ContactProblem,
+        mut solved: Solved,
+        solving: &Solving<'_, '_>,
+    ) -> Solved {
+        let mut workspace = Workspace::default();
+        workspace.prepare(problem);
+        let (stop, history) = (Stop::at(TOLERANCE), self.states(solving.memory));
+        let report = solver::grade(problem, stop, &solved.found, &mut workspace);
+        let found = &mut solved.found;
+        if Shares::default().find(problem, stop, &report, &history, found, &mut workspace).is_some()
+        {
+            solved.velocity = workspace.velocity;
+        }
+        solved
+    }
+
+    /// What the contacts did before.
+    fn states(&self, memory: &[ContactState]) -> Vec<ContactState> {
+        self.contacts.iter().map(|&i| memory[i]).collect()
     }
 
     /// A better solution by Newton's method, if it is `asked` for or several contacts may be at rest.

@@ -20,5 +20,5 @@ pub(crate) use chart::Chart;
 pub(crate) use contact_variables::{ContactVariables, ROWS};
 pub(crate) use equations::Dynamics;
 pub(crate) use evaluation::SlidingForces;
-pub(crate) use forces::constraint_matrix::{ConstraintMatrix, RANK};
-pub(crate) use forces::sharing::{DEPENDENT, LIGHT, PARTS, mean_mobility, null_projection};
+pub(crate) use forces::constraint_matrix::ConstraintMatrix;
+pub(crate) use forces::sharing::{PARTS, mean_mobility, null_projection};

@@ -24,10 +24,13 @@ impl Integration<'_> {
     pub(crate) fn collide(&mut self, contact: usize) -> Ending {
         let mut before = self.modes();
         let still = self.zero_velocity();
+        // One that closes though it leaves, in a bounce that is not told from its overlap, does so with all that are like it.
+        let bounces = self.approach(contact) > still;
         let involved: Vec<usize> = (0..self.memory.len())
             .filter(|&i| {
                 let variables = &self.dynamics.contacts[i];
-                let meets = touches(variables) && self.approach(i) <= still;
+                let meets =
+                    touches(variables) && (self.approach(i) <= still || bounces && !self.leaves(i));
                 variables.is_closed_unilateral() || variables.unloaded || meets || i == contact
             })
             .collect();

@@ -82,7 +82,7 @@ impl Integration<'_> {
     }
 
     /// Whether a contact separates so fast that its bounce, of height `γ_N²/(2|γ̇_N|)`, is far higher than its overlap.
-    fn leaves(&self, i: usize) -> bool {
+    pub(super) fn leaves(&self, i: usize) -> bool {
         let (velocity, rate) = (self.approach(i), self.dynamics.rate(ROWS * i, &self.a0));
         let overlap = (-self.dynamics.contacts[i].gap).max(0.0);
         velocity > self.zero_velocity() && velocity * velocity > -2.0 * rate * FAR_HIGHER * overlap

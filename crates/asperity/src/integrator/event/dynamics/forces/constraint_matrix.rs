@@ -3,11 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::linear::{BlockLu, LeastNorm};
-
-/// Pivot over the largest entry that counts as zero: about the rounding of redundant rows.
-pub(crate) const SINGULAR: f64 = 1e-11;
-/// Share of the largest part of a singular matrix below which its parts count as zero.
-pub(crate) const RANK: f64 = 1e-10;
+use crate::solver::{RANK, SINGULAR};
 
 /// A factored matrix.
 #[derive(Debug, Default)]

@@ -13,18 +13,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::forces::constraint_matrix::{RANK, SINGULAR};
 use crate::linear::{BlockLu, LeastNorm};
+use crate::solver::{RANK, SINGULAR};
 
 /// Part of the normal accelerations in the directions of `Z`, over the sizes of their terms, above which surfaces part:
 /// far above rounding and differences along the motion.
 pub(crate) const PARTS: f64 = 1e-10;
-/// What is left of the mobility of a normal row beside others, over the whole, of a row that depends on them.
-pub(crate) const DEPENDENT: f64 = 1e-10;
-/// Normal force over the largest one of the contacts that share, beyond which a contact without load carries again: where
-/// its share vanishes for good, rounding must not load and unload it in turns.
-pub(crate) const LIGHT: f64 = 1e-10;
-
 /// A normal acceleration, and the size of what it is the sum of.
 pub(crate) struct Rate {
     pub(crate) value: f64,

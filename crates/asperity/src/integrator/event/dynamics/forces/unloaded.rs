@@ -3,7 +3,8 @@
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Unloaded;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::forces::sharing::{DEPENDENT, LIGHT, PARTS};
+use crate::integrator::event::dynamics::forces::sharing::PARTS;
+use crate::solver::{DEPENDENT, LIGHT};
 
 impl Dynamics<'_> {
     /// The shares `βᵀλ_N` of the contacts without load in the normal forces of those that carry load.
