@@ -246,7 +246,8 @@ def test_a_shift_on_an_eigenvalue_and_systems_of_one_coordinate():
     )
     on = asp.stability(belt, near=1.0, count=4)
     np.testing.assert_allclose(
-        np.sort_complex(on.eigenvalues), np.sort_complex(asp.stability(belt).eigenvalues), rtol=1e-9
+        *(s[np.argsort(s.imag)] for s in (on.eigenvalues, asp.stability(belt).eigenvalues)),
+        rtol=1e-9,
     )
     one = asp.LinearSystem(sp.csc_array([[2.0]]), stiffness=8.0, damping=0.4)
     exact = -0.1 + 1j * np.sqrt(4.0 - 0.01)
@@ -489,3 +490,56 @@ def test_shifts_at_which_numbers_overflow_are_refused():
         for where in ({"near": 1e100}, {"near": 1e200}, {"band": (0.0, 1e200)}):
             with pytest.raises(asp.ParameterError, match="too large numbers"):
                 asp.stability(system, **where)
+
+
+def test_all_rigid_motions_of_a_free_pad_are_found():
+    """Twelve eigenvalues at one point hide the others, which the count has to know."""
+    M, _, K, *_ = pad((3, 2, 2), spring=1e-300)
+    free = asp.LinearSystem(M, stiffness=K)
+    for system, certify in ((free, True), (free.replace(damping=1e-8 * K), False)):
+        found = asp.stability(system, near=0.0, count=14, certify=certify)
+        assert (np.abs(found.eigenvalues) < 1.0).sum() == 12
+        assert not found.unstable.any()
+        assert not certify or found.certificate.is_complete
+
+
+@pytest.mark.parametrize("length", [2, 3, 4, 5, 6])
+def test_no_sign_is_certain_of_chains_that_rounding_scatters(length):
+    """Without damping, Jordan chains grow like powers of t, not exponentially."""
+    turn = np.linalg.qr(np.random.default_rng(length).normal(size=(length, length)))[0]
+    K = turn @ (4.0 * np.eye(length) + np.eye(length, k=1)) @ turn.T
+    system = asp.LinearSystem(np.eye(length), stiffness=K)
+    found = asp.stability(system, near=2.0, count=2 * length)
+    assert not found.sign_is_certain.any()
+    assert asp.stability(system).kind == "neutral"
+    # Damping that is more than the scatter decides.
+    damped = asp.stability(system.replace(damping=0.1), near=2.0, count=2 * length)
+    assert damped.sign_is_certain.all() or length > 4
+    assert (damped.growth_rates < 0.0).all()
+
+
+def test_forces_that_are_wrong_by_little_do_not_balance():
+    system = pad_system((3, 2, 1), LAWS["extended"], phi=0.4)
+    steady = asp.equilibrium(system)
+    assert steady.residual < 1e-13
+    asp.stability(system, near=1e4, count=2, equilibrium=steady)
+    loads = {"normal_force": (1.0 + 1e-4) * steady.normal_force}
+    for change, match in (
+        (loads, "friction of its loads"),
+        ({**loads, "force": (1.0 + 1e-4) * steady.force}, "do not balance"),
+        ({"q": (1.0 + 1e-4) * steady.q}, "do not balance"),
+        ({"force": 1.01 * steady.force}, "friction of its loads"),
+        ({"force": steady.force[:, :1]}, "friction of its loads"),
+    ):
+        with pytest.raises(asp.ParameterError, match=match):
+            asp.stability(system, near=1e4, count=2, equilibrium=steady.replace(**change))
+
+
+def test_steps_have_no_effect_on_sparse_systems():
+    system = pad_system((2, 1, 1), LAWS["extended"], phi=0.4)
+    for call in (
+        lambda: asp.equilibrium(system, step=1e-4),
+        lambda: asp.stability(system, near=1e4, step=1e-4),
+    ):
+        with pytest.raises(asp.ParameterError, match="step: has no effect"):
+            call()

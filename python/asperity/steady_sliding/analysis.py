@@ -317,6 +317,8 @@ def stability(
         # SciPy's sparse matrices are imported by the first use of them.
         from asperity.steady_sliding.sparse.modes import complex_modes
 
+        if step != STEP:
+            raise ParameterError("step", "has no effect with near or band")
         return complex_modes(
             system, equilibrium, near=near, band=band, growth=growth, count=count, certify=certify
         )

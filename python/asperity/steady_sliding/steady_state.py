@@ -46,7 +46,8 @@ class Equilibrium(Result, Record):
         slip: γ in m/s, shape ``(n_contact, p)``.
         closed: numbers of the closed unilateral contacts.
         residual: ‖h + W_N λ_N + W λ‖ over the sum of the norms of its parts and of the forces that
-            a displacement by one difference step makes.
+            a displacement by one difference step makes; of systems with sparse matrices over the
+            norms of |K||q|, f and the contact forces.
 
     Reference: [WL19] §4.1, (77).
     """
@@ -103,7 +104,8 @@ def equilibrium(
         closed: numbers of the unilateral contacts that are closed. Default all. Of a system with
             sparse matrices they are a first guess: its contacts open and close.
         tolerance: of the residual, and of closed gaps in m.
-        step: largest displacement for difference quotients in m or rad; linear systems need none.
+        step: largest displacement for difference quotients in m or rad; linear systems need none,
+            those with sparse matrices refuse it.
 
     Returns:
         The equilibrium.
@@ -130,8 +132,9 @@ def equilibrium(
     if isinstance(system, SparseLinearSystem):
         from asperity.steady_sliding.sparse.steady_state import sparse_equilibrium
 
-        if q0 is not None:
-            raise ParameterError("q0", "has no effect on a system with sparse matrices")
+        for name, given in (("q0", q0 is not None), ("step", step != STEP)):
+            if given:
+                raise ParameterError(name, "has no effect on a system with sparse matrices")
         return sparse_equilibrium(system, closed, tolerance)
     of = Field(system, start(system, q0))
     touching = closed_contacts(of, closed)

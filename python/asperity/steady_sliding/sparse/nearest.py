@@ -34,8 +34,14 @@ _FEW, _INFINITE = 60, 1e-12
 _LARGEST = 1e150
 # Relative error of 1/(s − σ) of modes that span a space.
 _ROUGH = 1e-7
-# Shares of its size by which a shift beside an eigenvalue is moved.
-_ASIDE = (1e-4, 3e-3, 3e-2)
+# Shares of its size by which a shift beside an eigenvalue is moved: eigenvalues far away are found
+# from there, too, where those of a free body are all at one point.
+_ASIDE = (1e-4, 3e-3, 3e-2, 0.3)
+# Restarts of Arnoldi's method, which takes few where it converges at all.
+_RESTARTS = 100
+# Distance of eigenvalues, relative to them, and cosine of the angle of their modes from which on
+# they may be one that lacks modes, scattered by rounding.
+_CLOSE, _PARALLEL = 0.01, 0.99
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +113,9 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
             worst = min(worst, float(errors.max()))
             continue
         pairs = Pairs(values, modes, errors, np.full(len(values), np.nan))
-        if _doubtful(pencil, values).any():
-            pairs = _with_errors(pencil, factors, point, pairs)
+        doubtful = _doubtful(pencil, values, modes)
+        if doubtful.any():
+            pairs = _with_errors(pencil, factors, point, pairs, doubtful)
         return pairs, max(float(np.abs(values - point).max()) - abs(point - shift), 0.0)
     if not np.isfinite(worst):
         raise ParameterError(
@@ -153,10 +160,14 @@ def _none(pencil: SparsePencil) -> Pairs:
     return Pairs(none, np.zeros((pencil.n, 0), dtype=np.complex128), none.real, none.real)
 
 
-def _doubtful(pencil: SparsePencil, values: Complex) -> NDArray[np.bool_]:
+def _doubtful(pencil: SparsePencil, values: Complex, modes: Complex) -> NDArray[np.bool_]:
     """Return whose growth rate may have either sign."""
     size = np.abs(values)
-    return (np.abs(values.real) <= _SMALL * size) | (size <= 10.0 * _STILL * pencil.fastest)
+    near = np.abs(values[:, None] - values) <= _CLOSE * size
+    parallel = np.abs(modes.conj().T @ modes) >= _PARALLEL
+    merged = (near & near.T & parallel).sum(axis=1) > 1
+    small = np.abs(values.real) <= _SMALL * size
+    return np.asarray(small | (size <= 10.0 * _STILL * pencil.fastest) | merged)
 
 
 def _shift_and_invert(
@@ -188,7 +199,9 @@ def _shift_and_invert(
     operator = LinearOperator((2 * n, 2 * n), matvec=inverted, dtype=np.complex128)
     start = np.cos(np.arange(1.0, 2 * n + 1.0)).astype(np.complex128)
     try:
-        found, vectors = eigs(operator, k=count, which="LM", v0=start, tol=tolerance)
+        found, vectors = eigs(
+            operator, k=count, which="LM", v0=start, tol=tolerance, maxiter=_RESTARTS
+        )
     except ArpackError as error:
         raise ConvergenceError(
             f"Arnoldi's method near {shift:.6g} 1/s: {error}",
@@ -247,12 +260,30 @@ def _rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
 
 
 def _with_errors(
-    pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs
+    pencil: SparsePencil,
+    factors: Factorisation,
+    shift: complex,
+    pairs: Pairs,
+    doubtful: NDArray[np.bool_],
 ) -> Pairs:
-    """Bound the errors of the eigenvalues near the imaginary axis by their left eigenvectors."""
+    """Bound the errors of doubtful eigenvalues by their left eigenvectors.
+
+    The bound is of first order: where the discs of several eigenvalues overlap they may be one that
+    rounding has scattered, and each is as uncertain as they are far from each other.
+    """
+    from scipy.sparse.csgraph import connected_components
+
     left = _left(pencil, factors, shift, pairs)
     error = pencil.errors_of(pairs.values, pairs.modes, left)
-    return replace(pairs, error=np.where(_doubtful(pencil, pairs.values), error, np.nan))
+    # Nothing is known of the error of a multiple one, which must not reach all others.
+    radius = np.minimum(SAFETY * error, _CLOSE * np.abs(pairs.values))
+    distance = np.abs(pairs.values[:, None] - pairs.values)
+    touching = doubtful & doubtful[:, None] & (distance <= radius + radius[:, None])
+    number, label = connected_components(touching, directed=False)
+    for group in (np.flatnonzero(label == one) for one in range(number)):
+        if len(group) > 1:
+            error[group] = distance[np.ix_(group, group)].max() + error[group].max()
+    return replace(pairs, error=np.where(doubtful, error, np.nan))
 
 
 def _left(pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs) -> Complex:

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
-from asperity.steady_sliding.linearised.field import STEP
 from asperity.steady_sliding.sparse.active_set import LinearContact
 from asperity.steady_sliding.sparse.friction import SlidingContacts
 from asperity.steady_sliding.steady_state import Equilibrium
 from asperity.system import SparseLinearSystem
+
+# Difference of friction forces, relative to the largest, that is rounding of who computed them.
+_ROUNDED = 1e-9
 
 
 def sparse_equilibrium(
@@ -76,18 +78,28 @@ def residual_of(system: SparseLinearSystem, steady: Equilibrium) -> float:
     for number in loaded:
         raise ParameterError("equilibrium", f"loads contact {number}, which is not closed")
     q = arrays.array(steady.q, "equilibrium", (system.dof,))
-    return _residual(system, SlidingContacts.of(system.columns), q, load)
+    contacts = SlidingContacts.of(of)
+    friction = _by_contact(of.first, np.asarray(contacts.unit_force @ load))
+    size = np.nanmax(np.abs(friction), initial=0.0)
+    if friction.shape != steady.force.shape or not np.allclose(
+        steady.force, friction, rtol=0.0, atol=_ROUNDED * size, equal_nan=True
+    ):
+        raise ParameterError("equilibrium", "must have the friction of its loads and velocities")
+    return _residual(system, contacts, q, load)
 
 
 def _residual(
     system: SparseLinearSystem, contacts: SlidingContacts, q: Array, load: Array
 ) -> float:
-    """Return ‖K q − f − E λ_N‖ as `Equilibrium` relates it."""
+    """Return ‖K q − f − E λ_N‖ over the sum of the norms of |K||q|, f and E λ_N.
+
+    Large forces of springs that nearly balance each other at a node are rounded as such.
+    """
     pushed = np.asarray(contacts.thrusts @ load)
-    forces = np.asarray(system.stiffness @ q), system.force, pushed
-    size = STEP * float(np.linalg.norm(system.stiffness.data))
-    size += float(sum(np.linalg.norm(force) for force in forces))
-    return float(np.linalg.norm(forces[0] - forces[1] - pushed) / size) if size else 0.0
+    left = np.asarray(system.stiffness @ q) - system.force - pushed
+    parts = np.asarray(abs(system.stiffness) @ np.abs(q)), system.force, pushed
+    size = float(sum(np.linalg.norm(part) for part in parts))
+    return float(np.linalg.norm(left) / size) if size else 0.0
 
 
 def _guess(unilateral: NDArray[np.bool_], closed: Sequence[int] | None) -> NDArray[np.bool_]:
