@@ -248,7 +248,7 @@ def squeal_map(
             if report is None
             else lambda done, of: report(_SAMPLING * whole * done / of, whole),
         )
-        followed, opened = _Followed(shape), np.full(shape, -1, dtype=np.intp)
+        followed, opened = _Followed(shape, reduced.mass), np.full(shape, -1, dtype=np.intp)
         guess = None
         for done, at in enumerate(_walk(shape)):
             try:
@@ -277,8 +277,9 @@ def _walk(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
 class _Followed:
     """Modes of the points of a grid, named alike where their shapes are."""
 
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._shape = shape
+    def __init__(self, shape: tuple[int, ...], mass: Array) -> None:
+        # Shapes are compared by the kinetic energy of their product.
+        self._shape, self._root = shape, np.linalg.cholesky(mass).T
         self._count = 0
         self._values: dict[tuple[int, ...], dict[int, complex]] = {}
         # Of the last points only: a row of the grid.
@@ -286,6 +287,8 @@ class _Followed:
 
     def add(self, at: tuple[int, ...], s: Complex, shapes: Complex) -> None:
         """Name the modes of a point by those of the points beside it."""
+        shapes = self._root @ shapes
+        shapes /= np.linalg.norm(shapes, axis=0)
         names = np.full(len(s), -1)
         for k in reversed(range(len(at))):
             for step in (-1, 1):
@@ -311,7 +314,9 @@ class _Followed:
         alike = np.abs(self._shapes[near][:, olds].conj().T @ shapes[:, free]) ** 2
         former, listed = np.array(list(known.values()))[olds], np.array(list(known))[olds]
         far = np.abs(former[:, None] - s[free]) / np.abs(s[free])
-        rows, columns = linear_sum_assignment(_NEAR * far - alike)
+        # Of pairs that do not belong together none is worse than another.
+        cost = np.where(alike > _ALIKE, np.minimum(_NEAR * far, 1.0) - alike, 1.0)
+        rows, columns = linear_sum_assignment(cost)
         good = alike[rows, columns] > _ALIKE
         names[free[columns[good]]] = listed[rows[good]]
 
