@@ -1,4 +1,4 @@
-"""Eigenvalues of a sliding pad near 3 kHz beside what SciPy does by hand, and those of dense pads.
+"""Eigenvalues of a sliding pad beside what SciPy does by hand, a map of them, those of dense pads.
 
 Run: python benches/python_squeal.py [nx ny nz contacts], by default 22 11 7 100 (6,624
 coordinates); each part in a process of its own, for its peak of memory.
@@ -62,6 +62,21 @@ def asperity(cells: list[int], contacts: int) -> float:
     return time.process_time() - start
 
 
+def mapped(cells: list[int], contacts: int) -> float:
+    """Return the time of a map of 91 directions and 21 coefficients of friction to 15 kHz."""
+    import asperity as asp
+    from brake_pads import pad_system
+
+    system = pad_system(cells, asp.FrictionLaw.isotropic(1.0), speed=SPEED, contacts=contacts)
+    start = time.process_time()
+    asp.squeal_map(
+        system,
+        parameters={"friction": np.linspace(0.1, 0.9, 21), "phi": np.deg2rad(np.arange(0, 181, 2))},
+        band=(2 * np.pi * 300, 2 * np.pi * 15e3),
+    ).summary()
+    return time.process_time() - start
+
+
 def dense(cells: tuple[int, int, int]) -> None:
     """Compare the stability of a dense pad with the eigenvalues of its matrix by NumPy."""
     import asperity as asp
@@ -84,12 +99,12 @@ def dense(cells: tuple[int, int, int]) -> None:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["part"]:
         *cells, contacts = map(int, sys.argv[3:])
-        run = {"by hand": by_hand, "asperity": asperity}[sys.argv[2]]
+        run = {"by hand": by_hand, "asperity": asperity, "map of 1911": mapped}[sys.argv[2]]
         seconds = run(cells, contacts)
         print(seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
     else:
         size = sys.argv[1:] or ["22", "11", "7", "100"]
-        for part in ("by hand", "asperity"):
+        for part in ("by hand", "asperity", "map of 1911"):
             command = [sys.executable, __file__, "part", part, *size]
             done = subprocess.run(command, check=True, capture_output=True, text=True).stdout
             seconds, memory = map(float, done.split())

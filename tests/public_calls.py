@@ -332,6 +332,12 @@ ARGUMENTS = {
         "accuracy": 0.1,
     },
     "LinearSystem.varied": {"friction": 0.5, "phi": 0.0, "speed": 2.0},
+    "ComplexModes.save_vtk": {
+        "path": f"{FOLDER.name}/modes.vtk",
+        "coordinates": np.arange(6).reshape(2, 3),
+        "positions": np.zeros((2, 3)),
+        "cells": [[0], [1]],
+    },
     "ReducedSystem.expand": {"y": np.zeros(REDUCED.dof)},
     "growth_chart": {"system": BELT, "phi": PHI, "zeta": [0.0, 0.1]},
     "compare_path": {"run": RUN, "measured": RUN},

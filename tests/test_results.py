@@ -23,6 +23,7 @@ from public_calls import (
     PREDICTION,
     PROBLEM,
     PUSHES,
+    SPARSE,
     SQUEAL_SHEET,
     STABILITY_SHEET,
     TRIANGLE,
@@ -70,6 +71,7 @@ RESULTS = [
     asp.stability(BELT),
     asp.stability(BELT, near=1.0, count=2),
     asp.equilibrium(BELT),
+    asp.squeal_map(SPARSE, parameters={"friction": [0.5, 1.0]}, band=(0.0, 5.0)),
     asp.system.FiniteElementModel(
         sparse.identity(3, format="csc"),
         sparse.identity(3, format="csc"),

@@ -218,3 +218,66 @@ def test_mode_shapes_on_the_mesh(tmp_path):
         with pytest.raises(asp.AsperityError, match=name):
             modes.save_vtk(tmp_path / "wrong.vtk", **given)
     assert not (tmp_path / "wrong.vtk").exists()
+
+
+@pytest.mark.long
+def test_limit_cycle_of_a_reduced_pad_against_time_steps():
+    system = pad_system(
+        (6, 4, 2), asp.FrictionLaw.isotropic(0.9), contacts=4, phi=np.deg2rad(135.0), speed=0.02
+    )
+    system = system.replace(damping=3e-6 * system.stiffness)
+    reduced = asp.reduce(system, band=(2.0 * np.pi * 2e3, 2.0 * np.pi * 3.2e3))
+    cycle = asp.limit_cycle(reduced)
+    assert cycle.is_stable
+    start = asp.equilibrium(reduced)
+    errors = []
+    for dt in (1e-6, 5e-7, 2.5e-7):
+        run = asp.simulate(reduced, dt=dt, t_end=0.06, q0=start.q, u0=np.full(reduced.dof, 1e-5))
+        # The first amplitude, behind the gaps, over the last third.
+        last = run.q[-int(0.02 / dt) :, 4]
+        y = last - last.mean()
+        up = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
+        times = up - y[up] / (y[up + 1] - y[up])
+        period = (times[-1] - times[0]) / (len(times) - 1) * dt
+        swing = np.ptp(last) / np.ptp(cycle.motion.q[:, 4])
+        errors.append((abs(period / cycle.period - 1.0), abs(swing - 1.0)))
+    # Of first order in the step.
+    first, second, third = np.array(errors)
+    assert (second <= 0.6 * first).all()
+    assert (third <= 0.6 * second).all()
+    assert (third <= 5e-4).all()
+
+
+@pytest.mark.long
+def test_a_large_map_against_solutions_of_the_whole_system():
+    system = pad_system((33, 17, 10), LAWS["isotropic"], contacts=200)
+    friction, phi = np.linspace(0.1, 0.9, 21), np.deg2rad(np.linspace(0.0, 180.0, 91))
+    chart = asp.squeal_map(system, parameters={"friction": friction, "phi": phi}, band=BAND)
+    assert max(chart.estimates.values()) <= 1.0
+    random = np.random.default_rng(0)
+    for i, j in zip(random.integers(21, size=30), random.integers(91, size=30), strict=True):
+        there = system.varied(friction=friction[i], phi=phi[j])
+        whole = asp.stability(there, near=2.0 * np.pi * 7.65e3, count=26).eigenvalues
+        found = chart.eigenvalues[:, i, j]
+        found = found[~np.isnan(found)]
+        # Those at the edge of the band may be on either side of it.
+        inner = (whole.imag > 1.001 * BAND[0]) & (whole.imag < 0.999 * BAND[1])
+        for s in whole[inner]:
+            error = np.abs(found[np.abs(found - s).argmin()].real - s.real)
+            assert error <= max(1.0, 1e-2 * abs(s.real))
+    # The border: the whole system changes sides within a degree of where the map does.
+    borders = np.argwhere((chart.growth_rate[:, 1:] > 0.0) != (chart.growth_rate[:, :-1] > 0.0))
+    for i, j in random.permutation(borders)[:6]:
+        low, high = chart.growth_rate[i, j], chart.growth_rate[i, j + 1]
+        at = phi[j] + (phi[j + 1] - phi[j]) * low / (low - high)
+        sides = [
+            asp.stability(
+                system.varied(friction=friction[i], phi=at + step),
+                near=2.0 * np.pi * 7.65e3,
+                count=26,
+            )
+            for step in np.deg2rad([-1.0, 1.0])
+        ]
+        values = [modes.eigenvalues for modes in sides]
+        inner = [s[(s.imag > BAND[0]) & (s.imag < BAND[1])].real.max() > 0.0 for s in values]
+        assert inner == [low > 0.0, high > 0.0]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.progress import Progress, reporter
-from asperity._base.result import Axis, Series, Table, TableResult, counted
+from asperity._base.result import Axis, Result, Series, Table, TableResult, counted
 from asperity._base.value import keep_views
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.steady_sliding.linearised.pencil import Complex
@@ -27,6 +27,7 @@ from asperity.steady_sliding.sparse.sliding_state import eigenpairs
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 _AXES = {
     "friction": ("-", "factor of the reservoirs C"),
@@ -41,7 +42,7 @@ _SAMPLING = 0.4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SquealMap(TableResult):
+class SquealMap(Result):
     """Eigenvalues s of the modes of steady sliding over one or two parameters.
 
     Modes are followed from point to point by their shapes, and sorted by their largest growth rate.
@@ -145,25 +146,20 @@ class SquealMap(TableResult):
         """
         _Rows(self).to_csv(path)
 
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the arrays, with an axis for the modes and one for each parameter.
+
+        Raises:
+            ImportError: without xarray, which ``pip install "asperity[xarray]"`` installs.
+        """
+        return _Grid(self).to_xarray()
+
     def _series(self) -> dict[str, tuple[Array, str, str]]:
         return {
             "frequency": (self.frequencies, "Hz", "imaginary part over 2π"),
             "growth_rate": (self.growth_rates, "1/s", "real part"),
             "damping_ratio": (self.damping_ratios, "-", "of critical damping"),
         }
-
-    def _table(self) -> Table:
-        axes = {"mode": Axis(np.arange(len(self.eigenvalues)), "", "by falling growth rate")}
-        for name, values in self.parameters.items():
-            axes[name] = Axis(values, *_AXES[name])
-        grid = tuple(self.parameters)
-        series = {
-            name: Series(values, ("mode", *grid), unit, words)
-            for name, (values, unit, words) in self._series().items()
-        }
-        opened = self.open_contacts
-        series["open_contacts"] = Series(opened, grid, "", "−1: no steady sliding")
-        return Table(axes, series, {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +178,26 @@ class _Rows(TableResult):
         for name, (values, unit, _) in self.of._series().items():
             series[name] = Series(values.ravel()[found], ("row",), unit)
         return Table(row, series, {})
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid(TableResult):
+    """The arrays of a map."""
+
+    of: SquealMap
+
+    def _table(self) -> Table:
+        axes = {"mode": Axis(np.arange(len(self.of.eigenvalues)), "", "by falling growth rate")}
+        for name, values in self.of.parameters.items():
+            axes[name] = Axis(values, *_AXES[name])
+        grid = tuple(self.of.parameters)
+        series = {
+            name: Series(values, ("mode", *grid), unit, words)
+            for name, (values, unit, words) in self.of._series().items()
+        }
+        opened = self.of.open_contacts
+        series["open_contacts"] = Series(opened, grid, "", "−1: no steady sliding")
+        return Table(axes, series, {})
 
 
 def squeal_map(
@@ -232,7 +248,7 @@ def squeal_map(
             if report is None
             else lambda done, of: report(_SAMPLING * whole * done / of, whole),
         )
-        followed, opened = _Followed(shape), np.full(shape, -1, dtype=np.intp)
+        followed, opened = _Followed(shape, reduced.mass), np.full(shape, -1, dtype=np.intp)
         guess = None
         for done, at in enumerate(_walk(shape)):
             try:
@@ -261,8 +277,9 @@ def _walk(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
 class _Followed:
     """Modes of the points of a grid, named alike where their shapes are."""
 
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._shape = shape
+    def __init__(self, shape: tuple[int, ...], mass: Array) -> None:
+        # Shapes are compared by the kinetic energy of their product.
+        self._shape, self._root = shape, np.linalg.cholesky(mass).T
         self._count = 0
         self._values: dict[tuple[int, ...], dict[int, complex]] = {}
         # Of the last points only: a row of the grid.
@@ -270,6 +287,8 @@ class _Followed:
 
     def add(self, at: tuple[int, ...], s: Complex, shapes: Complex) -> None:
         """Name the modes of a point by those of the points beside it."""
+        shapes = self._root @ shapes
+        shapes /= np.linalg.norm(shapes, axis=0)
         names = np.full(len(s), -1)
         for k in reversed(range(len(at))):
             for step in (-1, 1):
@@ -295,7 +314,9 @@ class _Followed:
         alike = np.abs(self._shapes[near][:, olds].conj().T @ shapes[:, free]) ** 2
         former, listed = np.array(list(known.values()))[olds], np.array(list(known))[olds]
         far = np.abs(former[:, None] - s[free]) / np.abs(s[free])
-        rows, columns = linear_sum_assignment(_NEAR * far - alike)
+        # Of pairs that do not belong together none is worse than another.
+        cost = np.where(alike > _ALIKE, np.minimum(_NEAR * far, 1.0) - alike, 1.0)
+        rows, columns = linear_sum_assignment(cost)
         good = alike[rows, columns] > _ALIKE
         names[free[columns[good]]] = listed[rows[good]]
 
@@ -307,7 +328,8 @@ class _Followed:
         """
         found = np.full((self._count, *self._shape), complex(np.nan, np.nan))
         for at, modes in self._values.items():
-            found[(list(modes), *at)] = list(modes.values())
+            for name, s in modes.items():
+                found[(name, *at)] = s
         found[~wanted(found)] = complex(np.nan, np.nan)
         growth = np.where(np.isnan(found.real), -np.inf, found.real)
         largest = growth.reshape(self._count, -1).max(axis=1, initial=-np.inf)

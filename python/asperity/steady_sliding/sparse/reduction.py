@@ -84,7 +84,8 @@ def reduce(
     """
     grid = checked_parameters(parameters or {})
     with reporter(progress, "sample") as report:
-        reduction = Reduction(checked_full(system), band, sticking=sticking)
+        margin = _MARGIN if grid else 0
+        reduction = Reduction(checked_full(system), band, sticking=sticking, margin=margin)
         reduction.refine(grid, arrays.positive(accuracy, "accuracy"), report)
     return reduction.system
 
@@ -119,7 +120,12 @@ class Reduction:
     """A basis of a sparse system for a band, and the reduced system on it."""
 
     def __init__(
-        self, full: SparseLinearSystem, band: tuple[float, float], *, sticking: bool = False
+        self,
+        full: SparseLinearSystem,
+        band: tuple[float, float],
+        *,
+        sticking: bool = False,
+        margin: int = _MARGIN,
     ) -> None:
         low, high = (arrays.number(end, "band") for end in arrays.pair(band, "band"))
         if not 0.0 <= low < high:
@@ -136,7 +142,7 @@ class Reduction:
         pushed = full.columns.tangents.toarray() if sticking else np.zeros((full.dof, 0))
         self._extend(self.statics.responses(np.column_stack([pushed, full.force])), _DEPENDENT)
         self._loaded = self.system
-        self.count = _GUESS
+        self.count, self._margin = _GUESS, margin
         modes = np.asarray(self.statics.constraint.Z @ self._modes(self.statics.pencil))
         self._extend(modes, _SMALL)
         self.count = modes.shape[1] + _MARGIN
@@ -203,7 +209,7 @@ class Reduction:
         values, modes = approximate(pencil, self.centre, self.radius, self.count)
         order = np.argsort(np.abs(values - self.centre))
         inside = int((np.abs(values - self.centre) <= self.radius).sum())
-        return modes[:, order[: inside + _MARGIN]]
+        return modes[:, order[: inside + self._margin]]
 
     def _estimate(
         self, reduced: ReducedSystem, point: Point, accuracy: float

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -47,7 +48,7 @@ def write_vtk(
             file.write(f"{line}\n".encode("ascii"))
 
 
-def _lines(places: Array, nodes: Array, moved: Complex, names: list[str]) -> Iterator[str]:
+def _lines(places: Array, nodes: NDArray[Any], moved: Complex, names: list[str]) -> Iterator[str]:
     count, each = nodes.shape
     yield "# vtk DataFile Version 3.0\nMode shapes by asperity\nASCII\nDATASET UNSTRUCTURED_GRID"
     yield f"POINTS {len(places)} double"
