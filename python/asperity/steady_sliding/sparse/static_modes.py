@@ -9,9 +9,9 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.errors import ParameterError
 from asperity.steady_sliding.sparse.constraint import Constraint
-from asperity.steady_sliding.sparse.factorisation import Factorisation, SingularMatrixError
 from asperity.steady_sliding.sparse.pencil import SparsePencil
 from asperity.system import SparseLinearSystem
+from asperity.system.sparse.factorisation import Factorisation, SingularMatrixError
 from asperity.system.sparse.matrices import symmetric
 
 if TYPE_CHECKING:
