@@ -220,7 +220,7 @@ def squeal_map(
             the turn of the sliding velocity in rad, and ``"speed"``, a factor of it, as of
             `LinearSystem.varied`.
         band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
-            a tenth of the highest are left out.
+            a fifth of the highest are left out.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative
             to the frequency.
         progress: ``True`` for a bar of tqdm, or a function of (done, all).

@@ -34,7 +34,7 @@ _SMALL, _DEPENDENT = 3e-4, 1e-6
 # others into it.
 _GUESS, _MARGIN = 16, 4
 # Largest |Re s| of modes in a band, as a share of its upper end.
-_GROWTH = 0.1
+_GROWTH = 0.2
 # Points of a grid along its shorter and longer parameter at which residuals are examined, or along
 # its only one; rounds of corrections, and the share that a round leaves where it is of use.
 _EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 8, 0.5
@@ -65,7 +65,7 @@ def reduce(
     Args:
         system: `LinearSystem` with sparse matrices and a symmetric stiffness.
         band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
-            a tenth of the highest are left out.
+            a fifth of the highest are left out.
         parameters: values of one or two of ``"friction"``, ``"phi"`` and ``"speed"`` between which
             the reduced system is to be good, as of `LinearSystem.varied`. Default: as it is.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative
