@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::{ROUNDED, refuse_item};
 use crate::argument::ArgumentError;
 use crate::law::{FrictionLaw, Law};
-use crate::set::{Convex, Interval, Vector};
+use asperity_set::{Convex, Interval, Vector};
 
 /// The rows of an item that percussions move.
 #[derive(Debug, Clone, Copy, PartialEq)]
