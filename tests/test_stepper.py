@@ -173,6 +173,15 @@ def test_bodies_that_slide_across_what_can_move(law):
     np.testing.assert_allclose(step.percussion[1:], expected, atol=1e-7)
 
 
+@pytest.mark.parametrize("across", [1e-1, 1e-2, 1e-3])
+def test_bodies_that_hardly_slide_across_what_can_move(across):
+    step = ContactStepper(LAWS[1]).solve(
+        np.diag([1.0, 1.0, 0.0]), free_velocity=[-1.0, 0.5, across], items=[0]
+    )
+    expected = LAWS[1].force(step.velocity[1:], normal_force=step.percussion[0])
+    np.testing.assert_allclose(step.percussion[1:], expected, atol=1e-9)
+
+
 def test_a_contact_that_nothing_moves_carries_nothing():
     delassus = np.diag([0.0, 0.0, 0.0, 2.0])
     step = ContactStepper(LAWS).solve(

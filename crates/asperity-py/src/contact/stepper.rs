@@ -44,7 +44,7 @@ impl Stepper {
     #[new]
     fn new(laws: Vec<Bound<'_, Law>>, solver: &Solver) -> Result<Self, Failure> {
         let laws = laws.iter().map(|law| law.get().0.clone()).collect();
-        let stepper = ContactStepper::new(laws, solver.0.clone())?;
+        let stepper = ContactStepper::new(laws, solver.0)?;
         Ok(Self(Mutex::new((stepper, Vec::new(), Vec::new()))))
     }
 
