@@ -265,9 +265,9 @@ ARGUMENTS = {
     "ContactStepper.forget": {},
     "ContactStepper.solve": {
         "delassus": np.eye(4),
-        "free_velocity": [-1.0, 0.2, 3.0, 0.4],
-        "items": [0, asp.ContactStepper.DRY_FRICTION],
-        "bounds": [0.0, 0.1],
+        "free_velocity": [0.4, -1.0, 0.2, 3.0],
+        "items": [asp.ContactStepper.DRY_FRICTION, 0],
+        "bounds": [0.1, 0.0],
         "keys": [3, 1],
     },
     "certificate": {"percussion": [1.0, 0.0, 0.1]},

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from asperity import identify
 from asperity.errors import AsperityError, ParameterError, RecordError
+from asperity.identify.records.tables.text_table import Format, number_in
 
 pandas = pytest.importorskip("pandas")
 
@@ -141,6 +142,21 @@ def test_a_mark_at_the_wrong_place_is_refused_with_line_and_column(
     where = f"column 'normal': line 8 reads '{re.escape(cell)}': .*"
     with pytest.raises(RecordError, match=where + says):
         identify.load(tmp_path / "mixed.csv", {"file": form})
+
+
+def test_a_point_is_no_delimiter_and_powers_have_no_groups(tmp_path):
+    held = pandas.DataFrame(
+        [[lab.number(x, 6, ",") for x in row] for row in TABLE],
+        columns=["time", "angle", "tangential", "radial", "normal"],
+    )
+    form = {"delimiter": "?", "decimal": ","}
+    held.to_csv(tmp_path / "sound.csv", index=False, sep="?")
+    sound = identify.load(tmp_path / "sound.csv", {"file": form})
+    assert len(sound.force) == len(TABLE)
+    held.assign(normal="9.5").to_csv(tmp_path / "points.csv", index=False, sep="?")
+    with pytest.raises(RecordError, match=r"decimal mark seems to be '\.'"):
+        identify.load(tmp_path / "points.csv", {"file": form})
+    assert np.isnan(number_in("1e1.234", Format(delimiter=";", decimal=",", thousands=".")))
 
 
 def test_texts_spreadsheets_and_frames_are_refused_in_the_same_words(tmp_path):

@@ -1,11 +1,17 @@
 """Steps of mechanisms: contacts among joints, limits, dry joints and rows that nothing moves."""
 
+import copy
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from asperity import (
     ContactProblem,
     ContactStepper,
     Ellipse,
+    Exact,
     FrictionLaw,
     NoSolutionError,
     ParameterError,
@@ -167,6 +173,15 @@ def test_bodies_that_slide_across_what_can_move(law):
     np.testing.assert_allclose(step.percussion[1:], expected, atol=1e-7)
 
 
+@pytest.mark.parametrize("across", [1e-1, 1e-2, 1e-3])
+def test_bodies_that_hardly_slide_across_what_can_move(across):
+    step = ContactStepper(LAWS[1]).solve(
+        np.diag([1.0, 1.0, 0.0]), free_velocity=[-1.0, 0.5, across], items=[0]
+    )
+    expected = LAWS[1].force(step.velocity[1:], normal_force=step.percussion[0])
+    np.testing.assert_allclose(step.percussion[1:], expected, atol=1e-9)
+
+
 def test_a_contact_that_nothing_moves_carries_nothing():
     delassus = np.diag([0.0, 0.0, 0.0, 2.0])
     step = ContactStepper(LAWS).solve(
@@ -264,3 +279,80 @@ def test_status_is_recorded():
         squeezed, free_velocity=[-1.0, -1.0], items=[FREE, FREE], on_failure="record"
     )
     assert step.status is Status.NO_SOLUTION
+
+
+def test_velocities_do_not_depend_on_the_order_to_the_bit():
+    rng = np.random.default_rng(4)
+    for _ in range(30):
+        items, delassus, free, bounds = mechanism(rng)
+        keys, starts = rng.permutation(len(items)), row_starts(items)
+        order = rng.permutation(len(items))
+        rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in order])
+        options = {"free_velocity": free, "items": items, "bounds": bounds, "keys": keys}
+        one = ContactStepper(LAWS).solve(delassus, on_failure="record", **options)
+        options = {"items": np.array(items)[order], "bounds": bounds[order], "keys": keys[order]}
+        two = ContactStepper(LAWS).solve(
+            delassus[np.ix_(rows, rows)], free_velocity=free[rows], on_failure="record", **options
+        )
+        assert np.array_equal(one.velocity[rows], two.velocity)
+        assert one.mismatch == two.mismatch
+
+
+def test_threads_wait_for_a_stepper():
+    # In a process of its own, as threads that hold each other cannot be stopped.
+    script = """
+import threading, numpy as np, asperity as asp
+rng = np.random.default_rng(0)
+rows = rng.normal(size=(120, 60))
+stepper = asp.ContactStepper(asp.FrictionLaw.isotropic(0.5))
+def run():
+    for _ in range(20):
+        stepper.solve(rows @ rows.T, free_velocity=rows[:, 0], items=[0] * 40, on_failure="record")
+threads = [threading.Thread(target=run) for _ in range(3)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
+
+
+def test_joints_without_a_finite_velocity_are_no_solution():
+    step = ContactStepper(LAWS).solve(
+        np.diag([1e-300, 1e-300]),
+        free_velocity=[1e100, 1e100],
+        items=[JOINT, JOINT],
+        on_failure="record",
+    )
+    assert step.status is Status.NO_SOLUTION
+
+
+def test_bounds_of_other_items_do_not_count():
+    step = ContactStepper(LAWS).solve(
+        np.eye(5),
+        free_velocity=[-1.0, 0.0, 0.0, 0.2, 0.5],
+        items=[0, JOINT, DRY],
+        bounds=[np.nan, -1.0, 0.3],
+    )
+    assert step.percussion[4] == -0.3
+
+
+def test_keys_are_integers_of_64_bits():
+    stepper, squeezed = ContactStepper(LAWS), {"free_velocity": [-1.0, -1.0], "items": [FREE, FREE]}
+    assert stepper.solve(np.eye(2), keys=[2**53, 2**53 + 1], **squeezed).converged
+    with pytest.raises(ParameterError, match="keys: must be integers, less than"):
+        stepper.solve(np.eye(2), keys=np.array([2**63 + 1, 3], dtype=np.uint64), **squeezed)
+
+
+def test_copies():
+    stepper = ContactStepper(LAWS, solver=Exact(), tolerance=1e-9)
+    step = stepper.solve(np.eye(3), free_velocity=[-1.0, 3.0, 0.0], items=[0])
+    for again in (copy.copy(stepper), pickle.loads(pickle.dumps(stepper))):
+        assert again.tolerance == 1e-9
+        assert again.laws == stepper.laws
+        other = again.solve(np.eye(3), free_velocity=[-1.0, 3.0, 0.0], items=[0])
+        assert np.array_equal(other.percussion, step.percussion)
+    same = pickle.loads(pickle.dumps(step))
+    assert repr(same) == repr(step)
+    assert np.array_equal(same.velocity, step.velocity)
+    assert not same.velocity.flags.writeable
+    with pytest.raises(AttributeError, match="immutable"):
+        step.percussion = 0.0

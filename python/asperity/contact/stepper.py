@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
-from typing import ClassVar
+from functools import cached_property, partial
+from types import SimpleNamespace
+from typing import Any, ClassVar, NoReturn, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +14,15 @@ import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact.certificate import Certificate
-from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
+from asperity.errors import ConvergenceError, DimensionError, NoSolutionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
+
+_PARTS = (
+    *("percussion", "velocity", "phase", "ambiguous_items"),
+    *("status", "residual", "mismatch", "iterations", "worst_item"),
+)
 
 
 class StepSolution:
@@ -29,14 +35,24 @@ class StepSolution:
         status: how the solve ended; ``status.advice`` says what to try.
         residual: largest relative defect of a contact, as `ContactProblem.residual`.
         mismatch: largest velocity that is left in a bilateral row, or with which bodies approach
-            each other that no percussion moves, in m/s or rad/s.
+            each other that no percussion moves, in m/s or rad/s. Up to 1e-6 of the largest velocity
+            of all such rows, or of all rows, it counts as drift: look at it where a step has slow
+            and fast ones.
         iterations: sweeps or iterations of the solver.
         ambiguous_items: whether each item had several solutions, the others held.
         worst_item: the item with the largest residual, or the one without a solution.
     """
 
+    _step: _core.Step
+
     def __init__(self, step: _core.Step) -> None:
-        self._step = step
+        object.__setattr__(self, "_step", step)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"StepSolution is immutable: {name!r} cannot be set")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, ({name: getattr(self._step, name) for name in _PARTS},)
 
     @cached_property
     def percussion(self) -> Array:
@@ -112,7 +128,8 @@ class ContactStepper:
     models, they stick up to the friction of sliding in the direction that is left; at rest what is
     transmitted across it is undetermined, and goes with the force along it as in sliding.
 
-    A stepper changes with every step: one per simulation, and per thread.
+    A stepper changes with every step: one per simulation, and per thread. Copies, by pickle too, do
+    not remember the steps before.
 
     Args:
         laws: friction laws of dimension p = 1, 2 or 3, without a factor of the speed.
@@ -153,7 +170,12 @@ class ContactStepper:
             arrays.of_kind(law, "laws", FrictionLaw, "a FrictionLaw or a sequence of them")
         self._laws: tuple[FrictionLaw, ...] = listed
         self._tolerance = arrays.positive(tolerance, "tolerance")
-        self._stepper = _core.Stepper([law._core for law in listed], chosen(solver)._core)
+        self._solver = chosen(solver)
+        self._stepper = _core.Stepper([law._core for law in listed], self._solver._core)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        make = partial(ContactStepper, solver=self._solver, tolerance=self._tolerance)
+        return make, (self._laws,)
 
     @property
     def laws(self) -> tuple[FrictionLaw, ...]:
@@ -199,14 +221,12 @@ class ContactStepper:
             DimensionError, ParameterError: naming the argument.
         """
         arrays.choice(on_failure, "on_failure", ("raise", "record"))
-        held = None if bounds is None else _floats(bounds, "bounds", 1)
-        if held is not None and not np.all((held >= 0.0) & (held < np.inf)):
-            raise ParameterError("bounds", "must be finite and not negative")
+        kinds = _integers(items, "items")
         step = self._stepper.step(
             _floats(delassus, "delassus", 2),
             _floats(free_velocity, "free_velocity", 1),
-            _integers(items, "items"),
-            held,
+            kinds,
+            None if bounds is None else _bounds(bounds, kinds),
             None if keys is None else _integers(keys, "keys"),
             self._tolerance,
             None if time_limit is None else arrays.positive(time_limit, "time_limit"),
@@ -225,6 +245,13 @@ class ContactStepper:
         return Certificate(**self._stepper.certificate())
 
 
+def _restored(parts: dict[str, Any]) -> StepSolution:
+    for part in parts.values():
+        if isinstance(part, np.ndarray):
+            part.flags.writeable = False
+    return StepSolution(cast(_core.Step, SimpleNamespace(**parts)))
+
+
 def _floats(values: ArrayLike, argument: str, dimensions: int) -> Array:
     """Return contiguous numbers; those of an engine are taken as they are."""
     if (
@@ -241,10 +268,28 @@ def _integers(values: ArrayLike, argument: str) -> NDArray[np.int64]:
     if type(values) is np.ndarray and values.dtype == np.int64 and values.ndim == 1:
         return values
     converted = arrays.array(values, argument, (None,))
-    whole = np.ascontiguousarray(converted, dtype=np.int64)
-    if not np.array_equal(whole, converted):
-        raise ParameterError(argument, "must be integers")
-    return whole
+    given = np.asarray(values)
+    if given.dtype.kind not in "iub":
+        # Floats name integers without a doubt up to there.
+        given, fits = converted, (converted == np.rint(converted)) & (np.abs(converted) < 2.0**53)
+    else:
+        fits = given <= np.iinfo(np.int64).max
+    if not np.all(fits):
+        raise ParameterError(argument, "must be integers, less than 2**63")
+    return given.astype(np.int64)
+
+
+def _bounds(values: ArrayLike, items: NDArray[np.int64]) -> Array:
+    """Return the bounds of dry joints, in place of the others 0."""
+    bounds = arrays.with_gaps(values, "bounds", (None,))
+    if len(bounds) != len(items):
+        raise DimensionError("bounds", f"must have one entry per item, {len(items)}")
+    is_dry = items == ContactStepper.DRY_FRICTION
+    wrong = np.flatnonzero(is_dry & ~((bounds >= 0.0) & (bounds < np.inf)))
+    if wrong.size:
+        found = f"that of item {wrong[0]} is {bounds[wrong[0]]:g}"
+        raise ParameterError("bounds", f"must be finite and not negative, {found}")
+    return np.where(is_dry, bounds, 0.0)
 
 
 def _failure(step: StepSolution) -> ConvergenceError | ParameterError:

@@ -8,6 +8,7 @@ use asperity::mechanism::{ContactStepper, Rows, StepRows};
 use asperity::solver::{SolveReport, Stop};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use super::outcome::certified;
@@ -22,7 +23,7 @@ const FRICTIONLESS: i64 = -1;
 const BILATERAL: i64 = -2;
 const DRY_FRICTION: i64 = -3;
 
-/// A stepper, and buffers for what Python hands over.
+/// A stepper, and buffers for what Python hands over. Threads wait for it without the interpreter, which a step needs to end.
 #[pyclass(frozen, module = "asperity._core")]
 pub struct Stepper(Mutex<(ContactStepper, Vec<Rows>, Vec<u64>)>);
 
@@ -71,7 +72,8 @@ impl Stepper {
         if bounds.is_some_and(|bounds| bounds.len() != kinds.len()) {
             return Err(dimension("bounds", "must have one entry per item").into());
         }
-        let mut guard = self.0.lock().map_err(|_| parameter("stepper", "has failed before"))?;
+        let mut guard =
+            self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
         let (stepper, items, numbers_of) = &mut *guard;
         items.clear();
         for (item, &kind) in kinds.iter().enumerate() {
@@ -109,14 +111,16 @@ impl Stepper {
         })
     }
 
-    fn forget(&self) -> Result<(), Failure> {
-        let mut guard = self.0.lock().map_err(|_| parameter("stepper", "has failed before"))?;
+    fn forget(&self, py: Python<'_>) -> Result<(), Failure> {
+        let mut guard =
+            self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
         guard.0.forget();
         Ok(())
     }
 
     fn certificate<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
-        let guard = self.0.lock().map_err(|_| parameter("stepper", "has failed before"))?;
+        let guard =
+            self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
         Ok(certified(py, &guard.0.certificate()?)?)
     }
 }

@@ -101,8 +101,12 @@ impl Joints {
             let others = own.filter(|(j, _)| !self.rows.contains(j));
             let moved = others.map(|(_, (g, p))| (g * p).abs()).sum::<f64>();
             load = load.max(free_velocity[row].abs() + moved);
-            if velocity[row].abs() > worst.velocity {
+            // Also what is not a number.
+            if !(velocity[row].abs() <= worst.velocity) {
                 worst = Mismatch { row, velocity: velocity[row].abs(), is_drift: true };
+            }
+            if worst.velocity.is_nan() {
+                break;
             }
         }
         worst.is_drift = worst.velocity <= DRIFT * load;

@@ -7,7 +7,7 @@ use crate::contact::BlockMatrix;
 
 /// Mobility, relative to that along the other direction, which is lent to a direction that nothing moves but that slides: slip has to
 /// turn towards the force, and turns by so much.
-const LENT: f64 = 1e-8;
+const LENT: f64 = 1e-11;
 
 /// How the friction of a contact is found.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -119,6 +119,8 @@ pub struct ContactStepper {
     remembered: HashMap<u64, Remembered>,
     order: Vec<usize>,
     firsts: Vec<usize>,
+    /// All rows, item after item in the order of their keys.
+    sequence: Vec<usize>,
     found: Found,
 }
 
@@ -147,6 +149,7 @@ impl ContactStepper {
             remembered: HashMap::new(),
             order: Vec::new(),
             firsts: Vec::new(),
+            sequence: Vec::new(),
             found: Found::default(),
         })
     }
@@ -283,6 +286,9 @@ impl ContactStepper {
                 return refuse("keys", message);
             }
         }
+        let end = |item: usize| self.firsts.get(item + 1).copied().unwrap_or(all);
+        self.sequence.clear();
+        self.sequence.extend(self.order.iter().flat_map(|&item| self.firsts[item]..end(item)));
         Ok(())
     }
 }
@@ -379,7 +385,7 @@ impl ContactStepper {
 
     /// Percussions and velocities of all rows.
     fn expand(&mut self, rows: &StepRows<'_>) {
-        let Self { laws, memory, workspace, joints, layout, found, .. } = self;
+        let Self { laws, memory, workspace, joints, layout, found, sequence, .. } = self;
         let (count, all) = (rows.items.len(), rows.free_velocity.len());
         let Found { percussion, velocity, phases, ambiguous, mismatch } = found;
         percussion.clear();
@@ -420,10 +426,11 @@ impl ContactStepper {
         let own = |member: &Member| member.first..member.friction_rows().end;
         joints.react(percussion, layout.members.iter().flat_map(own));
         velocity.clear();
-        velocity.extend(rows.free_velocity.iter().enumerate().map(|(i, free)| {
-            let row = &rows.delassus[i * all..(i + 1) * all];
-            free + row.iter().zip(&*percussion).map(|(g, p)| g * p).sum::<f64>()
-        }));
+        velocity.extend_from_slice(rows.free_velocity);
+        for (i, velocity) in velocity.iter_mut().enumerate() {
+            // Sums whose order is that of the keys, wherever a row is listed.
+            *velocity += sequence.iter().map(|&j| rows.entry(i, j) * percussion[j]).sum::<f64>();
+        }
         phases.clear();
         let known =
             |kind: &Rows| if *kind == Rows::Bilateral { Phase::Stick } else { Phase::Unknown };

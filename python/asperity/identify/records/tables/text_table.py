@@ -43,6 +43,7 @@ _SHOWN, _LONGEST = 12, 40
 _MOSTLY = 0.5
 THOUSANDS = (",", ".", " ", "'", "\u2019", "\u00a0", "\u202f", "_")
 """What may stand between groups of three digits."""
+_NO_NUMBER = "?"  # in place of a point that is no decimal mark
 _BRACKETED = re.compile(r"[\[(<][^\[\]()<>]*[\])>]$")
 _GROUPED = re.compile(r"[-+]?\d{1,3}([,. '\u2019\u00a0\u202f_])\d{3}(\1\d{3})*([.,]\d*)?")
 
@@ -515,7 +516,7 @@ def _short(name: str) -> str:
 def _groups(mark: str, decimal: str) -> re.Pattern[str]:
     """Return the pattern of digits in groups of three, before a decimal mark."""
     mark = re.escape(mark)
-    return re.compile(rf"(?<![\d{decimal}])[1-9]\d{{0,2}}(?:{mark}\d{{3}})+(?!\d)")
+    return re.compile(rf"(?<![\d{decimal}eE])[1-9]\d{{0,2}}(?:{mark}\d{{3}})+(?!\d)")
 
 
 def _pointed(texts: Iterable[str], form: Format) -> Iterable[str]:
@@ -528,7 +529,7 @@ def _pointed(texts: Iterable[str], form: Format) -> Iterable[str]:
         mark, groups = form.thousands, _groups(form.thousands, form.decimal)
         texts = (groups.sub(lambda one: one[0].replace(mark, ""), text) for text in texts)
     if form.decimal == ",":
-        texts = (text.replace(".", "?").replace(",", ".") for text in texts)
+        texts = (text.replace(".", _NO_NUMBER).replace(",", ".") for text in texts)
     return texts
 
 
@@ -536,7 +537,7 @@ def _loaded(lines: Iterable[str], form: Format, places: Sequence[int]) -> Array 
     """Return the columns if every line is in order and there are some, else None."""
     import warnings
 
-    if form.delimiter is not None and form.delimiter in (form.thousands, form.decimal):
+    if form.delimiter is not None and form.delimiter in (form.thousands, form.decimal, _NO_NUMBER):
         return None
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         # That there are no numbers is said in our own words.
