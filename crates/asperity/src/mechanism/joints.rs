@@ -86,7 +86,8 @@ impl Joints {
         }
     }
 
-    /// The row that moves most: others contradict it.
+    /// The row that moves most where others contradict it, by more than drift of the velocities that rows which influence it have to
+    /// take out; else the one that moves most.
     pub(super) fn mismatch(
         &self,
         delassus: &[f64],
@@ -95,21 +96,32 @@ impl Joints {
         velocity: &[f64],
     ) -> Mismatch {
         let all = free_velocity.len();
-        let (mut worst, mut load) = (Mismatch::default(), 0.0_f64);
+        let entry = |i: usize, j: usize| delassus[i * all + j];
+        let load = |row: usize| {
+            let others = (0..all).filter(|j| !self.rows.contains(j));
+            free_velocity[row].abs()
+                + others.map(|j| (entry(row, j) * percussion[j]).abs()).sum::<f64>()
+        };
+        let loads: Vec<f64> = self.rows.iter().map(|&row| load(row)).collect();
+        let rounding = ROUNDED * loads.iter().copied().fold(0.0, f64::max);
+        let mut worst = Mismatch { is_drift: true, ..Mismatch::default() };
         for &row in &self.rows {
-            let own = delassus[row * all..(row + 1) * all].iter().zip(percussion).enumerate();
-            let others = own.filter(|(j, _)| !self.rows.contains(j));
-            let moved = others.map(|(_, (g, p))| (g * p).abs()).sum::<f64>();
-            load = load.max(free_velocity[row].abs() + moved);
-            // Also what is not a number.
-            if !(velocity[row].abs() <= worst.velocity) {
-                worst = Mismatch { row, velocity: velocity[row].abs(), is_drift: true };
+            let meet = |other: usize| {
+                entry(row, other).abs() > ROUNDED * (entry(row, row) * entry(other, other)).sqrt()
+            };
+            let own =
+                self.rows.iter().zip(&loads).filter(|(other, _)| **other == row || meet(**other));
+            let reach = own.map(|(_, load)| *load).fold(0.0, f64::max);
+            let left = velocity[row].abs();
+            // Also where it is not a number.
+            let is_drift = left <= f64::max(DRIFT * reach, rounding);
+            if left.is_nan() || (!is_drift, left) > (!worst.is_drift, worst.velocity) {
+                worst = Mismatch { row, velocity: left, is_drift };
             }
-            if worst.velocity.is_nan() {
+            if left.is_nan() {
                 break;
             }
         }
-        worst.is_drift = worst.velocity <= DRIFT * load;
         worst
     }
 }

@@ -454,8 +454,14 @@ impl ContactStepper {
             let row = self.firsts[item];
             let closing =
                 if matches!(rows.items[item], Rows::DryFriction(_)) { 0.0 } else { -velocity[row] };
-            if closing > worst.velocity {
-                let is_drift = closing <= DRIFT * rows.largest_velocity();
+            let size = match rows.items[item] {
+                Rows::Contact(law) => 1 + self.laws[law].dimension().min(2),
+                _ => 1,
+            };
+            let own =
+                rows.free_velocity[row..row + size].iter().fold(0.0, |most, v| v.abs().max(most));
+            let is_drift = closing <= f64::max(DRIFT * own, ROUNDED * rows.largest_velocity());
+            if (!is_drift, closing) > (!worst.is_drift, worst.velocity) {
                 worst = Mismatch { row, velocity: closing, is_drift };
             }
         }
