@@ -115,6 +115,15 @@ def test_a_map_against_solutions_of_the_whole_system():
     assert len(chart._repr_html_()) > 1000
 
 
+def test_a_band_without_modes_has_an_empty_map():
+    system = pad_system((3, 2, 1), LAWS["isotropic"])
+    for band in ((1.0, 2.0), (1e9, 2e9)):
+        chart = asp.squeal_map(system, parameters={"friction": [0.1, 0.5]}, band=band)
+        assert chart.eigenvalues.shape == (0, 2)
+        assert "0 modes" in chart.summary()
+    assert asp.reduce(system, band=(1.0, 2.0)).dof < system.dof
+
+
 def test_modes_keep_their_names_over_friction():
     system = pad_system((5, 3, 2), LAWS["isotropic"])
     chart = asp.squeal_map(system, parameters={"friction": np.linspace(0.05, 0.3, 26)}, band=BAND)
