@@ -243,6 +243,10 @@ def test_text_that_contradicts_itself_is_refused(tmp_path, text, match):
         asp.read_matrices(mass=M, stiffness=K)
 
 
+def _with(data, place, byte):
+    return data[:place] + bytes([byte]) + data[place + 1 :]
+
+
 def test_wrong_files_are_named(tmp_path):
     small, large, text = tmp_path / "A.mat", tmp_path / "B.mat", tmp_path / "K.mtx"
     scipy.io.savemat(small, {"M": np.eye(2), "cell": np.array([1, "a"], dtype=object)})
@@ -265,6 +269,24 @@ def test_wrong_files_are_named(tmp_path):
     ):
         with pytest.raises((asp.ParameterError, asp.DimensionError), match=match):
             asp.read_matrices(mass=mass, stiffness=stiffness)
+    text.write_text("1,1, 1,1, 5.0\n1,2, 1,2, 4.28")
+    with pytest.raises(asp.ParameterError, match=r"^stiffness: ends within a line"):
+        asp.read_matrices(mass=small, stiffness=text)
+    text.write_text("1 1 5.0\n")
+    # Damage that SciPy meets with errors of its own, or with a crash of Python.
+    for compression in (False, True):
+        K = matrices()["stiffness"]
+        scipy.io.savemat(large, {"K": K}, do_compression=compression)
+        data = large.read_bytes()
+        # Indices in 32 bits, of which the highest byte is in place 3.
+        indices = data.find(K.indices[:8].astype("<i4").tobytes())
+        places = (160,) if compression else (indices + 3, indices + 7)
+        for broken in (data[:45], data[:300], *(_with(data, place, 0x33) for place in places)):
+            large.write_bytes(broken)
+            with pytest.raises(
+                asp.ParameterError, match=r"^stiffness: (cannot be read|is damaged)"
+            ):
+                asp.read_matrices(mass=text, stiffness=(large, "K"))
     for options, match in (
         ({"deck": tmp_path / "none.inp"}, "^deck: cannot be read"),
         ({"dof": [[1, 0]]}, "^dof: must name"),

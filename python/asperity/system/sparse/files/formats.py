@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -215,6 +216,8 @@ def _read(source: Source | None, role: str) -> _Stored:
         raise ParameterError(
             role, f"must hold lines of 3 or 5 numbers, as of Abaqus, {file} begins with {width}"
         )
+    if text[-1] not in "\r\n":
+        raise ParameterError(role, f"ends within a line: {file} is cut off, or lacks a line break")
     entries = table(lines, file, width)
     if width == 5:
         return _Stored(None, entries)
@@ -236,7 +239,10 @@ def _matlab(path: Any, name: str | None, role: str) -> SparseMatrix:
 
     try:
         held = scipy.io.loadmat(os.fspath(path))
-    except (OSError, ValueError, TypeError, NotImplementedError, MatReadError) as error:
+    except (
+        *(OSError, ValueError, TypeError, LookupError, RuntimeError),
+        *(MemoryError, OverflowError, MatReadError, zlib.error),
+    ) as error:
         raise ParameterError(
             role, f"cannot be read: {error}; files of MATLAB 7.3 must be saved with -v7"
         ) from None
@@ -246,6 +252,12 @@ def _matlab(path: Any, name: str | None, role: str) -> SparseMatrix:
         raise ParameterError(role, f"must be a matrix, {name} is {type(value).__name__}")
     if not matrices.is_sparse(value):
         value = arrays.array(value, role)
+    else:
+        # SciPy reads indices without a look at them, and crashes on wrong ones.
+        try:
+            value.check_format(full_check=True)
+        except ValueError as error:
+            raise ParameterError(role, f"is damaged: {error}") from None
     return matrices.compressed(value, role, matrices.order(value, role))
 
 
@@ -309,7 +321,7 @@ def _full(path: Any, name: str, role: str) -> _Stored:
         ) from None
     try:
         dof, K, M = read_binary(os.fspath(path)).load_km(sort=False)
-    except (OSError, NotImplementedError, RuntimeError, AttributeError) as error:
+    except (OSError, ValueError, LookupError, RuntimeError, AttributeError) as error:
         raise ParameterError(role, f"cannot be read by ansys-mapdl-reader: {error}") from None
     from scipy.sparse import triu
 
