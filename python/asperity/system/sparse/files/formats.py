@@ -20,7 +20,14 @@ from asperity._base.result import counted
 from asperity.errors import DimensionError, ParameterError
 from asperity.system.sparse import matrices
 from asperity.system.sparse.files.calculix import read_deck
-from asperity.system.sparse.files.entries import either, general, number, table, text_of
+from asperity.system.sparse.files.entries import (
+    either,
+    general,
+    number,
+    table,
+    text_of,
+    whole_lines,
+)
 from asperity.system.sparse.files.matrix_market import read_matrix_market
 from asperity.system.sparse.files.model import FiniteElementModel, beside, of_matrices
 
@@ -216,8 +223,7 @@ def _read(source: Source | None, role: str) -> _Stored:
         raise ParameterError(
             role, f"must hold lines of 3 or 5 numbers, as of Abaqus, {file} begins with {width}"
         )
-    if text[-1] not in "\r\n":
-        raise ParameterError(role, f"ends within a line: {file} is cut off, or lacks a line break")
+    whole_lines(path)
     entries = table(lines, file, width)
     if width == 5:
         return _Stored(None, entries)
