@@ -243,12 +243,17 @@ def test_text_that_contradicts_itself_is_refused(tmp_path, text, match):
         asp.read_matrices(mass=M, stiffness=K)
 
 
+def _with(data, place, byte):
+    return data[:place] + bytes([byte]) + data[place + 1 :]
+
+
 def test_wrong_files_are_named(tmp_path):
     small, large, text = tmp_path / "A.mat", tmp_path / "B.mat", tmp_path / "K.mtx"
     scipy.io.savemat(small, {"M": np.eye(2), "cell": np.array([1, "a"], dtype=object)})
     scipy.io.savemat(large, {"K": np.eye(3), "Z": 1j * np.eye(2)})
     text.write_text("1 1 5.0\n")
     (tmp_path / "C.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(600))
+    (tmp_path / "empty.mat").write_bytes(b"")
     for mass, stiffness, match in (
         (small, large, r"must have shape \(3, 3\)"),
         (small, (large, "Z"), "real"),
@@ -256,7 +261,58 @@ def test_wrong_files_are_named(tmp_path):
         (small, tmp_path / "C.mat", "MATLAB 7.3"),
         (small, tmp_path / "none.mat", "cannot be read"),
         (small, (text, "K"), "one matrix"),
-        (small, tmp_path / "none.mtx", "cannot be read"),
+        (small, tmp_path / "none.mtx", "^stiffness: cannot be read"),
+        (tmp_path / "none.mtx", text, "^mass: cannot be read"),
+        (tmp_path / "empty.mat", text, "^mass: cannot be read"),
+        (None, text, "^mass: must be a file"),
+        ((small,), text, "^mass: must be a file"),
     ):
         with pytest.raises((asp.ParameterError, asp.DimensionError), match=match):
             asp.read_matrices(mass=mass, stiffness=stiffness)
+    text.write_text("1,1, 1,1, 5.0\n1,2, 1,2, 4.28")
+    with pytest.raises(asp.ParameterError, match=r"^stiffness: K\.mtx ends within"):
+        asp.read_matrices(mass=small, stiffness=text)
+    text.write_text("1 1 5.0\n")
+    # Damage that SciPy meets with errors of its own, or with a crash of Python.
+    for compression in (False, True):
+        K = matrices()["stiffness"]
+        scipy.io.savemat(large, {"K": K}, do_compression=compression)
+        data = large.read_bytes()
+        # Indices in 32 bits, of which the highest byte is in place 3.
+        indices = data.find(K.indices[:8].astype("<i4").tobytes())
+        places = (160,) if compression else (indices + 3, indices + 7)
+        for broken in (data[:45], data[:300], *(_with(data, place, 0x33) for place in places)):
+            large.write_bytes(broken)
+            with pytest.raises(
+                asp.ParameterError, match=r"^stiffness: (cannot be read|is damaged)"
+            ):
+                asp.read_matrices(mass=text, stiffness=(large, "K"))
+    for options, match in (
+        ({"deck": tmp_path / "none.inp"}, "^deck: cannot be read"),
+        ({"dof": [[1, 0]]}, "^dof: must name"),
+    ):
+        with pytest.raises(asp.ParameterError, match=match):
+            asp.read_matrices(mass=text, stiffness=text, **options)
+    text.write_text("\n  \n1,1, 1,1, 5.0\n")
+    assert asp.read_matrices(mass=text, stiffness=text).nodes.tolist() == [1]
+    with pytest.raises(asp.ParameterError, match=r"^dof: is for files that name no nodes"):
+        asp.read_matrices(mass=text, stiffness=text, dof=[[1, 1]])
+
+
+def test_coordinates_held_by_a_large_number_are_left_out(tmp_path):
+    """As Abaqus holds those of boundary conditions, and a mass that lacks rows is said."""
+    found, K, M = matrices(), tmp_path / "K.mtx", tmp_path / "M.mtx"
+    stiff = found["stiffness"].tolil()
+    stiff[30, 30] = stiff[32, 32] = 1e36
+    K.write_text(labelled(stiff))
+    M.write_text("".join(labelled(found["mass"]).splitlines(keepends=True)[:1]))
+    model = asp.read_matrices(mass=M, stiffness=K)
+    rest = np.delete(np.arange(N), [30, 32])
+    np.testing.assert_array_equal(
+        model.stiffness.toarray(), found["stiffness"].toarray()[np.ix_(rest, rest)]
+    )
+    assert (
+        "2 coordinates with a stiffness of 1e+36 and more were left out as held, such as that of "
+        "node 111." in model.findings
+    )
+    assert "33 rows of M vanish, such as that of node 101 in direction 2." in model.findings

@@ -220,6 +220,23 @@ def test_a_band_holds_all_of_its_eigenvalues():
     np.testing.assert_array_equal(frame["frequency [Hz]"], found.frequencies)
 
 
+def test_a_band_from_zero_holds_real_eigenvalues():
+    # Springs that push away from rest: divergence, whose Im s = 0 has either sign by rounding.
+    system = pad_system((3, 2, 1), asp.FrictionLaw.isotropic(1.0))
+    away = np.zeros(system.dof)
+    band = (0.0, 2.0 * np.pi * 1.5e4)
+    for push in (3.2e6, 3.5e6, 4.0e6):
+        away[0::3] = -push
+        pushed = system.replace(stiffness=system.stiffness + sp.diags_array(away))
+        chart = asp.squeal_map(pushed, parameters={"friction": [0.05, 0.1]}, band=band)
+        for k, friction in enumerate((0.05, 0.1)):
+            there = pushed.varied(friction=friction)
+            wanted = asp.stability(there.dense()).eigenvalues.real.max()
+            found = asp.stability(there, band=band, growth=2e4)
+            np.testing.assert_allclose(found.growth_rate, wanted, rtol=1e-6)
+            np.testing.assert_allclose(chart.growth_rate[k], wanted, rtol=1e-5)
+
+
 def test_massless_coordinates_do_no_harm():
     """Elements with reduced integration have singular mass matrices; only dense ones need M⁻¹."""
     M = sp.csc_array(np.diag([1.0, 0.0, 2.0]))

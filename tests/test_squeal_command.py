@@ -70,6 +70,25 @@ def test_the_example_says_what_python_says(example, tmp_path, capsys):
     assert "Small motions grow like" in sheet.summary()
 
 
+def test_what_does_not_slide_is_doubtful_and_wrong_files_are_named(example, capsys):
+    text = example.read_text()
+    example.write_text(text.replace("-3000.0", "3000.0"))
+    assert main(["squeal", str(example)]) == 1
+    assert "No contact is closed at 0.5 times the friction" in capsys.readouterr().out
+    example.write_text(text.replace("velocity = [5.0, ", "velocity = [0.0, "))
+    assert main(["squeal", str(example)]) == 1
+    assert "there is no result between 0 and 15000 Hz" in capsys.readouterr().out
+    for old, new, said in (
+        ('"CONTACT"', "[11, 11]", "[contacts] nodes: must name every coordinate once"),
+        ("tangent = [1.0, 0.0, 0.0]", "tangent = [0.0, 0.0, 1.0]", "[contacts] tangent: "),
+        ('mass = "bar_MASS1.mtx"', 'mass = "bar.inp"', "[model] mass: "),
+    ):
+        assert old in text
+        example.write_text(text.replace(old, new))
+        assert main(["squeal", str(example)]) == 2
+        assert said in capsys.readouterr().err
+
+
 def test_files_that_are_there_are_kept(example, tmp_path, capsys):
     assert main(["init", "--kind", "squeal", "--out", str(example.parent)]) == 2
     assert "holds a file squeal.toml already" in capsys.readouterr().err
@@ -218,7 +237,10 @@ def test_what_is_wrong_is_named_by_file_line_and_key(
 def test_another_law_may_take_the_place_of_the_one_that_is_named(example, tmp_path, capsys):
     asp.FrictionLaw.isotropic(0.01).save(tmp_path / "weak.toml")
     assert main(["squeal", str(example), "--law", str(tmp_path / "weak.toml")]) == 0
-    assert "no mode between 0 and 15000 Hz is certain to grow" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert (
+        "no mode between 0 and 15000 Hz and with |Re s| up to 4712 1/s is certain to grow" in said
+    )
     asp.FrictionLaw.isotropic(0.3, dimension=1).save(tmp_path / "line.toml")
     assert main(["squeal", str(example), "--law", str(tmp_path / "line.toml")]) == 2
     assert "must be planar" in capsys.readouterr().err

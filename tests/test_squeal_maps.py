@@ -136,6 +136,26 @@ def test_the_border_of_instability_is_that_of_the_whole_system_within_a_degree()
             assert (in_band(there).real.max() > 0.0) == inside
 
 
+def test_a_band_without_modes_has_an_empty_map():
+    system = pad_system((3, 2, 1), LAWS["isotropic"])
+    for band in ((1.0, 2.0), (1e9, 2e9)):
+        chart = asp.squeal_map(system, parameters={"friction": [0.1, 0.5]}, band=band)
+        assert chart.eigenvalues.shape == (0, 2)
+        assert "0 modes" in chart.summary()
+    assert asp.reduce(system, band=(1.0, 2.0)).dof < system.dof
+
+
+def test_rounding_is_no_growth():
+    system = pad_system((3, 2, 1), LAWS["isotropic"], gap=1.0)
+    free = system.replace(damping=0.0 * system.damping)
+    chart = asp.squeal_map(free, parameters={"friction": [0.1, 0.3, 0.5]}, band=BAND)
+    assert np.abs(chart.growth_rates).max() < 1e-6
+    assert not chart.unstable.any()
+    assert "unstable at 0.0%" in chart.summary()
+    ax = asp.plot.plot_squeal_map(chart, ax=Figure().add_subplot(), quantity="frequencies")
+    assert not any(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o")
+
+
 def test_modes_keep_their_names_over_friction():
     system = pad_system((5, 3, 2), LAWS["isotropic"])
     chart = asp.squeal_map(system, parameters={"friction": np.linspace(0.05, 0.3, 26)}, band=BAND)
@@ -234,7 +254,12 @@ def test_mode_shapes_on_the_mesh(tmp_path):
     wanted = modes.modes[:, 1].copy()
     wanted[10] = 0.0
     np.testing.assert_array_equal(parts[2] + 1j * parts[3], wanted)
-    for name, wrong in (("coordinates", coordinates + 5), ("cells", bricks[:, :5])):
+    for name, wrong in (
+        ("coordinates", coordinates + 5),
+        ("coordinates", coordinates + 0.5),
+        ("cells", bricks[:, :5]),
+        ("cells", bricks + 0.5),
+    ):
         given = {"coordinates": coordinates, "positions": positions, "cells": bricks, name: wrong}
         with pytest.raises(asp.AsperityError, match=name):
             modes.save_vtk(tmp_path / "wrong.vtk", **given)

@@ -84,12 +84,15 @@ chart = asp.squeal_map(
     band=band,
 )
 print(chart.summary())
-line = asp.squeal_map(pad, parameters={"friction": np.linspace(0.02, 0.9, 67)}, band=band)
+aside = pad.varied(phi=np.deg2rad(75.0))
+line = asp.squeal_map(
+    aside, parameters={"friction": np.linspace(0.02, 0.9, 67)}, band=(band[0], 2e4)
+)
 
 with asp.plot.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
     asp.plot.plot_squeal_map(chart, ax=left)
     left.set_title("Largest growth rate and its border")
-    asp.plot.plot_squeal_map(line, ax=right, quantity="frequencies")
-    right.set_title("Modes meet, and one of them grows")
+    asp.plot.plot_squeal_map(line, ax=right)
+    right.set_title("Modes below 3.2 kHz at 75°: one of them grows")
 plt.show()

@@ -70,12 +70,13 @@ def plot_squeal_map(
         raise ParameterError("quantity", f"must be one of {', '.join(_UNITS)}, got {quantity!r}")
     ((x, across),) = axes
     with look.drawing(ax) as ax:
-        for growth, height in zip(chart.growth_rates, getattr(chart, quantity), strict=True):
-            grows = growth > 0.0
+        parts = chart.unstable, chart.growth_rates, getattr(chart, quantity)
+        for grows, growth, height in zip(*parts, strict=True):
             ax.plot(x, height, color=look.BLUE, linewidth=0.9)
             ax.plot(x, np.where(grows, height, np.nan), color=look.ORANGE, linewidth=2.0)
-            at = np.flatnonzero(growth[1:] * growth[:-1] < 0.0)
-            share = growth[at] / (growth[at] - growth[at + 1])
+            known = ~np.isnan(growth)
+            at = np.flatnonzero((grows[1:] != grows[:-1]) & known[1:] & known[:-1])
+            share = np.clip(growth[at] / (growth[at] - growth[at + 1]), 0.0, 1.0)
             place, level = ((1.0 - share) * v[at] + share * v[at + 1] for v in (x, height))
             ax.plot(place, level, "o", color=look.INK, markerfacecolor="white", markersize=4.5)
         if quantity != "frequencies":

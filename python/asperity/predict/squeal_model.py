@@ -37,6 +37,8 @@ from asperity.system import (
 )
 
 _NODES = Kind("the name of a set or numbers of nodes", lambda x: TEXT.holds(x) or NUMBERS.holds(x))
+# Largest |Re s|, as a share of the band's upper end, unless the file says it; that of `stability`.
+_GROWTH = 0.05
 _ROLES = ("mass", "stiffness", "damping")
 _SCHEMA: Schema = {
     "law": TEXT,
@@ -101,6 +103,7 @@ class SquealModel:
         band = np.asarray(search.pop("band", ()), dtype=float)
         if band.shape != (2,) or not 0.0 <= band[0] < band[1]:
             raise file.error("squeal.band", "must be two frequencies in Hz, the lower one first")
+        search.setdefault("growth", _GROWTH * 2.0 * math.pi * float(band[1]))
         scan = file.values.get("parameters", {})
         friction = np.atleast_1d(np.asarray(scan.get("friction", 1.0), dtype=float))
         directions = np.atleast_1d(np.asarray(scan.get("direction_deg", 0.0), dtype=float))
@@ -219,7 +222,7 @@ def _model(file: TomlFile) -> FiniteElementModel:
     for role in ("mass", "stiffness"):
         if role not in sources:
             raise file.error(f"model.{role}", "is missing: name the file, or calculix = JOB")
-    with at(file, "model", path="stiffness"):
+    with at(file, "model"):
         found = read_matrices(**sources, deck=deck)
         if found.nodes.any() or "first_node" not in given:
             return found
@@ -251,6 +254,8 @@ def at(file: TomlFile, section: str, **renamed: str) -> Iterator[None]:
         yield
     except ParameterError as error:
         name = names.get(error.argument, error.argument)
+        # Contacts are made of both sections.
+        section = "contacts" if name in _SCHEMA["contacts"] else section
         raise file.error(f"{section}.{name}", error.message) from None
 
 

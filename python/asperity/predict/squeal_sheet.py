@@ -79,8 +79,10 @@ class SquealSheet(Result):
             f"No result {_case(one)}: {one.problem}" for one in self.cases if one.modes is None
         ]
         for one in self.cases:
-            if one.modes is None:
+            if one.modes is None or one.steady is None:
                 continue
+            if not one.steady.closed:
+                found.append(f"No contact is closed {_case(one)}: nothing slides.")
             missing = one.modes.certificate
             if missing is not None and not missing.is_complete:
                 found.append(f"Modes may be missing {_case(one)}: {missing.summary()}")
@@ -105,8 +107,11 @@ class SquealSheet(Result):
         """Return whether the model squeals, and why, in a sentence."""
         low, high = self.model.band
         where = f"between {low:g} and {high:g} Hz"
+        if all(one.modes is None for one in self.cases):
+            return f"there is no result {where}"
         if self.fastest is None or self.fastest.modes is None:
-            return f"no mode {where} is certain to grow"
+            growth = self.model.options["growth"]
+            return f"no mode {where} and with |Re s| up to {growth:.4g} 1/s is certain to grow"
         scanned = f", {_case(self.fastest)}" if len(self.cases) > 1 else ""
         reason = self.fastest.modes.reason
         return f"steady sliding is unstable {where}{scanned}. {reason.removesuffix('.')}"

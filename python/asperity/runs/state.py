@@ -32,7 +32,8 @@ class State(Record):
 
     ``trajectory.end`` is one. A run that starts from it continues the one before as if that had
     not ended: with the same options, what follows is the same to the bit, also where contacts have
-    several solutions, since phases, slip directions and percussions are handed over.
+    several solutions, since phases, slip directions and percussions are handed over; of sparse
+    systems it is the same to rounding.
     ``State(q, u, t0=t)`` is one without memory: a fresh start at the time t. `replace` leaves the
     momenta out if it changes coordinates or velocities without them, since they follow from these.
 

@@ -37,6 +37,8 @@ _AXES = {
 # Least |xᴴy|² of the shapes of a mode at neighbouring points, and the weight of the distance of
 # eigenvalues beside it.
 _ALIKE, _NEAR = 0.2, 3.0
+# Growth relative to |s| that is an error of Arnoldi's method.
+_ROUNDING = 1e-8
 # Share of the work that samples take, about.
 _SAMPLING = 0.4
 
@@ -92,6 +94,11 @@ class SquealMap(Result):
             axis=0, initial=-np.inf
         )
 
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """Which modes grow, and not by errors of the eigenvalues alone, shape ``(modes, …)``."""
+        return self.growth_rates > _ROUNDING * np.abs(self.eigenvalues)
+
     def __repr__(self) -> str:
         over = " × ".join(f"{len(values)} {name}" for name, values in self.parameters.items())
         return f"<SquealMap: {counted(len(self.eigenvalues), 'mode')} over {over}>"
@@ -99,7 +106,7 @@ class SquealMap(Result):
     def summary(self) -> str:
         """Return where modes grow, how fast, and how exact that is."""
         growth, over = self.growth_rate, " and ".join(self.parameters)
-        unstable = growth > 0.0
+        unstable = self.unstable.any(axis=0)
         lines = [
             f"{counted(len(self.eigenvalues), 'mode')} over {counted(growth.size, 'point')} of "
             f"{over}; steady sliding is unstable at {float(unstable.mean()):.1%} of them."

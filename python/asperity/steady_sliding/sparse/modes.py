@@ -19,7 +19,7 @@ from asperity.errors import ParameterError
 from asperity.steady_sliding.linearised.field import constant
 from asperity.steady_sliding.linearised.pencil import Complex
 from asperity.steady_sliding.sparse.certificate import Certificate, Circle, certified
-from asperity.steady_sliding.sparse.nearest import Pairs, are_new, nearest
+from asperity.steady_sliding.sparse.nearest import Pairs, are_new, nearest, within
 from asperity.steady_sliding.sparse.pencil import SmallMotions
 from asperity.steady_sliding.sparse.shape_files import write_vtk
 from asperity.steady_sliding.sparse.steady_state import residual_of, sparse_equilibrium
@@ -278,8 +278,7 @@ def modes_within(
     half = 0.05 * high if growth is None else arrays.positive(growth, "growth")
     small = _small_motions(system, steady)
     found, circles = _walked(small, low, high, half, count, _CERTIFIED if certify else 0.999)
-    s = found.values
-    wanted = (np.abs(s.real) <= half) & (low <= s.imag) & (s.imag <= high)
+    wanted = within(found.values, low, high, half)
     return _modes(small, steady, found.taken(wanted), found, circles, certify=certify)
 
 

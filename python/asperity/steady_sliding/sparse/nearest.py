@@ -128,6 +128,18 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
     )
 
 
+def within(
+    s: Complex, low: float, high: float, growth: float, *, size: float = 0.0
+) -> NDArray[np.bool_]:
+    """Return which eigenvalues have low ≤ Im s ≤ high and |Re s| ≤ growth.
+
+    Real ones, Im s = 0, have either sign by rounding, relative to |s| or a larger size.
+    """
+    rounding = _SAME * np.maximum(np.abs(s), size)
+    height = np.where(np.abs(s.imag) <= rounding, 0.0, s.imag)
+    return (low <= height) & (height <= high) & (np.abs(s.real) <= growth)
+
+
 def approximate(
     pencil: SparsePencil, shift: complex, radius: float, count: int
 ) -> tuple[Complex, Complex]:

@@ -14,7 +14,7 @@ from asperity._base.arrays import Array
 from asperity._base.progress import Progress, Report, reporter
 from asperity.errors import ParameterError
 from asperity.steady_sliding.linearised.pencil import Complex
-from asperity.steady_sliding.sparse.nearest import approximate
+from asperity.steady_sliding.sparse.nearest import approximate, within
 from asperity.steady_sliding.sparse.pencil import SmallMotions, SparsePencil
 from asperity.steady_sliding.sparse.reduced_system import (
     ReducedSystem,
@@ -92,6 +92,8 @@ def reduce(
 
 def checked_parameters(parameters: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """Return the values of each parameter."""
+    if not isinstance(parameters, Mapping):
+        raise ParameterError("parameters", f"must map names to values, got {parameters!r}")
     wrong = set(parameters) - set(_NAMES)
     if wrong or len(parameters) > 2:
         raise ParameterError(
@@ -201,8 +203,8 @@ class Reduction:
 
     def wanted(self, s: Complex) -> NDArray[np.bool_]:
         """Return which eigenvalues are in the band."""
-        low, high = self.band
-        return (low <= s.imag) & (s.imag <= high) & (np.abs(s.real) <= self.growth)
+        # Arnoldi's method is exact relative to the distance from the centre.
+        return within(s, *self.band, self.growth, size=self.radius)
 
     def _modes(self, pencil: SparsePencil) -> Complex:
         """Return the modes within the band, and some beside it."""
@@ -223,6 +225,8 @@ class Reduction:
         s, shapes = eigenpairs(state, self.centre, self.radius, self.count)
         inside = self.wanted(s)
         s, shapes = s[inside], shapes[:, inside]
+        if not len(s):
+            return 0.0, np.zeros((self.full.dof, 0), dtype=np.complex128)
         errors, lacking = estimated_errors(reduced, self.statics, state, s, shapes)
         growth = np.abs(errors.real) + _DOUBT * np.abs(errors)
         ratio = growth / (accuracy * np.maximum(np.abs(s.real), _FLOOR * np.abs(s)))

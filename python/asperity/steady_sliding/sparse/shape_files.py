@@ -29,16 +29,16 @@ def write_vtk(
 ) -> None:
     """Write real and imaginary parts of modes as vectors at the nodes."""
     places = arrays.array(positions, "positions", (None, 3))
-    numbers = arrays.array(coordinates, "coordinates", (len(places), 3)).astype(np.intp)
+    numbers = _whole(arrays.array(coordinates, "coordinates", (len(places), 3)), "coordinates")
     if numbers.max(initial=-1) >= len(modes) or numbers.min(initial=0) < -1:
         raise ParameterError(
             "coordinates", f"must be numbers below {len(modes)}, or −1 where a node is held"
         )
-    listed = np.arange(len(places))[:, None] if cells is None else arrays.array(cells, "cells")
+    listed = arrays.array(np.arange(len(places))[:, None] if cells is None else cells, "cells")
     if listed.ndim != 2 or listed.shape[1] not in _CELLS:
         kinds = ", ".join(str(count) for count in _CELLS)
         raise DimensionError("cells", f"must have one of {kinds} nodes each")
-    nodes = listed.astype(np.intp)
+    nodes = _whole(listed, "cells")
     if nodes.max(initial=0) >= len(places) or nodes.min(initial=0) < 0:
         raise ParameterError("cells", f"must name nodes from 0 to {len(places) - 1}")
     # A row of zeros for coordinates that are held.
@@ -46,6 +46,12 @@ def write_vtk(
     with atomic(path) as file:
         for line in _lines(places, nodes, moved, names):
             file.write(f"{line}\n".encode("ascii"))
+
+
+def _whole(values: Array, argument: str) -> NDArray[np.intp]:
+    if (values != np.floor(values)).any():
+        raise ParameterError(argument, "must be whole numbers")
+    return values.astype(np.intp)
 
 
 def _lines(places: Array, nodes: NDArray[Any], moved: Complex, names: list[str]) -> Iterator[str]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity.errors import ParameterError
-from asperity.system.sparse.files.entries import TO_PYTHON, symmetric, table, text_of
+from asperity.system.sparse.files.entries import TO_PYTHON, symmetric, table, text_of, whole_lines
 from asperity.system.sparse.files.model import FiniteElementModel, beside, of_matrices
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def read_calculix(
     job = Path(os.fspath(path))
     job = job.with_suffix("") if job.suffix in (".sti", ".mas", ".dof") else job
     name = f"{job.name}.dof"
-    numbers = table(text_of(f"{job}.dof").replace(".", " ").splitlines(), name, 2)
+    numbers = table(whole_lines(f"{job}.dof").replace(".", " ").splitlines(), name, 2)
     if not ((numbers >= 0) & (numbers == np.floor(numbers)) & (numbers < _LARGEST)).all():
         raise ParameterError("path", f"{name} must hold numbers of nodes and directions")
     dof = numbers.astype(np.intp)
@@ -71,7 +71,7 @@ def read_calculix(
 def _matrices(job: Path, n: int) -> tuple[SparseMatrix, SparseMatrix]:
     """Return K and M, of which CalculiX writes the same places, with the whole diagonal."""
     files = Path(f"{job}.sti"), Path(f"{job}.mas")
-    K, M = (table(text_of(file).splitlines(), file.name, 3) for file in files)
+    K, M = (table(whole_lines(file).splitlines(), file.name, 3) for file in files)
     made = symmetric(K, n, files[0].name), symmetric(M, n, files[1].name)
     if not np.array_equal(K[:, :2], M[:, :2]):
         raise ParameterError(

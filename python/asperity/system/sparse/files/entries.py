@@ -28,6 +28,15 @@ def text_of(path: str | os.PathLike[str]) -> str:
         raise ParameterError("path", f"cannot be read: {error}") from None
 
 
+def whole_lines(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file that a program writes line by line, whose last number is whole."""
+    text = text_of(path)
+    if text and text[-1] not in "\r\n":
+        name = os.path.basename(os.fspath(path))
+        raise ParameterError("path", f"{name} ends within a line: it is cut off, or lacks its end")
+    return text
+
+
 def table(lines: Sequence[str], name: str, columns: int) -> Array:
     """Return the numbers of lines, with exponents of C or of Fortran."""
     text = "\n".join(lines).translate(TO_PYTHON)

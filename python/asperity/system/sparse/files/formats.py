@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import zlib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,7 +20,14 @@ from asperity._base.result import counted
 from asperity.errors import DimensionError, ParameterError
 from asperity.system.sparse import matrices
 from asperity.system.sparse.files.calculix import read_deck
-from asperity.system.sparse.files.entries import either, general, number, table, text_of
+from asperity.system.sparse.files.entries import (
+    either,
+    general,
+    number,
+    table,
+    text_of,
+    whole_lines,
+)
 from asperity.system.sparse.files.matrix_market import read_matrix_market
 from asperity.system.sparse.files.model import FiniteElementModel, beside, of_matrices
 
@@ -30,6 +39,8 @@ Source: TypeAlias = str | os.PathLike[str] | tuple[str | os.PathLike[str], str]
 _NAMES = {"mass": "M", "stiffness": "K", "damping": "C"}
 # A string of OP4 that is not "big" holds its length and its first row in one number.
 _STRING = 65536
+# Stiffness, relative to that of most coordinates, of those that are held: 1/ε.
+_HELD = 2.0**52
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,8 @@ def read_matrices(
     which names nodes, or COORDINATE; OUTPUT4 of Nastran as text (.op4); MATLAB (.mat, up to version
     7); Ansys (.full, by ``pip install ansys-mapdl-reader``). One triangle of a symmetric matrix is
     mirrored where the format says so, exponents of Fortran are read. Coordinates that all matrices
-    leave empty are left out as held where nodes are known.
+    leave empty are left out as held where nodes are known, as are those that a program holds by a
+    number such as 1e36 on the diagonal of K.
 
     Args:
         mass: file, or (file, name) for one of several matrices; by default M.
@@ -82,18 +94,26 @@ def read_matrices(
     ([[5000.0, -2000.0], [-2000.0, 4000.0]], [7, 7])
     """
     given = {"mass": mass, "stiffness": stiffness, "damping": damping}
-    read = {role: _read(one, role) for role, one in given.items() if one is not None}
+    read = {}
+    for role, source in given.items():
+        if source is not None or role != "damping":
+            with _named_as(role):
+                read[role] = _read(source, role)
     table_of_dof, found = _joined(read)
     n = found["stiffness"].shape[0]
     for role, one in found.items():
         if one.shape != (n, n):
             raise DimensionError(role, f"must have shape {(n, n)} like the others, has {one.shape}")
-    if table_of_dof is None and dof is not None:
+    if dof is not None:
+        if table_of_dof is not None:
+            raise ParameterError("dof", "is for files that name no nodes, these do")
         wanted = arrays.array(dof, "dof", (n, 2))
-        if (wanted != np.floor(wanted)).any() or len(np.unique(wanted, axis=0)) < n:
+        whole = (wanted == np.floor(wanted)).all() and (wanted[:, 1] >= 1.0).all()
+        if not whole or len(np.unique(wanted, axis=0)) < n:
             raise ParameterError("dof", "must name a node and a direction of each row, once")
         table_of_dof = wanted.astype(np.intp)
-    places, sets, cards = read_deck("" if deck is None else text_of(deck))
+    with _named_as("deck"):
+        places, sets, cards = read_deck("" if deck is None else text_of(deck))
     findings = []
     if "INSTANCE" in cards:
         findings.append("The input has instances of parts, whose nodes the files number anew.")
@@ -107,12 +127,23 @@ def read_matrices(
         size = np.zeros(n)
         for one in found.values():
             size += np.asarray((abs(one) + abs(one.T)) @ np.ones(n))
-        kept = np.flatnonzero(size > 0.0)
-        if len(kept) < n:
+        empty, springs = size == 0.0, np.abs(found["stiffness"].diagonal())
+        # Programs hold coordinates by a number beside which other stiffness is rounding.
+        typical = np.median(springs[springs > 0.0]) if springs.any() else 0.0
+        stiff = springs > _HELD * typical
+        if stiff.any():
             findings.append(
-                f"{counted(n - len(kept), 'row')} without entries were left out as held, such as "
-                f"that of node {table_of_dof[np.flatnonzero(size == 0.0)[0], 0]}."
+                f"{counted(int(stiff.sum()), 'coordinate')} with a stiffness of "
+                f"{springs[stiff].min():.3g} and more were left out as held, such as that of node "
+                f"{table_of_dof[np.flatnonzero(stiff)[0], 0]}."
             )
+        kept = np.flatnonzero(~empty & ~stiff)
+        if empty.any():
+            findings.append(
+                f"{counted(int(empty.sum()), 'row')} without entries were left out as held, such "
+                f"as that of node {table_of_dof[np.flatnonzero(empty)[0], 0]}."
+            )
+        if len(kept) < n:
             table_of_dof = table_of_dof[kept]
             found = {role: one[kept][:, kept].tocsc() for role, one in found.items()}
         nodes = table_of_dof[:, 0]
@@ -141,22 +172,37 @@ def _joined(
     for role in read:
         if role not in named:
             raise ParameterError(role, "must name nodes, as the other files do")
+    for role, one in named.items():
+        if (one[:, :4] != np.floor(one[:, :4])).any() or (one[:, [1, 3]] < 1).any():
+            raise ParameterError(role, "must name nodes and directions by whole numbers from 1")
     places = np.concatenate([one[:, k : k + 2] for one in named.values() for k in (0, 2)])
-    if (places != np.floor(places)).any() or (places[:, 1] < 1).any():
-        raise ParameterError("stiffness", "must name nodes and directions by whole numbers from 1")
     dof, index = np.unique(places.astype(np.intp), axis=0, return_inverse=True)
     found, start = {}, 0
     for role, one in named.items():
         m = len(one)
         rows, columns = index[start : start + m], index[start + m : start + 2 * m]
         entries = np.stack([rows + 1.0, columns + 1.0, one[:, 4]], axis=1)
-        found[role] = either(entries, len(dof), role)
+        with _named_as(role):
+            found[role] = either(entries, len(dof), "it")
         start += 2 * m
     return dof, found
 
 
-def _read(source: Source, role: str) -> _Stored:
-    path, name = source if isinstance(source, tuple) else (source, None)
+@contextmanager
+def _named_as(argument: str) -> Iterator[None]:
+    """Say of a wrong file which argument names it."""
+    try:
+        yield
+    except ParameterError as error:
+        raise type(error)(
+            argument if error.argument == "path" else error.argument, error.message
+        ) from None
+
+
+def _read(source: Source | None, role: str) -> _Stored:
+    path, name = source if isinstance(source, tuple) and len(source) == 2 else (source, None)
+    if not isinstance(path, str | os.PathLike):
+        raise ParameterError(role, f"must be a file or (file, name), got {source!r}")
     ending = Path(os.fspath(path)).suffix.lower()
     if ending == ".mat":
         return _Stored(_matlab(path, name, role))
@@ -169,13 +215,15 @@ def _read(source: Source, role: str) -> _Stored:
     text = text_of(path)
     if text[:2] == "%%":
         return _Stored(read_matrix_market(path))
-    lines = [line for line in text.replace(",", " ").splitlines() if line[:1] not in "*%#"]
+    trimmed = (line.strip() for line in text.replace(",", " ").splitlines())
+    lines = [line for line in trimmed if line[:1] not in "*%#"]
     file = os.path.basename(os.fspath(path))
     width = len(lines[0].split()) if lines else 0
     if width not in (3, 5):
         raise ParameterError(
             role, f"must hold lines of 3 or 5 numbers, as of Abaqus, {file} begins with {width}"
         )
+    whole_lines(path)
     entries = table(lines, file, width)
     if width == 5:
         return _Stored(None, entries)
@@ -193,10 +241,14 @@ def _named(found: dict[str, Any], name: str | None, role: str, path: Any) -> Any
 
 def _matlab(path: Any, name: str | None, role: str) -> SparseMatrix:
     import scipy.io
+    from scipy.io.matlab import MatReadError
 
     try:
         held = scipy.io.loadmat(os.fspath(path))
-    except (OSError, ValueError, TypeError, NotImplementedError) as error:
+    except (
+        *(OSError, ValueError, TypeError, LookupError, RuntimeError),
+        *(MemoryError, OverflowError, MatReadError, zlib.error),
+    ) as error:
         raise ParameterError(
             role, f"cannot be read: {error}; files of MATLAB 7.3 must be saved with -v7"
         ) from None
@@ -206,6 +258,12 @@ def _matlab(path: Any, name: str | None, role: str) -> SparseMatrix:
         raise ParameterError(role, f"must be a matrix, {name} is {type(value).__name__}")
     if not matrices.is_sparse(value):
         value = arrays.array(value, role)
+    else:
+        # SciPy reads indices without a look at them, and crashes on wrong ones.
+        try:
+            value.check_format(full_check=True)
+        except ValueError as error:
+            raise ParameterError(role, f"is damaged: {error}") from None
     return matrices.compressed(value, role, matrices.order(value, role))
 
 
@@ -269,7 +327,7 @@ def _full(path: Any, name: str, role: str) -> _Stored:
         ) from None
     try:
         dof, K, M = read_binary(os.fspath(path)).load_km(sort=False)
-    except (OSError, NotImplementedError, RuntimeError, AttributeError) as error:
+    except (OSError, ValueError, LookupError, RuntimeError, AttributeError) as error:
         raise ParameterError(role, f"cannot be read by ansys-mapdl-reader: {error}") from None
     from scipy.sparse import triu
 

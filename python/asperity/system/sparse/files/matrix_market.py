@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity.errors import ParameterError
-from asperity.system.sparse.files.entries import general, symmetric, table, text_of
+from asperity.system.sparse.files.entries import general, symmetric, table, whole_lines
 
 if TYPE_CHECKING:
     from asperity.system.sparse.matrices import SparseMatrix
@@ -45,7 +45,7 @@ def read_matrix_market(path: str | os.PathLike[str]) -> SparseMatrix:
     [[1000.0, -5.0], [-5.0, 0.0]]
     """
     name = os.path.basename(os.fspath(path))
-    first, *lines = text_of(path).splitlines() or [""]
+    first, *lines = whole_lines(path).splitlines() or [""]
     words = first.lower().split()
     if len(words) != 5 or words[:2] != ["%%matrixmarket", "matrix"]:
         raise ParameterError("path", f"{name} does not begin with %%MatrixMarket matrix")

@@ -134,10 +134,15 @@ def of_matrices(
 ) -> list[str]:
     """Return coordinates without stiffness and the mass of rigid translations."""
     findings = []
-    rows: Array = np.asarray(abs(K).sum(axis=1)).ravel()
-    empty = np.flatnonzero(rows == 0.0)
-    if len(empty):
-        findings.append(f"{counted(len(empty), 'row')} of K vanish, such as {empty[0]}.")
+    for name, one in (("K", K), ("M", M)):
+        rows: Array = np.asarray(abs(one).sum(axis=1)).ravel()
+        empty = np.flatnonzero(rows == 0.0)
+        if len(empty):
+            verb = "vanishes" if len(empty) == 1 else "vanish"
+            findings.append(
+                f"{counted(len(empty), 'row')} of {name} {verb}, such as that of node "
+                f"{dof[empty[0], 0]} in direction {dof[empty[0], 1]}."
+            )
     own = np.isin(dof[:, 0], np.array(list(places), dtype=np.intp)) if places else rows >= 0.0
     moved = [(own & (dof[:, 1] == k)).astype(float) for k in (1, 2, 3)]
     masses = np.array([r @ (M @ r) for r in moved])
