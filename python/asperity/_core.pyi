@@ -32,6 +32,8 @@ __all__ = [
     "Set",
     "Signal",
     "Solver",
+    "Step",
+    "Stepper",
     "__version__",
     "advance",
     "build_profile",
