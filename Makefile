@@ -33,6 +33,8 @@ test-rust:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --features asperity/serde --locked --quiet
 	cd benches/linear && cargo fmt --check
 
+# Two processes whose products of matrices wait for each other's threads take a hundred times as long.
+test-python long-python: export OPENBLAS_NUM_THREADS = 1
 test-python: $(VENV)/.installed
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
