@@ -74,7 +74,10 @@ def test_steps_are_those_of_the_scheme(theta):
     system = two_contacts(asp.FrictionLaw.isotropic(0.4, dimension=1))
     dt = 0.02
     run = asp.simulate(system, dt=dt, t_end=4.0, implicit=theta, u0=[0.0, 1.0, -1.0, 2.0])
-    mean = lambda x: theta * x[1:] + (1.0 - theta) * x[:-1]  # noqa: E731
+
+    def mean(x):
+        return theta * x[1:] + (1.0 - theta) * x[:-1]
+
     np.testing.assert_allclose(np.diff(run.q, axis=0), dt * mean(run.u), rtol=0, atol=1e-14)
     touching, loaded = system.contacts
     pushed = run.normal_force[1:, :1] * touching.normal

@@ -5,12 +5,11 @@ Every exception keeps its whole state in ``args``, so that it survives pickling 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray
-    from numpy.typing import NDArray
 
 # What Ctrl-C raises stays here: it is caught, by few, and nobody makes it.
 __all__ = [
@@ -28,29 +27,6 @@ __all__ = [
 ]
 
 _LONGEST = 250
-
-
-class PartOfRun(Protocol):
-    """What the part of a run before an error has, a `Trajectory` or a `Motion`, beside more."""
-
-    @property
-    def t(self) -> NDArray[Any]:
-        """Times in s."""
-
-    @property
-    def q(self) -> NDArray[Any]:
-        """Coordinates, ``(n_t, n)``."""
-
-    @property
-    def u(self) -> NDArray[Any]:
-        """Velocities, ``(n_t, n)``."""
-
-    @property
-    def contact_names(self) -> Sequence[str]:
-        """Of all contacts."""
-
-    def summary(self) -> str:
-        """Return a few lines of text."""
 
 
 class AsperityError(Exception):
@@ -148,7 +124,7 @@ class ConvergenceError(AsperityError, RuntimeError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: PartOfRun | None = None,
+        trajectory: Any = None,
     ) -> None:
         super().__init__(message, step, time, contact, residual, advice, trajectory)
         self.message = message
@@ -198,7 +174,7 @@ class NoSolutionError(ConvergenceError):
         contact: int | None = None,
         residual: float | None = None,
         advice: str = "",
-        trajectory: PartOfRun | None = None,
+        trajectory: Any = None,
         infeasibility: Any = None,
         problem: Any = None,
     ) -> None:
@@ -220,7 +196,7 @@ class DivergenceError(AsperityError, ArithmeticError):
         trajectory: the part before, if there is one.
     """
 
-    def __init__(self, message: str, trajectory: PartOfRun | None = None) -> None:
+    def __init__(self, message: str, trajectory: Any = None) -> None:
         super().__init__(message, trajectory)
         self.message = message
         self.trajectory = trajectory
@@ -236,7 +212,7 @@ class SimulationInterrupted(KeyboardInterrupt):
         trajectory: the part computed so far.
     """
 
-    def __init__(self, trajectory: PartOfRun) -> None:
+    def __init__(self, trajectory: Any) -> None:
         super().__init__(trajectory)
         self.trajectory = trajectory
 

@@ -35,9 +35,8 @@ class StepSolution:
         status: how the solve ended; ``status.advice`` says what to try.
         residual: largest relative defect of a contact, as `ContactProblem.residual`.
         mismatch: largest velocity that is left in a bilateral row, or with which bodies approach
-            each other that no percussion moves, in m/s or rad/s. Up to 1e-6 of the largest velocity
-            of all such rows, or of all rows, it counts as drift: look at it where a step has slow
-            and fast ones.
+            each other that no percussion moves, in m/s or rad/s. Up to 1e-6 of the velocities of
+            the rows that influence it, it counts as drift.
         iterations: sweeps or iterations of the solver.
         ambiguous_items: whether each item had several solutions, the others held.
         worst_item: the item with the largest residual, or the one without a solution.

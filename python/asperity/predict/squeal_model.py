@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -120,7 +121,7 @@ class SquealModel:
             friction,
             np.deg2rad(directions),
         )
-        made.system(float(friction[0]), float(made.directions[0]))
+        _ = made.system
         return made
 
     @property
@@ -128,21 +129,15 @@ class SquealModel:
         """Of pictures and reports: what the file says, or its name."""
         return str(self.file.values.get("title", self.file.path.stem))
 
-    def system(self, friction: float = 1.0, direction: float = 0.0) -> SparseLinearSystem:
-        """Return the system.
-
-        Args:
-            friction: factor of the friction force.
-            direction: angle in rad by which the motion of the surface is turned about the normal.
+    @cached_property
+    def system(self) -> SparseLinearSystem:
+        """The system with the friction and the direction of the file.
 
         Raises:
             ConfigurationError: if the file does not describe one.
         """
         file, model = self.file, self.model
-        law = self.law
-        if friction != 1.0:
-            law = law.replace(reservoir=law.reservoir.scaled(friction))
-        contacts = self._contacts(law, direction)
+        contacts = self._contacts()
         force = np.zeros(len(model.nodes))
         for i, load in enumerate(file.values.get("loads", [])):
             key = f"loads[{i}]"
@@ -166,41 +161,33 @@ class SquealModel:
         assert isinstance(made, SparseLinearSystem)
         return made
 
-    def _contacts(self, law: FrictionLaw, direction: float) -> MeshContacts:
-        file, model = self.file, self.model
+    def _contacts(self) -> MeshContacts:
+        file, model, law = self.file, self.model, self.law
         given, surface = file.values.get("contacts", {}), file.values.get("surface", {})
         if "nodes" not in given:
             raise file.error("contacts.nodes", "is missing: name the set of the contact nodes")
         if ("velocity" in surface) == ("rate" in surface):
             raise file.error("surface", "needs either velocity, or rate of a disc that turns")
         with at(file, "contacts"):
-            normal = _vector(given.get("normal", [0.0, 0.0, 1.0]), "normal")
-            size = float(np.linalg.norm(normal))
-            if not size > 0.0:
-                raise ParameterError("normal", "must not vanish")
             options: dict[str, Any] = {
                 "coordinates": model.coordinates(given["nodes"]),
-                "normals": normal,
+                "normals": _vector(given.get("normal", [0.0, 0.0, 1.0]), "normal"),
                 "gap": given.get("gap", 0.0),
             }
             if "tangent" in given:
                 options["tangents"] = _vector(given["tangent"], "tangent")
         with at(file, "surface"):
             if "rate" in surface:
-                places = model.positions(given["nodes"])
-                made = MeshContacts.on_disc(
+                return MeshContacts.on_disc(
                     law,
-                    positions=places,
+                    positions=model.positions(given["nodes"]),
                     rate=_vector(surface["rate"], "rate"),
                     centre=_vector(surface.get("centre", [0.0, 0.0, 0.0]), "centre"),
                     circumferential=surface.get("circles", False),
                     **options,
                 )
-            else:
-                velocity = _vector(surface["velocity"], "velocity")
-                made = MeshContacts(law, velocity=velocity, **options)
-            turned = _turned(made.velocity, normal / size, direction)
-            return made.replace(velocity=turned)
+            velocity = _vector(surface["velocity"], "velocity")
+            return MeshContacts(law, velocity=velocity, **options)
 
 
 def _model(file: TomlFile) -> FiniteElementModel:
@@ -264,12 +251,3 @@ def _vector(values: Any, name: str) -> Array:
     if vector.shape != (3,):
         raise ParameterError(name, f"must be three numbers, got {values!r}")
     return vector
-
-
-def _turned(velocity: Array, normal: Array, angle: float) -> Array:
-    """Return velocities turned about a unit normal."""
-    if angle == 0.0:
-        return velocity
-    along = (velocity @ normal)[:, None] * normal
-    flat, across = velocity - along, np.cross(normal, velocity)
-    return along + math.cos(angle) * flat + math.sin(angle) * across

@@ -256,7 +256,7 @@ def describe_squeal(
 
 
 def _solved(model: SquealModel, friction: float, direction: float) -> SquealCase:
-    system = model.system(friction, direction)
+    system = model.system.varied(friction=friction, phi=direction)
     low, high = (2.0 * math.pi * one for one in model.band)
     try:
         steady = equilibrium(system)

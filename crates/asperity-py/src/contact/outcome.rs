@@ -18,7 +18,7 @@ pub struct Outcome {
 }
 
 /// An array that refuses writing.
-fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+pub fn array<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
     let array = PyArray1::from_vec(py, values);
     let _ = array.readwrite().make_nonwriteable();
     array

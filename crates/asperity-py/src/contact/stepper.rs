@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 use asperity::contact::Phase;
 use asperity::mechanism::{ContactStepper, Rows, StepRows};
 use asperity::solver::{SolveReport, Stop};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
-use super::outcome::certified;
+use super::outcome::{array, certified};
 use super::solver::Solver;
 use crate::convert::{Numbers, Points, numbers};
 use crate::errors::{Failure, dimension, parameter};
@@ -48,7 +48,7 @@ impl Stepper {
         Ok(Self(Mutex::new((stepper, Vec::new(), Vec::new()))))
     }
 
-    #[allow(clippy::too_many_arguments)]
+    #[allow(clippy::too_many_arguments)] // The Python side calls it in one place, by position.
     fn step(
         &self,
         py: Python<'_>,
@@ -125,34 +125,26 @@ impl Stepper {
     }
 }
 
-/// An array that refuses writing.
-fn array<'py, T: numpy::Element>(py: Python<'py>, values: &[T]) -> Bound<'py, PyArray1<T>> {
-    let array = PyArray1::from_slice(py, values);
-    let _ = array.readwrite().make_nonwriteable();
-    array
-}
-
 #[pymethods]
 impl Step {
     #[getter]
     fn percussion<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, &self.percussion)
+        array(py, self.percussion.clone())
     }
 
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, &self.velocity)
+        array(py, self.velocity.clone())
     }
 
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let phases: Vec<i64> = self.phases.iter().map(|phase| *phase as i64).collect();
-        array(py, &phases)
+        array(py, self.phases.iter().map(|phase| *phase as i64).collect())
     }
 
     #[getter]
     fn ambiguous_items<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        array(py, &self.ambiguous)
+        array(py, self.ambiguous.clone())
     }
 
     #[getter]

@@ -14,4 +14,5 @@ pub use delassus::{
 };
 pub use memory::{ContactState, Memory, Phase};
 pub(crate) use part::{Part, put, take};
+pub(crate) use problem::LARGEST;
 pub use problem::{ContactProblem, ContactRows, NormalForce};

@@ -10,7 +10,7 @@ use crate::law::Law;
 use crate::vectors::unrolled;
 
 /// Largest velocity, percussion and product of the two with an entry of `G`: solvers take squares and cubes of them.
-const LARGEST: f64 = 1e100;
+pub(crate) const LARGEST: f64 = 1e100;
 /// Least value of the largest velocity, if any is not zero, and of the percussion that belongs to it: squares of values far
 /// below vanish, and no percussions would look like a solution.
 const SMALLEST: f64 = 1e-100;

@@ -9,13 +9,10 @@ use super::layout::{Friction, Layout, Member, Row};
 use super::{ROUNDED, refuse_item};
 use crate::argument::{ArgumentError, length, not_negative, refuse};
 use crate::contact::{
-    BlockMatrix, ContactProblem, ContactState, Delassus, Memory, NormalForce, Phase,
+    BlockMatrix, ContactProblem, ContactState, Delassus, LARGEST, Memory, NormalForce, Phase,
 };
 use crate::law::{FrictionLaw, Law};
 use crate::solver::{Certificate, SolveReport, Solver, Status, Stop, Workspace};
-
-/// Largest magnitude of velocities and mobilities: solvers take squares and cubes of them.
-const LARGEST: f64 = 1e100;
 
 /// The rows of one item.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -291,8 +288,7 @@ impl ContactStepper {
         self.sequence.extend(self.order.iter().flat_map(|&item| self.firsts[item]..end(item)));
         Ok(())
     }
-}
-impl ContactStepper {
+
     /// Finds the contacts of the problem that is left, and which of them influence each other.
     fn lay_out(&mut self, rows: &StepRows<'_>) -> Result<(), ArgumentError> {
         let Self { laws, joints, layout, earlier, order, firsts, .. } = self;
@@ -449,7 +445,9 @@ impl ContactStepper {
         let Found { percussion, velocity, .. } = &self.found;
         let mut worst =
             self.joints.mismatch(rows.delassus, rows.free_velocity, percussion, velocity);
-        let unmoved = |item: &usize| self.found.phases[*item] == Phase::Unknown;
+        // A contact that moves has no phase either, where the solver came to no end.
+        let moves = |item: usize| self.layout.members.iter().any(|member| member.item == item);
+        let unmoved = |&item: &usize| self.found.phases[item] == Phase::Unknown && !moves(item);
         for item in (0..rows.items.len()).filter(unmoved) {
             let row = self.firsts[item];
             let closing =

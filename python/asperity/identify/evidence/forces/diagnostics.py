@@ -96,8 +96,7 @@ def warnings_of(fit: Fit) -> tuple[str, ...]:
         sentences.append(
             "the forces are inconsistent with any direction set (closure "
             f"{defects['closure'].size:.3g}, expected 1)"
-            + cause
-            * (raw is not None and raw.calibration is None)
+            + (cause if raw is not None and raw.calibration is None else "")
         )
     if "asymmetry" in defects and defects["asymmetry"].matters:
         sentences.append(
