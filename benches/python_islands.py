@@ -1,4 +1,4 @@
-"""Islands: walls side by side beside single ones, piles that step, and what is at rest.
+"""Islands: walls side by side beside single ones, piles that step, what is at rest, and bodies that `integrate` follows.
 
 Every ratio is one of processor times in one run, but for the one of two threads, which is one of
 times on the clock and asks for an idle machine.
@@ -13,9 +13,11 @@ from typing import Any
 import asperity as asp
 import numpy as np
 from asperity import problems
+from numpy.typing import NDArray
 from report import ratio
 from scipy.sparse import block_diag
 
+Floats = NDArray[np.float64]
 WALLS = 50
 RADIUS, HEIGHT = 0.1, 10
 STEPS = 40
@@ -123,9 +125,87 @@ def per_step(number: int, *, moving: bool = False) -> float:
     return 1e6 * (more - first) / (runs * STEPS * number * HEIGHT)
 
 
+def boxes(spins: Floats) -> asp.RigidBodies:
+    """Return boxes that slide and turn on four corners, far from each other."""
+    law, height = asp.FrictionLaw.isotropic(0.3), 0.02
+    bodies, pairs = [], []
+    for b, spin in enumerate(spins):
+        body = asp.Body.box(
+            1.0,
+            half_sizes=[0.1, 0.1, height],
+            position=[float(b), 0.0, height],
+            velocity=[1.0, 0.2, 0.0],
+            angular_velocity=[0.0, 0.0, spin],
+        )
+        bodies.append(body)
+        pairs += [
+            asp.PointPlane(b, point=[x, y, -height], plane=asp.Plane(), law=law)
+            for x in (-0.1, 0.1)
+            for y in (-0.1, 0.1)
+        ]
+    return asp.RigidBodies(bodies, pairs=pairs)
+
+
+def belts(speeds: Floats) -> asp.LinearSystem:
+    """Return masses on belts of Fig. 17 with these speeds, not connected."""
+    count = len(speeds)
+    law = asp.FrictionLaw(asp.Ellipse(30.0, 10.0, angle=np.pi / 6), asp.Ellipse(3.0, 1.0))
+    along = np.array([np.cos(np.deg2rad(50.0)), np.sin(np.deg2rad(50.0))])
+    contacts = []
+    for k, speed in enumerate(speeds):
+        direction = np.zeros((2 * count, 2))
+        direction[2 * k : 2 * k + 2] = np.eye(2)
+        velocity = -speed * along
+        contacts.append(asp.Contact(law, direction=direction, normal_force=1.0, velocity=velocity))
+    mass = np.eye(2 * count)
+    return asp.LinearSystem(mass, stiffness=mass, contacts=contacts)
+
+
+def rods(spins: Floats) -> asp.RigidBodies:
+    """Return rods that tumble above the ground."""
+    law = asp.FrictionLaw.isotropic(0.3)
+    bodies, pairs = [], []
+    for b, spin in enumerate(spins):
+        body = asp.Body(
+            1.0,
+            inertia=[0.01, 0.02, 0.03],
+            position=[float(b), 0.0, 20.0],
+            angular_velocity=[0.3, spin, 1.0],
+        )
+        bodies.append(body)
+        pairs.append(asp.PointPlane(b, point=[0.0, 0.0, 0.2], plane=asp.Plane(), law=law))
+    return asp.RigidBodies(bodies, pairs=pairs)
+
+
+def separate(name: str, of: Callable[[Floats], asp.System], t_end: float) -> None:
+    """Compare bodies that do not touch each other with the sum of single ones."""
+    row = []
+    for count in (4, 16, 64):
+        values = np.linspace(0.8, 1.2, count)
+        yard, single = of(values), [of(values[k : k + 1]) for k in range(count)]
+
+        def run(systems: list[asp.System]) -> None:
+            for system in systems:
+                asp.integrate(system, t_end=t_end, sample_every=t_end / 10)
+
+        together = timed(lambda yard=yard: run([yard]), time.process_time)
+        row.append(together / timed(lambda single=single: run(single), time.process_time))
+    print(f"  {name:6}" + "".join(f" {value:6.2f}" for value in row), flush=True)
+    ratio(
+        f"{count} separate {name}, event-driven",
+        row[-1],
+        f"the sum of {count} single ones",
+        "whether bodies that do not touch each other cost each other time",
+    )
+
+
 def main() -> None:
     """Print all of it."""
     walls()
+    print("4, 16 and 64 bodies that do not touch, `integrate`, over the sum of single ones:")
+    separate("boxes", boxes, 0.2)
+    separate("belts", belts, 10.0)
+    separate("rods", rods, 1.0)
     print(f"piles of {HEIGHT} balls, µs per ball and step:")
     print("  piles   at rest   moving")
     found = {}

@@ -785,6 +785,22 @@ def test_an_open_contact_falls_shut_whatever_the_end(gap, t_end):
     assert np.abs(rest.q[-1]).max() <= 1e-18
 
 
+@pytest.mark.parametrize("unit", [1e-15, 1e-9, 1e9])
+def test_the_unit_of_lengths_does_not_matter(unit):
+    contact = asp.Contact(
+        line(0.3), direction=[1.0, 0.0], normal=[0.0, 1.0], normal_restitution=0.5
+    )
+    block = asp.LinearSystem(np.eye(2), force=[0.0, -10.0 * unit], contacts=[contact])
+    motion = asp.integrate(block, t_end=1.0, q0=[0.0, 1e-2 * unit], u0=[unit, 0.0])
+    fall = np.sqrt(2e-3)
+    assert [event.time for event in motion.events[:2]] == pytest.approx([fall, 2.0 * fall])
+    # With endless bounces and a slip that ends, against the same in metres.
+    reference = asp.integrate(
+        block.replace(force=[0.0, -10.0]), t_end=1.0, q0=[0.0, 1e-2], u0=[1.0, 0.0]
+    )
+    assert motion.q[-1] / unit == pytest.approx(reference.q[-1], rel=1e-9, abs=1e-12)
+
+
 @pytest.mark.parametrize("approach", [0.0, 1e-12, 1e-6])
 def test_a_contact_that_can_open_opens_though_slip_could_keep_it_closed(approach):
     """The indeterminate zone of Painlevé: w_NᵀM⁻¹(w_N + Wf) < 0 and γ̈_N > 0 without the contact."""

@@ -62,7 +62,8 @@ const SOLVER: [(&str, &[&str]); 16] = [
 ];
 
 /// The rooms of the event-driven integrator; each may use those before it.
-const EVENT: [&str; 9] = [
+const EVENT: [&str; 10] = [
+    "resolution",
     "state",
     "outcome",
     "options",

@@ -24,6 +24,7 @@ mod integration;
 mod motion;
 mod options;
 mod outcome;
+mod resolution;
 mod state;
 
 use std::ops::ControlFlow;

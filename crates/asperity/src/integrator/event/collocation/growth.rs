@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use crate::contact::{Components, Members};
 use crate::integrator::event::collocation::radau::{STAGES, Tableau};
 use crate::integrator::event::collocation::step::Step;
-use crate::integrator::event::state::ROUNDING;
+use crate::integrator::event::resolution::ROUNDING;
 
 /// Powers of e by which deviations may grow within a step. The method is exact to 1e-8 there, and to 1e-3 at 3; from
 /// 6 on, beyond its pole, it damps.

@@ -6,7 +6,8 @@
 //! with. The end of the motion is an upper limit only.
 
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
-use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
+use crate::integrator::event::resolution::ROUNDING;
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::largest;
 
 /// Number of trials, and how much longer each is than the one before.

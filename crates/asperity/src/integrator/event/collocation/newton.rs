@@ -3,7 +3,8 @@
 use crate::integrator::event::collocation::radau::{STAGES, Tableau};
 use crate::integrator::event::collocation::step::Step;
 use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
-use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
+use crate::integrator::event::resolution::ROUNDING;
+use crate::integrator::event::state::{EvaluationError, Scale, State};
 use crate::vectors::add;
 
 /// Most iterations: a step that needs more converges faster at a shorter length.

@@ -3,7 +3,8 @@
 use crate::contact::Phase;
 use crate::integrator::event::collocation::growth::GROWTH;
 use crate::integrator::event::dynamics::{Dynamics, ROWS};
-use crate::integrator::event::state::{ROUNDING, Scale, State, ZERO_VELOCITY};
+use crate::integrator::event::resolution::{NOTHING, ROUNDING};
+use crate::integrator::event::state::{Scale, State};
 use crate::vectors::{largest, norm};
 
 /// Exponent of the error estimate, which is of lower order than the method (\[HairerWanner1996\] IV.8); tolerances fit it.
@@ -27,7 +28,7 @@ pub(crate) struct StepSize {
     pub(crate) newton: f64,
     /// The largest coordinate and the largest velocity so far.
     scale: Scale,
-    /// The velocity of which the share [`ZERO_VELOCITY`] is what rounding may make of forces that balance.
+    /// The velocity of which the share [`NOTHING`] is what rounding may make of forces that balance.
     creep: f64,
     /// The error of the last step over its tolerance.
     last_error: f64,
@@ -67,7 +68,7 @@ impl StepSize {
 
     /// Takes into account that velocities are made of parts of this size.
     pub(crate) fn account_for_parts(&mut self, velocity: f64) {
-        self.creep = self.creep.max(ROUNDING / ZERO_VELOCITY * velocity);
+        self.creep = self.creep.max(ROUNDING / NOTHING * velocity);
     }
 
     /// Takes a state into account, to which a step of length `h` has led.
@@ -76,7 +77,7 @@ impl StepSize {
         self.scale.q = self.scale.q.max(largest(q));
         self.scale.u = self.scale.u.max(largest(u));
         // Forces that balance let what rests creep by what rounding leaves of them.
-        let creep = dynamics.load * h * (ROUNDING / ZERO_VELOCITY);
+        let creep = dynamics.load * h * (ROUNDING / NOTHING);
         self.creep = self.creep.max(creep);
         for i in 0..dynamics.contacts.len() {
             let normal = dynamics.row(ROWS * i).iter().zip(q);
@@ -119,7 +120,7 @@ impl StepSize {
     pub(crate) fn first_step_limit(&self, duration: f64, a0: &[f64]) -> f64 {
         let Scale { q, u } = self.scale;
         // A velocity that is rounding, such as of a sine at its crest, tells no time.
-        let u = if u > ZERO_VELOCITY * self.creep { u } else { 0.0 };
+        let u = if u > NOTHING * self.creep { u } else { 0.0 };
         let times = [0.01 * u / largest(a0), 0.01 * q / u];
         let usable = times.into_iter().filter(|t| t.is_finite() && *t > 0.0);
         usable.fold(0.01 * duration, f64::min)
@@ -187,10 +188,10 @@ impl StepSize {
                     (dynamics.velocity(ROWS * i, u), dynamics.rate(ROWS * i, a0));
                 // From there on the gap is not smaller than it was.
                 let near = contact.gap < velocity * velocity / rate.abs();
-                if velocity > ZERO_VELOCITY * self.speed() && rate < 0.0 && near {
+                if velocity > NOTHING * self.speed() && rate < 0.0 && near {
                     limit = limit.min(-velocity / rate);
                 }
-                if velocity < -ZERO_VELOCITY * self.speed() && !dynamics.constant {
+                if velocity < -NOTHING * self.speed() && !dynamics.constant {
                     // The event is where the overlap is more than rounding explains.
                     let overlap =
                         if contact.gap.is_finite() { dynamics.rounded_overlap(i) } else { 0.0 };

@@ -9,16 +9,11 @@ use crate::integrator::event::contact_problem::problem::{
 };
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, LEAST, ROUNDING, State};
+use crate::integrator::event::resolution::{ROUNDED, ROUNDING, SOLVED, SOLVED_EXACTLY};
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::linear::LeastNorm;
 use crate::solver::{DEPENDENT, LIGHT, RANK};
 use crate::vectors::{add, largest, norm};
-
-/// Slip acceleration over the load that counts as none.
-const AT_REST: f64 = 1e-11;
-/// The same of contacts that do not slip among those that share the load on curved boundaries, see [`stick_undriven`], and of
-/// those that are not loaded.
-const AT_REST_SHARED: f64 = 1e-9;
 
 /// Slip acceleration over the load below which the contact problem may miss what friction along the slip can hold.
 const SLOW: f64 = 1e-6;
@@ -30,8 +25,6 @@ const SETTLED: usize = 4;
 /// Change of the force of a contact that would keep it from slipping, over the largest force of all, up to which it may
 /// count as at rest. In a nearly immobile direction an acceleration below those limits may ask for any force.
 const HELD: f64 = 1e-2;
-/// Mobility over the largest one that is rounding: accelerations that rounding leaves ask for a tenth of that change there.
-const ROUNDED_MOBILITY: f64 = 1e-13;
 /// Iterations of singular value and eigenvalue decompositions, of which matrices of four rows take some ten.
 const MOST_ITERATIONS: usize = 100;
 
@@ -239,7 +232,7 @@ fn decide_with_shares(
         stick_undriven(dynamics, state, &participants, &problem, solving)?;
         open_without_load(dynamics, &participants.contacts);
         let scale = largest(&load).max(dynamics.load);
-        settle_unloaded(dynamics, &aside.unloaded, AT_REST_SHARED * scale);
+        settle_unloaded(dynamics, &aside.unloaded, SOLVED * scale);
         return Ok(Decision::Made { ambiguous: solved.ambiguous });
     }
 }
@@ -308,7 +301,7 @@ fn stick_at_limit(
     for (k, (&i, rows)) in participants.contacts.iter().zip(problem.contacts()).enumerate() {
         let own = rows.offset..rows.offset + rows.len();
         let slips = dynamics.contacts[i].mode == Phase::Slip;
-        let at_rest = if shared && !slips { AT_REST_SHARED } else { AT_REST };
+        let at_rest = if shared && !slips { SOLVED } else { SOLVED_EXACTLY };
         let alone = slips.then(|| Alone::new(dynamics, &participants.rows[own.clone()]));
         let rate = &accelerations[own.clone()];
         let is_rounding =
@@ -378,9 +371,10 @@ fn stick_undriven(
         slip.iter_mut().zip(&rates[rows]).for_each(|(to, rate)| *to = *rate);
         slip
     };
+    let at_rest = f64::MIN_POSITIVE.cbrt();
     for (k, &i) in participants.contacts.iter().enumerate() {
-        // Slips that begin have the factor of rest.
-        let direction = tangential(k).map(|rate| LEAST * rate / largest(&rates));
+        // Slips that begin have the factor of rest; squares of this speed do not vanish yet.
+        let direction = tangential(k).map(|rate| at_rest * rate / largest(&rates));
         if let Some(sliding) = dynamics.law(i).sliding(&direction).filter(|_| begins.contains(&i)) {
             dynamics.contacts[i].sliding = sliding;
         }
@@ -404,7 +398,7 @@ fn stick_undriven(
     // Of rates that no motion has, as redundant contacts on surfaces that turn have by rounding, what some motion has.
     let possible = factors.range() * factors.range().tr_mul(&slip);
     let growth = if own_power > 0.0 { power / own_power * possible.amax() } else { 0.0 };
-    let rests = growth <= AT_REST * dynamics.load;
+    let rests = growth <= SOLVED_EXACTLY * dynamics.load;
     // Where the slip grows along itself, these are better accelerations than those that were found.
     let along = power > ALONG * (own_power * forces_driven.dot(&driven)).sqrt()
         && begins.iter().all(|&i| dynamics.law(i).is_associated());
@@ -558,7 +552,7 @@ fn change_that_holds(
         return 0.0;
     };
     let rounding = |a: usize| ROUNDING * alone[(a, a)] * units[a] * units[a];
-    let rounded = ROUNDED_MOBILITY * factors.singular_values.max();
+    let rounded = ROUNDED * factors.singular_values.max();
     let least = (0..len).map(rounding).fold(rounded, f64::max);
     factors.solve(&rates, least).map_or(0.0, |change| change.norm())
 }

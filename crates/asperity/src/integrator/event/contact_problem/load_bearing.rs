@@ -23,13 +23,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::integrator::event::dynamics::{Dynamics, PARTS, ROWS, mean_mobility, null_projection};
+use crate::integrator::event::dynamics::{Dynamics, ROWS, mean_mobility, null_projection};
+use crate::integrator::event::resolution::{PARTS, SOLVED};
 use crate::linear::LeastNorm;
 use crate::solver::{DEPENDENT, LIGHT, RANK};
 use crate::vectors::{add, largest};
 
-/// Normal acceleration, over what it is the sum of, that counts as none: solvers leave as much.
-const AT_REST: f64 = 1e-9;
 /// Exchanges at most, for each contact.
 const EXCHANGES: usize = 20;
 /// Rounds without fewer contacts of the wrong sign before another way is taken.
@@ -149,8 +148,8 @@ impl NormalForces {
             };
             // Where all of them lift off together, shares of what is left of the load are rounding.
             let light = f64::max(none, PARTS * self.sizes[i] / self.mobility[(i, i)]);
-            let carries = || rate <= AT_REST * size && share().is_some_and(|share| share > light);
-            if rate < -AT_REST * size || carries() {
+            let carries = || rate <= SOLVED * size && share().is_some_and(|share| share > light);
+            if rate < -SOLVED * size || carries() {
                 wrong.push(i);
             }
         }

@@ -5,6 +5,7 @@ use crate::contact::{
 };
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
 use crate::integrator::event::outcome::Outcome;
+use crate::integrator::event::resolution::{NOTHING, SOLVED};
 use crate::integrator::event::state::EvaluationError;
 use crate::integrator::observer::Observer;
 use crate::solver::{self, Shares, Solver, Status, Stop, Unsolvable, Workspace};
@@ -22,14 +23,10 @@ const TOLERANCE: f64 = 1e-12;
 const POLISH: Solver = Solver::SemismoothNewton { max_iterations: 8 };
 /// Acceleration over the load that may be none: at the tolerance this is what is left of it where δ is 1e-12.
 const MAY_BE_AT_REST: f64 = 1e-6;
-/// Residual that counts as solved where rounding leaves no better one and the solver has come to its end.
-const ROUNDED: f64 = 1e-9;
 /// Velocity that contacts may keep against their laws, over the largest load. Residuals are relative to percussions: where
 /// these cancel each other, rounding leaves bodies that penetrate each other. Columns of three bodies that bear one of 10⁸
 /// times their mass exceed this limit, those of five and 10⁷ do not.
 const AGAINST_THE_LAWS: f64 = 1e-5;
-/// Mobility of a row, over that without other contacts, that counts as none.
-const NO_MOBILITY: f64 = 1e-12;
 
 /// What is asked of contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,7 +113,7 @@ impl Participants {
     pub(crate) fn immobile(&self, dynamics: &Dynamics<'_>) -> Vec<usize> {
         let moves = |(&row, response): (&usize, &[f64])| {
             let left = dot(dynamics.row(row), response);
-            left.abs() > NO_MOBILITY * dot(dynamics.row(row), dynamics.response(row))
+            left.abs() > NOTHING * dot(dynamics.row(row), dynamics.response(row))
         };
         let rows = self.rows.iter().zip(self.responses.chunks_exact(dynamics.n));
         let mobile: Vec<usize> =
@@ -177,7 +174,7 @@ impl Participants {
             let report = solver.solve(problem, stop, &mut found, &mut workspace);
             // Where percussions run away, or a proof excludes a solution, a small residual says nothing.
             let ended = matches!(report.status, Status::Stalled | Status::Inexact);
-            let at_rounding = ended && report.residual < ROUNDED;
+            let at_rounding = ended && report.residual < SOLVED;
             if report.status == Status::Converged || at_rounding {
                 let (ambiguous, velocity) = (report.ambiguous, workspace.velocity);
                 let solved = Solved { ambiguous, found, velocity };
@@ -253,7 +250,7 @@ impl Participants {
         let (mut workspace, mut found) = (Workspace::default(), solved.found.clone());
         let report = POLISH.solve(problem, Stop::at(f64::EPSILON), &mut found, &mut workspace);
         let polished = Solved { ambiguous: solved.ambiguous, found, velocity: workspace.velocity };
-        let better = report.residual < residual || asked && report.residual < ROUNDED;
+        let better = report.residual < residual || asked && report.residual < SOLVED;
         (better && goes_against_its_law(problem, &polished).is_none()).then_some(polished)
     }
 }

@@ -1,7 +1,7 @@
 //! What a contact does in the present mode, with its gap, its slip and its forces.
 
 use crate::contact::Phase;
-use crate::integrator::event::state::ZERO_VELOCITY;
+use crate::integrator::event::resolution::NOTHING;
 use crate::system::ContactLaw;
 use crate::vectors::norm;
 
@@ -40,7 +40,7 @@ pub(crate) struct ContactVariables {
     pub(crate) size: f64,
     /// The largest `size` along the motion; attempts of steps do not count.
     pub(crate) speed: f64,
-    /// A velocity of which the share [`ZERO_VELOCITY`](crate::integrator::event::state::ZERO_VELOCITY) is what
+    /// A velocity of which the share [`NOTHING`](crate::integrator::event::resolution::NOTHING) is what
     /// rounding may have made of forces and percussions that balance, since the contact has stuck last.
     pub(crate) creep: f64,
     /// The larger of `|w_N|ᵀ|q|` and `|g_N − w_Nᵀq|`, the largest along the motion: the scale of gaps.
@@ -61,7 +61,7 @@ impl ContactVariables {
 
     /// Whether the slip vanishes but for rounding.
     pub(crate) fn is_still(&self) -> bool {
-        norm(&self.slip) <= ZERO_VELOCITY * self.reference_speed()
+        norm(&self.slip) <= NOTHING * self.reference_speed()
     }
 
     /// Whether the contact is unilateral and not closed.

@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Stencil;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
-use crate::integrator::event::state::{EvaluationError, ROUNDING, State};
+use crate::integrator::event::resolution::ROUNDING;
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::dot;
 
 /// Width of the stencil over the time scale of the rows, at which truncation of fourth order and rounding are alike.

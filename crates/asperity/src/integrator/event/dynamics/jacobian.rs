@@ -4,7 +4,8 @@ use crate::contact::Phase;
 use crate::integrator::event::dynamics::buffers::SmoothJacobian;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::dynamics::{Dynamics, SlidingForces};
-use crate::integrator::event::state::{EvaluationError, ROUNDING, Scale, State};
+use crate::integrator::event::resolution::ROUNDING;
+use crate::integrator::event::state::{EvaluationError, Scale, State};
 use crate::law::Components;
 use crate::vectors::add;
 

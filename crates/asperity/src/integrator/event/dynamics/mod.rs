@@ -21,4 +21,4 @@ pub(crate) use contact_variables::{ContactVariables, ROWS};
 pub(crate) use equations::Dynamics;
 pub(crate) use evaluation::SlidingForces;
 pub(crate) use forces::constraint_matrix::ConstraintMatrix;
-pub(crate) use forces::sharing::{PARTS, mean_mobility, null_projection};
+pub(crate) use forces::sharing::{mean_mobility, null_projection};

@@ -7,9 +7,8 @@ use crate::argument::length;
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::TimeParts;
 use crate::integrator::event::dynamics::time_dependence::sampled;
-use crate::integrator::event::state::{
-    CLOSED_GAP, EvaluationError, ROUNDED_OVERLAP, ROUNDING, ZERO_VELOCITY,
-};
+use crate::integrator::event::resolution::{NOTHING, ROUNDED_OVERLAP, ROUNDING};
+use crate::integrator::event::state::EvaluationError;
 use crate::system::{SystemError, TimeDependence};
 use crate::vectors::{largest, norm};
 
@@ -40,8 +39,8 @@ impl Dynamics<'_> {
         }
         for (contact, (gap, velocity)) in self.contacts.iter_mut().zip(gaps.iter().zip(&velocities))
         {
-            contact.reach = contact.reach.max(ROUNDING / CLOSED_GAP * gap);
-            contact.speed = contact.speed.max(ROUNDING / ZERO_VELOCITY * velocity);
+            contact.reach = contact.reach.max(ROUNDING / NOTHING * gap);
+            contact.speed = contact.speed.max(ROUNDING / NOTHING * velocity);
         }
         self.time_parts = TimeParts {
             load: largest(&forces),

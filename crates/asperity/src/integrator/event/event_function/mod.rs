@@ -7,9 +7,7 @@ pub(crate) use between_stages::NODES;
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::Dynamics;
-
-/// Excess of a sticking force over the reservoir that may be rounding, relative to the largest normal force.
-const AT_LIMIT: f64 = 1e-9;
+use crate::integrator::event::resolution::SOLVED;
 
 /// A function that is not positive while a contact stays in its mode. It becomes positive where a gap closes, a
 /// sticking force leaves the reservoir, the normal force of a slipping contact vanishes, or a closed contact without load
@@ -38,5 +36,5 @@ pub(crate) fn excess(dynamics: &Dynamics<'_>, i: usize) -> f64 {
 /// The excess of a sticking force over the reservoir that may be rounding.
 pub(crate) fn rounded_excess(dynamics: &Dynamics<'_>) -> f64 {
     let pressing = dynamics.contacts.iter().map(|contact| contact.normal_force);
-    AT_LIMIT * pressing.fold(f64::MIN_POSITIVE, f64::max)
+    SOLVED * pressing.fold(f64::MIN_POSITIVE, f64::max)
 }

@@ -5,18 +5,16 @@ use crate::integrator::event::dynamics::ContactVariables;
 use crate::integrator::event::integration::impact::touches;
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
+use crate::integrator::event::resolution::UNRESOLVED_TIME;
 use crate::integrator::event::state::State;
 use crate::system::{Break, Smoothness};
-
-/// Share of the whole time in which breaks count as one, as no event is located better.
-const ONE_BREAK: f64 = 2e-14;
 
 impl Integration<'_> {
     /// Enters the smooth piece of all functions of time that begins now; the least smooth of the breaks passed with it.
     pub(crate) fn enter_piece(&mut self) -> Option<Smoothness> {
         let system = self.dynamics.system;
         let (mut start, mut passed) = (self.state.t, None);
-        let together = start + ONE_BREAK * self.options.t_end;
+        let together = start + UNRESOLVED_TIME * self.options.t_end;
         let mut next = system.next_break(start);
         while let Some(Break { time, smoothness }) = next.filter(|found| found.time <= together) {
             passed = Some(passed.map_or(smoothness, |worse| smoothness.min(worse)));
@@ -32,7 +30,7 @@ impl Integration<'_> {
     /// The time at which steps end: of the next break or of the motion.
     pub(crate) fn end_of_piece(&self) -> f64 {
         let t_end = self.options.t_end;
-        let latest = t_end - ONE_BREAK * t_end;
+        let latest = t_end - UNRESOLVED_TIME * t_end;
         self.next_break.map(|end| end.time).filter(|time| *time < latest).unwrap_or(t_end)
     }
 

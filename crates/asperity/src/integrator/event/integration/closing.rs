@@ -10,7 +10,8 @@ use crate::integrator::event::event_function::NODES;
 use crate::integrator::event::event_function::between_stages::{hidden_maximum, interpolated};
 use crate::integrator::event::event_function::root::Value;
 use crate::integrator::event::integration::variables::Integration;
-use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, shortest_step};
+use crate::integrator::event::resolution::{NOTHING, shortest_step};
+use crate::integrator::event::state::EvaluationError;
 use crate::system::MotionBounds;
 
 /// Where in a piece the polynomial through its nodes is compared with the gap, in intervals where it is off most: no second
@@ -121,7 +122,7 @@ impl Integration<'_> {
         let decided = known.map(|nodes| nodes[0]).filter(|start| start.value < 0.0);
         let start = decided.map_or_else(|| self.gap_function(contact, 0.0), Ok)?;
         let reach = self.dynamics.contacts[contact].reach;
-        let (mut a, mut ends, mut unseen) = (start, vec![end], CLOSED_GAP * reach);
+        let (mut a, mut ends, mut unseen) = (start, vec![end], NOTHING * reach);
         // Differences by the number of halvings, and the noise that they have shown.
         let (mut differences, mut noise) = (Vec::new(), 0.0);
         for _ in 0..MOST_PIECES {

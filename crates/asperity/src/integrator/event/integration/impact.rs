@@ -7,16 +7,12 @@ use crate::integrator::event::dynamics::{ContactVariables, ROWS, SlidingForces};
 use crate::integrator::event::integration::variables::{Ending, Integration};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::{Outcome, Stagnation};
-use crate::integrator::event::state::{CLOSED_GAP, EvaluationError, State, shortest_step};
-
-/// Height of a bounce over the reach of the contact below which it rests: the end of a sequence of impacts.
-const LOWEST: f64 = 1e-13;
-/// `w_NᵀM⁻¹(w_N + Wf)` over `w_NᵀM⁻¹w_N` that counts as none.
-const NO_RESISTANCE: f64 = 1e-12;
+use crate::integrator::event::resolution::{NOTHING, ROUNDED, shortest_step};
+use crate::integrator::event::state::{EvaluationError, State};
 
 /// Whether a unilateral contact touches without being closed, or with it.
 pub(crate) fn touches(contact: &ContactVariables) -> bool {
-    contact.prescribed.is_none() && contact.gap <= CLOSED_GAP * contact.reach
+    contact.prescribed.is_none() && contact.gap <= NOTHING * contact.reach
 }
 
 impl Integration<'_> {
@@ -99,7 +95,7 @@ impl Integration<'_> {
         self.dynamics.drift_of_all(&self.state)?;
         let negligible = bounces.iter().all(|&(&i, &v)| {
             let fall = -self.dynamics.rate(ROWS * i, &self.dynamics.acceleration);
-            let low = v * v < 2.0 * fall * LOWEST * self.dynamics.contacts[i].reach;
+            let low = v * v < 2.0 * fall * ROUNDED * self.dynamics.contacts[i].reach;
             fall > 0.0 && (low || v < fall * shortest_step(self.state.t))
         });
         (self.dynamics.contacts, self.memory) = (contacts, memory);
@@ -142,7 +138,7 @@ impl Integration<'_> {
     pub(crate) fn singular_contact(&self) -> Option<usize> {
         let contacts = self.dynamics.contacts.iter().zip(self.step_size.resistances());
         let mut slipping = contacts.map(|(contact, resistance)| (contact.mode, *resistance));
-        slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < NO_RESISTANCE)
+        slipping.position(|(mode, resistance)| mode == Phase::Slip && resistance < NOTHING)
     }
 
     /// Whether a slipping contact that no longer resists opens without its own force. With a negative resistance it

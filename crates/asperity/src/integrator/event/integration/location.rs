@@ -8,7 +8,8 @@ use crate::integrator::event::event_function::rounded_excess;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::{Integration, Located};
-use crate::integrator::event::state::{CLOSED_GAP, EvaluationError};
+use crate::integrator::event::resolution::NOTHING;
+use crate::integrator::event::state::EvaluationError;
 
 /// Share of the first step in which events are not located: rounding of its length would be large beside their time.
 const EARLY_EVENT: f64 = 1e-2;
@@ -163,15 +164,15 @@ impl Integration<'_> {
     /// time until it leaves, it would not leave by enough to tell slip from rest.
     fn is_at_limit(&self, number: usize) -> bool {
         let limit = match self.dynamics.contacts.get(number) {
-            Some(contact) if contact.mode == Phase::Open => self.closed_gap(contact),
+            Some(contact) if contact.mode == Phase::Open => closed_gap(contact),
             Some(contact) if contact.mode == Phase::Stick => rounded_excess(&self.dynamics),
             _ => 0.0,
         };
         self.event_values[number] >= -limit
     }
+}
 
-    /// The gap at which a contact counts as closed at the beginning.
-    pub(crate) fn closed_gap(&self, contact: &ContactVariables) -> f64 {
-        (CLOSED_GAP * contact.reach).max(self.negligible.gap)
-    }
+/// The gap at which a contact counts as closed at the beginning.
+pub(crate) fn closed_gap(contact: &ContactVariables) -> f64 {
+    NOTHING * contact.reach
 }

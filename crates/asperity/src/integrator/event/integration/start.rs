@@ -2,8 +2,10 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::dynamics::{ContactVariables, ROWS};
+use crate::integrator::event::integration::location::closed_gap;
 use crate::integrator::event::integration::variables::{Ending, Integration};
-use crate::integrator::event::state::{EvaluationError, Negligible, State};
+use crate::integrator::event::resolution::ROUNDED_INPUT;
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::system::{Break, Smoothness};
 use crate::vectors::{largest, norm};
 
@@ -23,8 +25,10 @@ impl Integration<'_> {
         // An impact at the beginning is told from rest by the accelerations without contacts.
         self.dynamics.free_acceleration(*t, u, &mut self.a0)?;
         let acceleration = largest(&self.a0).max(self.dynamics.time_parts.load);
-        self.negligible = Negligible::of(largest(u), acceleration, duration);
-        let overlaps = |c: &ContactVariables| c.prescribed.is_none() && c.gap < -self.closed_gap(c);
+        self.rounded_velocity = f64::EPSILON * acceleration * duration;
+        let overlaps = |c: &ContactVariables| {
+            c.prescribed.is_none() && c.gap < -f64::max(closed_gap(c), ROUNDED_INPUT)
+        };
         let contacts = &self.dynamics.contacts;
         let overlapping = contacts.iter().position(overlaps);
         Ok(overlapping.map(|contact| (contact, -contacts[contact].gap)))
@@ -48,18 +52,18 @@ impl Integration<'_> {
     /// Closes the contacts that touch and do not part, at evaluated kinematics; returns one that collides.
     fn touch(&mut self) -> Option<usize> {
         let mut hit = None;
-        let still = self.zero_velocity().max(self.negligible.velocity);
+        let still = self.zero_velocity().max(self.rounded_velocity);
         for i in 0..self.memory.len() {
             let rows =
                 (1..=self.dynamics.contacts[i].p).map(|r| largest(self.dynamics.row(ROWS * i + r)));
             let size = rows.fold(0.0, f64::max);
             // Rounding must not slip.
-            if norm(&self.dynamics.contacts[i].slip) <= self.negligible.velocity * size {
+            if norm(&self.dynamics.contacts[i].slip) <= self.rounded_velocity * size {
                 self.dynamics.contacts[i].slip = [0.0; 3];
             }
             self.dynamics.contacts[i].mode = Phase::Open;
             let contact = self.dynamics.contacts[i];
-            if contact.prescribed.is_none() && contact.gap <= self.closed_gap(&contact) {
+            if contact.prescribed.is_none() && contact.gap <= closed_gap(&contact) {
                 let approach = self.approach(i);
                 if approach < -still {
                     hit = Some(i);

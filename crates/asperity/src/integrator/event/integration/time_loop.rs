@@ -8,7 +8,8 @@ use crate::integrator::event::integration::detection::Detection;
 use crate::integrator::event::integration::location::Location;
 use crate::integrator::event::integration::variables::{Ending, Integration, Next, Progress};
 use crate::integrator::event::outcome::{Outcome, Stagnation};
-use crate::integrator::event::state::{EvaluationError, ROUNDING, shortest_step};
+use crate::integrator::event::resolution::{ROUNDING, UNRESOLVED_TIME, shortest_step};
+use crate::integrator::event::state::EvaluationError;
 use crate::vectors::{add, largest, norm};
 
 /// Attempts among which the rejected ones are counted, and how many of them are too many.
@@ -18,8 +19,6 @@ const TOO_MANY: usize = 800;
 const PROGRESS: f64 = 1e-5;
 /// Share of the whole time in which so many attempts are worth the effort, even if all succeed.
 const LEAST_PROGRESS: f64 = 1e-10;
-/// Share of the whole time that is left out at its end: events are not located better.
-const UNRESOLVED_END: f64 = 2e-14;
 /// Events at one time that are too many, besides one of each contact.
 const SIMULTANEOUS: usize = 50;
 /// Length of a step over the time of an event in it, where the one before was far too long to tell that time.
@@ -140,7 +139,7 @@ impl Integration<'_> {
     fn attempt(&mut self) -> Result<Option<Next>, EvaluationError> {
         let end = self.end_of_piece();
         let left = end - self.state.t;
-        if left <= UNRESOLVED_END * self.options.t_end {
+        if left <= UNRESOLVED_TIME * self.options.t_end {
             return Ok(Some(Next::EndOfPiece(end)));
         }
         // Where a slip begins, its first step is made in the chart in which its direction is known.

@@ -6,7 +6,8 @@ use crate::integrator::event::dynamics::ROWS;
 use crate::integrator::event::integration::variables::{Ending, Integration, Next};
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, ZERO_VELOCITY, shortest_step};
+use crate::integrator::event::resolution::{NOTHING, shortest_step};
+use crate::integrator::event::state::EvaluationError;
 use crate::vectors::{largest, norm};
 
 /// Slip over the speed of a contact below which rounding may turn its friction force, as it does where *D* is slender.
@@ -123,7 +124,7 @@ impl Integration<'_> {
             return contact.mode == Phase::Slip;
         }
         let rate = slip_rate(&self.dynamics, i, &self.a0);
-        let rounding = ZERO_VELOCITY * contact.reference_speed();
+        let rounding = NOTHING * contact.reference_speed();
         rate < 0.0
             && (speed <= f64::max(rounding, -rate * shortest_step(self.state.t))
                 || (speed <= NEARLY_ZERO * contact.reference_speed()

@@ -8,7 +8,8 @@ use crate::integrator::event::event_function::{NODES, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::state::{EvaluationError, Negligible, Scale, State, ZERO_VELOCITY};
+use crate::integrator::event::resolution::NOTHING;
+use crate::integrator::event::state::{EvaluationError, Scale, State};
 use crate::integrator::observer::Observer;
 use crate::system::{Break, InitialState, MotionBounds, System};
 use crate::vectors::largest;
@@ -56,8 +57,8 @@ pub(crate) struct Integration<'a> {
     pub(crate) options: &'a Options,
     pub(crate) dynamics: Dynamics<'a>,
     pub(crate) state: State,
-    /// What counts as none at the beginning.
-    pub(crate) negligible: Negligible,
+    /// Velocity that rounding of the loads gives until the end: it counts as none at the beginning.
+    pub(crate) rounded_velocity: f64,
     /// What the contacts did last.
     pub(crate) memory: Vec<ContactState>,
     pub(crate) step_size: StepSize,
@@ -123,7 +124,7 @@ impl<'a> Integration<'a> {
         Self {
             options,
             state,
-            negligible: Negligible::default(),
+            rounded_velocity: 0.0,
             memory: vec![ContactState::default(); contacts],
             step_size: StepSize::new(options.tolerance, contacts),
             motion: Motion::new(&dynamics),
@@ -216,7 +217,7 @@ impl<'a> Integration<'a> {
 
     /// A normal velocity that counts as none.
     pub(crate) fn zero_velocity(&self) -> f64 {
-        ZERO_VELOCITY * self.step_size.speed()
+        NOTHING * self.step_size.speed()
     }
 
     /// Keeps the present state.
@@ -255,7 +256,7 @@ impl<'a> Integration<'a> {
         if let Some(section) = &self.options.section {
             let (q, u) = self.dynamics.chart.to_system(&self.state.q, &self.state.u);
             let height = section.height(&q, &u);
-            let on = height.abs() <= ZERO_VELOCITY * section.size(&q, &u);
+            let on = height.abs() <= NOTHING * section.size(&q, &u);
             let last = &mut self.event_values[self.memory.len()];
             *last = match *last < 0.0 {
                 // Arrives from below, or has got above: the next step crosses it at its start.

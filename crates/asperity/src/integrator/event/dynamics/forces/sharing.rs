@@ -13,12 +13,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::integrator::event::dynamics::contact_variables::ROWS;
+use crate::integrator::event::resolution::PARTS;
 use crate::linear::{BlockLu, LeastNorm};
 use crate::solver::{RANK, SINGULAR};
 
-/// Part of the normal accelerations in the directions of `Z`, over the sizes of their terms, above which surfaces part:
-/// far above rounding and differences along the motion.
-pub(crate) const PARTS: f64 = 1e-10;
 /// A normal acceleration, and the size of what it is the sum of.
 pub(crate) struct Rate {
     pub(crate) value: f64,

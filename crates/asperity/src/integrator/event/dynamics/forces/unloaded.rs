@@ -3,7 +3,7 @@
 use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Unloaded;
 use crate::integrator::event::dynamics::contact_variables::ROWS;
-use crate::integrator::event::dynamics::forces::sharing::PARTS;
+use crate::integrator::event::resolution::PARTS;
 use crate::solver::{DEPENDENT, LIGHT};
 
 impl Dynamics<'_> {
