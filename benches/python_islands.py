@@ -1,4 +1,4 @@
-"""Islands: walls side by side beside single ones, piles that step, what is at rest, and bodies that `integrate` follows.
+"""Islands: walls side by side, piles that step, what is at rest, bodies that `integrate` follows.
 
 Every ratio is one of processor times in one run, but for the one of two threads, which is one of
 times on the clock and asks for an idle machine.
