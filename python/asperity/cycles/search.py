@@ -42,7 +42,7 @@ _LONGEST, _SETTLING = 200.0, 0.05
 _ROUGH = 1e-6
 # Turns of a section that may make up one period, and the accuracy to which they have to agree.
 _LOOPS, _SAME = SAME_TURN, 1e-6
-# They are looked for where the motion is as near to its start, between samples, part of a period on.
+# They are looked for where the motion comes this near to its start, between samples.
 _NEAR = 0.1
 # The motion is integrated so much more sharply than the cycle has to close.
 _SHARPER = 0.05
