@@ -1,0 +1,473 @@
+"""Steps of a MuJoCo model with set-valued friction."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.contact import ContactStepper, StepSolution
+from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
+from asperity.mujoco.laws import Laws, PairLaws
+from asperity.mujoco.model import RowsModel
+from asperity.mujoco.projection import Projector
+from asperity.mujoco.results import Projection, SceneContact, SceneProblem, SceneRun, SceneStep
+from asperity.mujoco.rows import Items, Rows, all_rows, items_of, keys_of_contacts
+from asperity.solvers import Solver
+from asperity.status import Phase, Status
+
+if TYPE_CHECKING:
+    import mujoco
+
+# Parts of the model's extent: violations up to the first stay, starts with more than the second are
+# refused.
+_EXACT, _START = 1e-9, 1e-6
+# Steps without a contact that was found too late, after which the detection distance is halved.
+_QUIET = 100
+
+
+class Scene:
+    """A MuJoCo model whose contacts, limits and joints are rigid, with set-valued friction.
+
+    ``scene.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: Moreau's midpoint rule,
+    with percussions P that obey the laws of contact at the end of the step,
+
+        q_M = q ⊕ ½h v,  (M + hD)(v⁺ − v) = h f(q_M, ½(v + v_free)) − hD v + JᵀP,  q⁺ = q_M ⊕ ½h v⁺
+
+    D is the damping of joints. Normal velocities are at least −gap/½h; closed loops reflect the
+    curvature of their path, J(v + v⁺) = 0, which keeps their energy. Gaps, limits and equalities
+    that are violated at the end by more than 1e-9 of the model's extent are projected.
+
+    Bodies touch where MuJoCo lets them rest, at the sum of their margins. ``solref``, ``solimp``
+    and ``impratio`` have no effect: equalities, limits and ``frictionloss`` are rigid. The step is
+    that of ``model.opt.timestep``, whatever the integrator. Contacts without a law given here have
+    the friction coefficients of MuJoCo, which combines those of the geoms: a disk, for ``condim`` 4
+    an ellipsoid with the drilling, also where the cone is pyramidal; ``condim`` 1 has no friction.
+
+    After a step ``data`` holds the state at its end; positions of bodies, contacts and forces
+    (``efc_force``, ``qacc``, ``cfrc_ext`` by ``mj_rnePostConstraint``, sensors) are those of its
+    midpoint. Contacts nearby are listed, too.
+
+    Args:
+        model: an ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
+        laws: by pairs of names of geoms or bodies, and ``"default"``: a `FrictionLaw`, whose first
+            axis is that of the first of the pair, or a `PairLaw`. Pairs of geoms win over bodies.
+        starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
+            model's extent, or ``"project"`` them.
+        rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
+        on_failure: ``"raise"``, with the data as before the step, or ``"record"``.
+        solver: default `Auto`.
+        tolerance: largest relative defect of a contact.
+
+    Raises:
+        ParameterError: naming the argument, the flex, adhesion or rolling friction of a model, or
+            the name that the model does not have.
+        ModuleNotFoundError: without mujoco.
+
+    Reference: [WL19] (19), (55); J. J. Moreau (1988).
+
+    >>> import mujoco
+    >>> import asperity as asp
+    >>> from asperity.mujoco import Scene
+    >>> model = mujoco.MjModel.from_xml_string('''
+    ... <mujoco><worldbody>
+    ...   <geom name="plate" type="plane" size="1 1 .1"/>
+    ...   <body pos="0 0 .05"><freejoint/><geom name="puck" type="box" size=".1 .1 .05"/></body>
+    ... </worldbody></mujoco>''')
+    >>> data = mujoco.MjData(model)
+    >>> data.qvel[:2] = 1.0, 1.0
+    >>> grooved = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2))
+    >>> scene = Scene(model, {("plate", "puck"): grooved})
+    >>> run = scene.simulate(data, t_end=1.0)
+    >>> run.qpos[-1, :2].round(3).tolist()
+    [0.0, 0.0]
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        laws: Laws | None = None,
+        *,
+        starts: Literal["refuse", "project"] = "refuse",
+        rolling: Literal["refuse", "ignore"] = "refuse",
+        on_failure: Literal["raise", "record"] = "raise",
+        solver: Solver | None = None,
+        tolerance: float = 1e-10,
+    ) -> None:
+        self._starts = arrays.choice(starts, "starts", ("refuse", "project"))
+        self._on_failure = arrays.choice(on_failure, "on_failure", ("raise", "record"))
+        arrays.choice(rolling, "rolling", ("refuse", "ignore"))
+        self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
+        self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
+        self._laws = PairLaws(rows, laws)
+        self._solver, self._tolerance = solver, arrays.positive(tolerance, "tolerance")
+        self._stepper = self._new_stepper()
+        self._extent = float(model.stat.extent)
+        self._projector = Projector(rows, exact=_EXACT * self._extent, solver=solver)
+        self._least_detection = 1e-4 * self._extent
+        rows.widen(self._least_detection)
+        self._quiet = 0
+        # The coordinates at the end of the last step, as bytes.
+        self._left = b""
+        self._last: tuple[mujoco.MjData, list[SceneContact]] | None = None
+        m, enable = self._model, self._mj.mjtEnableBit
+        self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
+        self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
+        self._has_energy = bool(m.opt.enableflags & int(enable.mjENBL_ENERGY))
+
+    @property
+    def dt(self) -> float:
+        """Time step in s, that of the model."""
+        return self._dt
+
+    def __repr__(self) -> str:
+        return f"<Scene: {self._model.ngeom} geoms, {self._model.nv} velocities, dt {self._dt:g} s>"
+
+    def step(self, data: mujoco.MjData) -> SceneStep:
+        """Take one step.
+
+        Args:
+            data: of the model; its state is advanced.
+
+        Raises:
+            ParameterError: if the state is inadmissible and `starts` is ``"refuse"``.
+            NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
+        """
+        if self._left != data.qpos.tobytes():
+            self._start(data)
+        q, v = data.qpos.copy(), data.qvel.copy()
+        control = self._mj.get_mjcb_control()
+        if control is not None:
+            control(self._rows.user, data)
+        found: Counter[tuple[int, ...]] = Counter()
+        while True:
+            rows, items, solution, after = self._solve(data, q, v)
+            if self._on_failure == "raise" and solution is not None and not solution.converged:
+                data.qpos[:], data.qvel[:] = q, v
+                raise self._failure(data, rows, items, solution)
+            self._projector.advance(data, after, 0.5 * self._dt)
+            missed, before = self._missed(rows), found
+            found = Counter(map(tuple, rows.geoms.tolist()))
+            # One that no distance brings forth is MuJoCo's: the projection holds it.
+            if all(found[pair] == before[pair] for pair in missed):
+                break
+            self._quiet = 0
+            self._rows.widen(2.0 * self._rows.detection)
+        self._write(data, v, after, rows, items, solution)
+        projected, violation = self._projector.settle()
+        data.qpos[:] = self._projector.data.qpos
+        if data.ne:
+            data.qvel[:] = self._projector.level(after)
+        if self._has_energy:
+            data.energy[:] = self._projector.energy(data.qvel)
+        self._left = data.qpos.tobytes()
+        self._quiet += 1
+        if self._quiet > _QUIET and self._rows.detection > self._least_detection:
+            self._quiet = 0
+            self._rows.widen(0.5 * self._rows.detection)
+        return SceneStep(solution, projected, violation)
+
+    def simulate(
+        self, data: mujoco.MjData, *, t_end: float, keep: Sequence[str] = ("qpos", "qvel")
+    ) -> SceneRun:
+        """Take steps until a time.
+
+        Args:
+            data: of the model; its state is advanced.
+            t_end: in s, of ``data.time``, to half a step.
+            keep: arrays of ``MjData`` that are sampled after every step.
+
+        Raises:
+            ParameterError: naming the argument, or as `step`.
+            NoSolutionError, ConvergenceError: as `step`.
+        """
+        steps = round((arrays.number(t_end, "t_end") - data.time) / self._dt)
+        if steps < 0:
+            raise ParameterError("t_end", f"must not be before data.time = {data.time:g}")
+        for name in keep:
+            if not isinstance(getattr(data, str(name), None), np.ndarray):
+                raise ParameterError("keep", f"must name arrays of MjData, got {name!r}")
+        t = np.empty(steps + 1)
+        kept = {name: np.empty((steps + 1, *getattr(data, name).shape)) for name in keep}
+        residual = violation = 0.0
+        for k in range(steps + 1):
+            if k:
+                step = self.step(data)
+                violation = max(violation, step.violation)
+                if step.solution is not None:
+                    residual = max(residual, step.solution.residual)
+            t[k] = data.time
+            for name, samples in kept.items():
+                samples[k] = getattr(data, name)
+        return SceneRun(t, kept, residual, violation)
+
+    def problem(self, data: mujoco.MjData) -> SceneProblem:
+        """Return the rows of the step from here, without taking it.
+
+        Limits and contacts that stay open are left out.
+        """
+        trial = self._mj.MjData(self._model)
+        self._mj.mj_copyData(trial, self._model, data)
+        rows, items, _, _ = self._solve(trial, data.qpos.copy(), data.qvel.copy())
+        delassus, free_velocity, bounds = self._problem
+        return SceneProblem(
+            delassus=delassus,
+            free_velocity=free_velocity,
+            items=np.array(items.kinds, dtype=np.int64),
+            bounds=bounds,
+            keys=np.array(items.keys, dtype=np.int64),
+            laws=tuple(self._laws.laws),
+            names=tuple(self._name(trial, rows, items, k) for k in range(len(items.kinds))),
+        )
+
+    def contacts(self, data: mujoco.MjData) -> list[SceneContact]:
+        """Return the contacts that took part in the last step, closed or about to close.
+
+        Args:
+            data: that of the last step, as the scene left it.
+
+        Raises:
+            ParameterError: if it is not.
+        """
+        if self._last is None or self._last[0] is not data or self._left != data.qpos.tobytes():
+            raise ParameterError("data", "must be as the scene's last step left it")
+        _, rows, items, solution, percussion, position, frames = self._last
+        found = []
+        for k, (i, law) in enumerate(zip(items.contacts, items.laws, strict=True)):
+            row, item = int(rows.unilateral[rows.limits + i]), items.joints + k
+            frame, parts = frames[i].reshape(3, 3), percussion[row : row + 4] / self._dt
+            acting = 1 + min(law.dimension, 2)
+            one, other = rows.geoms[i].tolist()
+            found.append(
+                SceneContact(
+                    geoms=(self._rows.names[one], self._rows.names[other]),
+                    position=position[i],
+                    normal=frame[0],
+                    gap=float(rows.gaps[rows.limits + i]),
+                    force=parts[:acting] @ frame[:acting],
+                    torque=float(parts[3]) if law.dimension == 3 else 0.0,
+                    phase=Phase(int(solution.phase[item])),
+                    ambiguous=bool(solution.ambiguous_items[item]),
+                )
+            )
+        return found
+
+    def project(self, data: mujoco.MjData) -> Projection:
+        """Move a state, by as little as possible in M, to where gaps, limits and equalities hold.
+
+        Raises:
+            NoSolutionError: if they cannot, to 1e-6 of the model's extent.
+        """
+        ahead = self._projector
+        ahead.place(data)
+        violations = ahead.violations(_EXACT * self._extent)
+        ahead.settle()
+        left = ahead.violations(_START * self._extent)
+        if left:
+            raise NoSolutionError(f"the state cannot be projected: {_listed(left)} are left")
+        change = np.zeros(self._model.nv)
+        self._mj.mj_differentiatePos(self._model, change, 1.0, data.qpos, ahead.data.qpos)
+        data.qpos[:] = ahead.data.qpos
+        self._left = data.qpos.tobytes()
+        return Projection(violations, float(np.abs(change).max(initial=0.0)))
+
+    def _start(self, data: mujoco.MjData) -> None:
+        """Refuse or project a state that the scene did not leave."""
+        self._stepper.forget()
+        self._projector.place(data)
+        violations = self._projector.violations(_START * self._extent)
+        if violations and self._starts == "project":
+            self.project(data)
+        elif violations:
+            raise ParameterError(
+                "data",
+                f"must be admissible, it violates {_listed(violations)}: scene.project(data) or "
+                'starts="project" moves it',
+            )
+
+    def _solve(
+        self, data: mujoco.MjData, q: Array, v: Array
+    ) -> tuple[Rows, Items, StepSolution | None, Array]:
+        """Return the rows at the midpoint, what takes part, percussions, and v⁺."""
+        mj, m, h = self._mj, self._model, self._dt
+        data.qpos[:] = q
+        mj.mj_integratePos(m, data.qpos, v, 0.5 * h)
+        data.qvel[:] = v
+        mj.mj_fwdPosition(m, data)
+        if self._rows.is_damped:
+            self._rows.factor(data)
+        self._accelerate(data)
+        free = v + h * data.qacc_smooth
+        # The mean velocity, or a tumbling body would gain energy.
+        data.qvel[:] = 0.5 * (v + free)
+        self._accelerate(data)
+        change = h * data.qacc_smooth
+        if self._rows.is_damped:
+            # Damping is that of v⁺, MuJoCo's that of the mean.
+            more = np.empty((1, m.nv))
+            mj.mj_solveM(m, data, more, (self._rows.damping * (data.qvel - v))[None])
+            change += more[0]
+        free = v + change
+        rows = all_rows(self._rows, data)
+        bilateral, velocity = rows.matrix[: data.ne], rows.matrix @ free
+        if data.ne:
+            # What the path curves between v and v⁺ is reflected, which keeps the energy.
+            velocity[: data.ne] += bilateral @ v
+        opening = np.maximum(rows.gaps, 0.0) / (0.5 * h)
+        velocity[rows.unilateral] += opening
+        approach = velocity[rows.unilateral]
+        # Percussions change velocities by about the largest of those with which items close.
+        fastest = -float(approach.min(initial=0.0))
+        near = approach < fastest
+        keys = keys_of_contacts(self._rows, data, rows.geoms)
+        self._problem = np.zeros((0, 0)), np.zeros(0), np.zeros(0)
+        while True:
+            items = items_of(self._rows, self._laws, data, rows, keys, near)
+            if not items.index:
+                return rows, items, None, free
+            solution, after = self._percussions(data, rows, items, velocity, free)
+            late = ~near & (rows.matrix[rows.unilateral] @ after + opening < -_EXACT * fastest)
+            if not late.any():
+                return rows, items, solution, after
+            near |= late
+
+    def _percussions(
+        self, data: mujoco.MjData, rows: Rows, items: Items, velocity: Array, free: Array
+    ) -> tuple[StepSolution, Array]:
+        if len(self._laws.laws) > len(self._stepper.laws):
+            self._stepper = self._new_stepper()
+        matrix, b = rows.matrix[items.index], velocity[items.index]
+        if self._model.flg_surfacevel:
+            self._add_surfaces(data, rows, items, b)
+        items.turn(matrix)
+        items.turn(b[:, None])
+        inverse = np.empty_like(matrix)
+        self._mj.mj_solveM(self._model, data, inverse, matrix)
+        bounds = np.zeros(len(items.kinds))
+        dry = slice(data.ne, data.ne + data.nf)
+        bounds[dry] = self._dt * data.efc_frictionloss[dry]
+        self._problem = matrix @ inverse.T, b, bounds
+        solution = self._stepper.solve(
+            self._problem[0],
+            free_velocity=b,
+            items=np.array(items.kinds, dtype=np.int64),
+            bounds=bounds,
+            keys=np.array(items.keys, dtype=np.int64),
+            on_failure="record",
+        )
+        return solution, free + solution.percussion @ inverse
+
+    def _add_surfaces(self, data: mujoco.MjData, rows: Rows, items: Items, b: Array) -> None:
+        """Add the velocities of surfaces that move in their own plane."""
+        first = len(b) - sum(1 + law.dimension for law in items.laws)
+        for contact, law in zip(items.contacts, items.laws, strict=True):
+            surface = data.contact.surfacevel[rows.contacts[contact]]
+            b[first + 1 : first + 1 + law.dimension] += surface[: law.dimension]
+            first += 1 + law.dimension
+
+    def _accelerate(self, data: mujoco.MjData) -> None:
+        self._mj.mj_fwdVelocity(self._model, data)
+        self._mj.mj_fwdActuation(self._model, data)
+        self._mj.mj_fwdAcceleration(self._model, data)
+
+    def _missed(self, rows: Rows) -> list[tuple[int, ...]]:
+        """Return pairs of geoms that end inside each other at more points than the step knew."""
+        ahead = self._projector.rows
+        inside = ahead.gaps[ahead.limits :] < -_EXACT * self._extent
+        if not inside.any():
+            return []
+        deep = Counter(map(tuple, ahead.geoms[inside].tolist()))
+        known = Counter(map(tuple, rows.geoms.tolist()))
+        return [pair for pair, count in deep.items() if count > known[pair]]
+
+    def _write(
+        self,
+        data: mujoco.MjData,
+        v: Array,
+        after: Array,
+        rows: Rows,
+        items: Items,
+        solution: StepSolution | None,
+    ) -> None:
+        """Leave in `data` what MuJoCo would: velocities, activations, time, forces and sensors."""
+        mj, m, h = self._mj, self._model, self._dt
+        data.qacc[:] = (after - v) / h
+        percussion = np.zeros(data.nefc + 3)
+        if solution is not None:
+            percussion[items.index] = items.turn_back(solution.percussion)
+        data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
+        contacts = data.contact
+        if solution is not None:
+            self._last = (
+                *(data, rows, items, solution, percussion),
+                *(contacts.pos[rows.contacts], contacts.frame[rows.contacts]),
+            )
+        if self._rows.is_damped:
+            mj.mj_factorM(m, data)
+        if self._integrates_more:
+            middle = data.qpos.copy()
+            data.qvel[:] = v
+            mj.mj_Euler(m, data)
+            data.qpos[:] = middle
+        else:
+            data.time += h
+        data.qvel[:] = after
+        if self._is_pyramidal and len(rows.contacts):
+            self._write_pyramids(data, rows, items, percussion / h)
+        else:
+            data.efc_force[:] = percussion[: data.nefc] / h
+        mj.mj_fwdVelocity(m, data)
+        if m.nsensor:
+            mj.mj_sensorPos(m, data)
+            mj.mj_sensorVel(m, data)
+            mj.mj_sensorAcc(m, data)
+
+    def _write_pyramids(self, data: mujoco.MjData, rows: Rows, items: Items, force: Array) -> None:
+        """Write forces along the edges of friction pyramids, as the user's model reads them."""
+        m, cones = self._model, self._mj.mjtCone
+        first = rows.unilateral[rows.limits :].copy()
+        m.opt.cone = cones.mjCONE_PYRAMIDAL
+        self._mj.mj_makeConstraint(m, data)
+        m.opt.cone = cones.mjCONE_ELLIPTIC
+        written = np.zeros(data.nefc)
+        begin = data.ne + data.nf + data.nl
+        written[:begin] = force[:begin]
+        for k in items.contacts:
+            contact = data.contact[int(rows.contacts[k])]
+            edge, row, edges = int(contact.efc_address), int(first[k]), int(contact.dim) - 1
+            if not edges:
+                written[edge] = force[row]
+                continue
+            normal = 0.5 * force[row] / edges
+            across = 0.5 * force[row + 1 : row + 1 + edges] / contact.friction[:edges]
+            written[edge : edge + 2 * edges : 2] = normal + across
+            written[edge + 1 : edge + 2 * edges : 2] = normal - across
+        data.efc_force[:] = written
+
+    def _new_stepper(self) -> ContactStepper:
+        return ContactStepper(self._laws.laws, solver=self._solver, tolerance=self._tolerance)
+
+    def _name(self, data: mujoco.MjData, rows: Rows, items: Items, item: int) -> str:
+        contact = item - items.joints
+        if contact >= 0:
+            return self._rows.item_name(data, 0, rows.geoms[items.contacts[contact]])
+        return self._rows.item_name(data, items.index[item], None)
+
+    def _failure(
+        self, data: mujoco.MjData, rows: Rows, items: Items, solution: StepSolution
+    ) -> NoSolutionError | ConvergenceError:
+        where = f"{self._name(data, rows, items, solution.worst_item)} at {data.time:g} s"
+        message = f"{solution.status.message}: {where}"
+        if solution.status is Status.NO_SOLUTION:
+            return NoSolutionError(message, residual=solution.residual)
+        return ConvergenceError(message, residual=solution.residual, advice=solution.status.advice)
+
+
+def _listed(violations: dict[str, float]) -> str:
+    """Return the largest violations in words."""
+    worst = sorted(violations.items(), key=lambda entry: -entry[1])[:3]
+    return ", ".join(f"{name} by {depth:.3g} (m or rad)" for name, depth in worst)
