@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Positive, Record, Vector3, field
+from asperity.contact import ContactStepper
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.mujoco.model import RowsModel
@@ -68,15 +69,12 @@ Laws: TypeAlias = Mapping[Any, FrictionLaw | PairLaw]
 
 
 @dataclass(frozen=True, slots=True)
-class ContactLaw:
-    """The law of a contact: its number, or none, and the axes if they are not MuJoCo's."""
+class Axes:
+    """The direction of e₁: an axis of a geom or body, or of the world."""
 
-    number: int
-    dimension: int
-    axis: Array | None = None
-    carrier: tuple[str, int] | None = None
+    axis: Array
+    carrier: tuple[str, int] | None
     is_reversed: bool = False
-    radius: float = 1.0
 
     def turn(self, data: mujoco.MjData, frame: Array) -> tuple[float, float, float, float]:
         """Return the rows of e₁ and e₂ in MuJoCo's tangents, with the sign of the slip."""
@@ -91,6 +89,19 @@ class ContactLaw:
                 break
         cos, sin = cos / length, sin / length
         return (-cos, -sin, -sin, cos) if self.is_reversed else (cos, sin, -sin, cos)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactLaw:
+    """The law of a contact: its number, the kind of a row without friction, and its axes.
+
+    Without axes they are MuJoCo's. The third slip is the radius times the drilling.
+    """
+
+    number: int
+    dimension: int
+    axes: Axes | None = None
+    radius: float = 1.0
 
 
 class PairLaws:
@@ -119,9 +130,9 @@ class PairLaws:
         # Pairs of geoms come after those of bodies and win.
         for _, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
             made = self._made(pair, first)
-            reverse = ContactLaw(
-                *(made.number, made.dimension, made.axis, made.carrier, True, made.radius)
-            )
+            reverse = made
+            if made.axes is not None:
+                reverse = replace(made, axes=replace(made.axes, is_reversed=True))
             ones, others = set(self._geoms(first)), set(self._geoms(second))
             rows.raise_condim(ones | others, 1 + pair.law.dimension)
             for a in ones:
@@ -140,7 +151,7 @@ class PairLaws:
     def _mujoco(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
         dimension = self._rows.condim(*pair) - 1
         if dimension == 0:
-            return ContactLaw(-1, 0)
+            return ContactLaw(ContactStepper.FRICTIONLESS, 0)
         axes = tuple(friction[:dimension].tolist())
         number = self._own.get(axes)
         if number is None:
@@ -159,10 +170,10 @@ class PairLaws:
         self.laws.append(pair.law)
         number, radius = len(self.laws) - 1, pair.patch_radius or 1.0
         carrier = None if name == "world" else self._carrier(name)
-        axis = pair.axis / np.linalg.norm(pair.axis)
+        axes = Axes(pair.axis / np.linalg.norm(pair.axis), carrier)
         if isinstance(pair.law.reservoir, Disk) and isinstance(pair.law.direction, Disk):
-            axis = None
-        return ContactLaw(number, pair.law.dimension, axis, carrier, radius=radius)
+            return ContactLaw(number, pair.law.dimension)
+        return ContactLaw(number, pair.law.dimension, axes, radius)
 
     def _carrier(self, name: str) -> tuple[str, int]:
         if name in self._rows.names:

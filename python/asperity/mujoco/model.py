@@ -119,7 +119,7 @@ class RowsModel:
         return f"{words} {name or number!r}"
 
     def _ranks(self) -> NDArray[np.int64]:
-        """Number geoms by what they are, so that their order in the file has no effect."""
+        """Return numbers of geoms by what they are, whatever their order in the file."""
         m = self.user
 
         def identity(geom: int) -> tuple[object, ...]:

@@ -56,14 +56,16 @@ class Projector:
     def violations(self, least: float) -> dict[str, float]:
         """Return by how much rows that something can move are violated, if by more than `least`."""
         ahead, rows = self.data, self.rows
-        moves = np.abs(rows.matrix).max(axis=1, initial=0.0) > 0.0
+        moves = np.any(rows.matrix, axis=1)
         found: dict[str, float] = {}
         numbers = [*range(ahead.ne), *rows.unilateral.tolist()]
         sizes = [*np.abs(ahead.efc_pos[: ahead.ne]).tolist(), *(-rows.gaps).tolist()]
         for k, (row, size) in enumerate(zip(numbers, sizes, strict=True)):
             if size > least and moves[row]:
                 contact = k - ahead.ne - rows.limits
-                name = self._model.item_name(ahead, row, rows.geoms[contact] if contact >= 0 else None)
+                name = self._model.item_name(
+                    ahead, row, rows.geoms[contact] if contact >= 0 else None
+                )
                 found[name] = max(size, found.get(name, 0.0))
         return found
 
@@ -71,8 +73,9 @@ class Projector:
         """Project the coordinates; return the largest violation before and after."""
         first = worst = self._worst()
         for _ in range(_PROJECTIONS):
-            if worst <= self._exact or not self._move(worst):
+            if worst <= self._exact:
                 break
+            self._move(worst)
             self._find()
             worst = self._worst()
         return first, worst
@@ -107,33 +110,32 @@ class Projector:
         self.rows = all_rows(self._model, ahead)
 
     def _worst(self) -> float:
-        ne = self.data.ne
-        worst = -float(self.rows.gaps.min(initial=0.0))
-        return max(worst, float(np.abs(self.data.efc_pos[:ne]).max())) if ne else worst
+        """Return the largest violation of rows that something can move."""
+        ne, rows = self.data.ne, self.rows
+        errors = np.abs(self.data.efc_pos[:ne])
+        if max(errors.max(initial=0.0), -rows.gaps.min(initial=0.0)) > self._exact:
+            moves = np.any(rows.matrix, axis=1)
+            errors = errors[moves[:ne]]
+            rows.gaps[~moves[rows.unilateral]] = np.inf
+        return max(float(errors.max(initial=0.0)), -float(rows.gaps.min(initial=0.0)))
 
-    def _move(self, worst: float) -> bool:
-        """Move to where the linearised rows hold; return whether any that is violated can move."""
+    def _move(self, worst: float) -> None:
+        """Move to where the linearised rows hold."""
         ne, rows = self.data.ne, self.rows
         # What is as near as the others are violated may close.
         near = rows.gaps < worst
         index = np.concatenate((np.arange(ne), rows.unilateral[near]))
         gaps = np.concatenate((self.data.efc_pos[:ne], rows.gaps[near]))
         inverse, delassus = self._mobility(index)
-        moves = delassus.diagonal() > 0.0
-        kinds = np.where(np.arange(len(index)) < ne, JOINT, LIMIT)
-        is_violated = (gaps < -self._exact) | ((kinds == JOINT) & (gaps > self._exact))
-        if not (moves & is_violated).any():
-            return False
         solution = self._stepper.solve(
-            delassus[np.ix_(moves, moves)],
-            free_velocity=gaps[moves],
-            items=kinds[moves],
+            delassus,
+            free_velocity=gaps,
+            items=np.where(np.arange(len(index)) < ne, JOINT, LIMIT),
             on_failure="record",
         )
         self._stepper.forget()
-        change = solution.percussion @ inverse[moves]
+        change = solution.percussion @ inverse
         self._mj.mj_integratePos(self._model.model, self.data.qpos, change, 1.0)
-        return True
 
     def _mobility(self, index: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return M⁻¹Jᵀ, transposed, and J M⁻¹ Jᵀ of some rows."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from asperity._base.arrays import Array
 from asperity._base.value import Record
 from asperity.contact import StepSolution
+from asperity.law import FrictionLaw
 from asperity.status import Phase
 
 
@@ -80,8 +81,8 @@ class SceneProblem(Record):
     items: Array
     bounds: Array
     keys: Array
-    laws: tuple
-    names: tuple
+    laws: tuple[FrictionLaw, ...]
+    names: tuple[str, ...]
 
 
 class SceneRun(NamedTuple):

@@ -122,7 +122,9 @@ def keys_of_contacts(model: RowsModel, data: mujoco.MjData, geoms: NDArray[np.in
         first = geoms[:, 0]
         carrier = np.where(model.is_fixed[first], geoms[:, 1], first)
         axes = data.geom_xmat[carrier].reshape(-1, 3, 3) @ _PLACE
-        own = data.contact.pos if len(data.contact) == len(geoms) else data.contact.pos[: len(geoms)]
+        own = (
+            data.contact.pos if len(data.contact) == len(geoms) else data.contact.pos[: len(geoms)]
+        )
         place = ((own - data.geom_xpos[carrier]) * axes).sum(axis=1)
         order = np.lexsort((place, pairs))
         count = np.arange(len(pairs))
@@ -154,8 +156,8 @@ def items_of(
         number = rows.contacts[k]
         one, other = rows.geoms[k].tolist()
         law = laws.of((one, other), friction[number])
-        if law.axis is not None or law.radius != 1.0:
-            turn = law.turn(data, frames[number])
+        if law.axes is not None:
+            turn = law.axes.turn(data, frames[number])
             items.turned.append((len(index) + 1, turn, law.radius if law.dimension == 3 else 0.0))
         index.extend(range(row, row + 1 + law.dimension))
         kinds.append(law.number)

@@ -84,7 +84,7 @@ class Scene:
     >>> scene = Scene(model, {("plate", "puck"): grooved})
     >>> run = scene.simulate(data, t_end=1.0)
     >>> run.qpos[-1, :2].round(3).tolist()
-    [0.0, 0.0]
+    [0.103, 0.334]
     """
 
     def __init__(
@@ -113,7 +113,8 @@ class Scene:
         self._quiet = 0
         # The coordinates at the end of the last step, as bytes.
         self._left = b""
-        self._last: tuple[mujoco.MjData, list[SceneContact]] | None = None
+        self._last: tuple[mujoco.MjData, Rows, Items, StepSolution, Array, Array, Array] | None
+        self._last = None
         m, enable = self._model, self._mj.mjtEnableBit
         self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
         self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
@@ -143,20 +144,17 @@ class Scene:
         control = self._mj.get_mjcb_control()
         if control is not None:
             control(self._rows.user, data)
-        found: Counter[tuple[int, ...]] = Counter()
         while True:
             rows, items, solution, after = self._solve(data, q, v)
             if self._on_failure == "raise" and solution is not None and not solution.converged:
                 data.qpos[:], data.qvel[:] = q, v
                 raise self._failure(data, rows, items, solution)
             self._projector.advance(data, after, 0.5 * self._dt)
-            missed, before = self._missed(rows), found
-            found = Counter(map(tuple, rows.geoms.tolist()))
-            # One that no distance brings forth is MuJoCo's: the projection holds it.
-            if all(found[pair] == before[pair] for pair in missed):
+            distance = self._missed(rows, after)
+            if distance <= self._rows.detection:
                 break
             self._quiet = 0
-            self._rows.widen(2.0 * self._rows.detection)
+            self._rows.widen(2.0 * distance)
         self._write(data, v, after, rows, items, solution)
         projected, violation = self._projector.settle()
         data.qpos[:] = self._projector.data.qpos
@@ -374,15 +372,18 @@ class Scene:
         self._mj.mj_fwdActuation(self._model, data)
         self._mj.mj_fwdAcceleration(self._model, data)
 
-    def _missed(self, rows: Rows) -> list[tuple[int, ...]]:
-        """Return pairs of geoms that end inside each other at more points than the step knew."""
+    def _missed(self, rows: Rows, after: Array) -> float:
+        """Return from how far contacts came that the step did not know and that end inside."""
         ahead = self._projector.rows
-        inside = ahead.gaps[ahead.limits :] < -_EXACT * self._extent
-        if not inside.any():
-            return []
-        deep = Counter(map(tuple, ahead.geoms[inside].tolist()))
+        inside = np.flatnonzero(ahead.gaps[ahead.limits :] < -_EXACT * self._extent)
+        if not inside.size:
+            return 0.0
         known = Counter(map(tuple, rows.geoms.tolist()))
-        return [pair for pair, count in deep.items() if count > known[pair]]
+        deep = Counter(pairs := list(map(tuple, ahead.geoms[inside].tolist())))
+        missed = [i for i, pair in zip(inside, pairs, strict=True) if deep[pair] > known[pair]]
+        new = ahead.limits + np.array(missed, dtype=np.int64)
+        closing = -ahead.matrix[ahead.unilateral[new]] @ after
+        return float((ahead.gaps[new] + 0.5 * self._dt * closing).max(initial=0.0))
 
     def _write(
         self,
@@ -422,9 +423,8 @@ class Scene:
             data.efc_force[:] = percussion[: data.nefc] / h
         mj.mj_fwdVelocity(m, data)
         if m.nsensor:
-            mj.mj_sensorPos(m, data)
-            mj.mj_sensorVel(m, data)
-            mj.mj_sensorAcc(m, data)
+            for sense in (mj.mj_sensorPos, mj.mj_sensorVel, mj.mj_sensorAcc):
+                sense(self._rows.user, data)
 
     def _write_pyramids(self, data: mujoco.MjData, rows: Rows, items: Items, force: Array) -> None:
         """Write forces along the edges of friction pyramids, as the user's model reads them."""
