@@ -5,6 +5,11 @@ Needs mujoco 4: ``pip install "asperity[mujoco]"``. `Scene` steps a model in pla
 """
 
 from asperity.mujoco.laws import PairLaw
+from asperity.mujoco.results import Projection as Projection
+from asperity.mujoco.results import SceneContact as SceneContact
+from asperity.mujoco.results import SceneProblem as SceneProblem
+from asperity.mujoco.results import SceneRun as SceneRun
+from asperity.mujoco.results import SceneStep as SceneStep
 from asperity.mujoco.scene import Scene
 
 __all__ = ["PairLaw", "Scene"]

@@ -111,7 +111,7 @@ class Scene:
         self._least_detection = 1e-4 * self._extent
         rows.widen(self._least_detection)
         self._quiet = 0
-        # The coordinates at the end of the last step, as bytes.
+        # The state at the end of the last step, as bytes.
         self._left = b""
         self._last: tuple[mujoco.MjData, Rows, Items, StepSolution, Array, Array, Array] | None
         self._last = None
@@ -138,7 +138,7 @@ class Scene:
             ParameterError: if the state is inadmissible and `starts` is ``"refuse"``.
             NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
         """
-        if self._left != data.qpos.tobytes():
+        if self._left != self._state(data):
             self._start(data)
         q, v = data.qpos.copy(), data.qvel.copy()
         control = self._mj.get_mjcb_control()
@@ -162,7 +162,7 @@ class Scene:
             data.qvel[:] = self._projector.level(after)
         if self._has_energy:
             data.energy[:] = self._projector.energy(data.qvel)
-        self._left = data.qpos.tobytes()
+        self._left = self._state(data)
         self._quiet += 1
         if self._quiet > _QUIET and self._rows.detection > self._least_detection:
             self._quiet = 0
@@ -231,7 +231,7 @@ class Scene:
         Raises:
             ParameterError: if it is not.
         """
-        if self._last is None or self._last[0] is not data or self._left != data.qpos.tobytes():
+        if self._last is None or self._last[0] is not data or self._left != self._state(data):
             raise ParameterError("data", "must be as the scene's last step left it")
         _, rows, items, solution, percussion, position, frames = self._last
         found = []
@@ -270,7 +270,6 @@ class Scene:
         change = np.zeros(self._model.nv)
         self._mj.mj_differentiatePos(self._model, change, 1.0, data.qpos, ahead.data.qpos)
         data.qpos[:] = ahead.data.qpos
-        self._left = data.qpos.tobytes()
         return Projection(violations, float(np.abs(change).max(initial=0.0)))
 
     def _start(self, data: mujoco.MjData) -> None:
@@ -286,51 +285,74 @@ class Scene:
                 f"must be admissible, it violates {_listed(violations)}: scene.project(data) or "
                 'starts="project" moves it',
             )
+        if self._projector.data.ne:
+            # What equalities do not allow would be reflected.
+            data.qvel[:] = self._projector.level(data.qvel)
+
+    @staticmethod
+    def _state(data: mujoco.MjData) -> bytes:
+        return data.qpos.tobytes() + data.qvel.tobytes()
 
     def _solve(
         self, data: mujoco.MjData, q: Array, v: Array
     ) -> tuple[Rows, Items, StepSolution | None, Array]:
         """Return the rows at the midpoint, what takes part, percussions, and v⁺."""
-        mj, m, h = self._mj, self._model, self._dt
+        mj, m = self._mj, self._model
         data.qpos[:] = q
-        mj.mj_integratePos(m, data.qpos, v, 0.5 * h)
+        mj.mj_integratePos(m, data.qpos, v, 0.5 * self._dt)
         data.qvel[:] = v
         mj.mj_fwdPosition(m, data)
         if self._rows.is_damped:
             self._rows.factor(data)
-        self._accelerate(data)
-        free = v + h * data.qacc_smooth
-        # The mean velocity, or a tumbling body would gain energy.
-        data.qvel[:] = 0.5 * (v + free)
-        self._accelerate(data)
-        change = h * data.qacc_smooth
-        if self._rows.is_damped:
-            # Damping is that of v⁺, MuJoCo's that of the mean.
-            more = np.empty((1, m.nv))
-            mj.mj_solveM(m, data, more, (self._rows.damping * (data.qvel - v))[None])
-            change += more[0]
-        free = v + change
         rows = all_rows(self._rows, data)
-        bilateral, velocity = rows.matrix[: data.ne], rows.matrix @ free
+        keys = keys_of_contacts(self._rows, data, rows.geoms)
+        # Forces at the mean velocity, or a tumbling body would gain energy.
+        free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
+        found = self._constrained(data, rows, keys, v, free)
+        if data.ne:
+            # That of a loop is far from the mean without its joints.
+            free = self._free(data, v, 0.5 * (v + found[2]))
+            found = self._constrained(data, rows, keys, v, free)
+        return rows, *found
+
+    def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
+        """Return the velocities without percussions, by forces at a velocity."""
+        mj, m = self._mj, self._model
+        data.qvel[:] = at
+        mj.mj_fwdVelocity(m, data)
+        mj.mj_fwdActuation(m, data)
+        mj.mj_fwdAcceleration(m, data)
+        free = v + self._dt * data.qacc_smooth
+        if self._rows.is_damped and at is not v:
+            # Damping is that of v⁺, MuJoCo's that of the velocity here.
+            change = np.empty((1, m.nv))
+            mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
+            free += change[0]
+        return free
+
+    def _constrained(
+        self, data: mujoco.MjData, rows: Rows, keys: list[int], v: Array, free: Array
+    ) -> tuple[Items, StepSolution | None, Array]:
+        """Return what takes part, percussions, and v⁺."""
+        velocity = rows.matrix @ free
         if data.ne:
             # What the path curves between v and v⁺ is reflected, which keeps the energy.
-            velocity[: data.ne] += bilateral @ v
-        opening = np.maximum(rows.gaps, 0.0) / (0.5 * h)
+            velocity[: data.ne] += rows.matrix[: data.ne] @ v
+        opening = np.maximum(rows.gaps, 0.0) / (0.5 * self._dt)
         velocity[rows.unilateral] += opening
         approach = velocity[rows.unilateral]
         # Percussions change velocities by about the largest of those with which items close.
         fastest = -float(approach.min(initial=0.0))
         near = approach < fastest
-        keys = keys_of_contacts(self._rows, data, rows.geoms)
         self._problem = np.zeros((0, 0)), np.zeros(0), np.zeros(0)
         while True:
             items = items_of(self._rows, self._laws, data, rows, keys, near)
             if not items.index:
-                return rows, items, None, free
+                return items, None, free
             solution, after = self._percussions(data, rows, items, velocity, free)
             late = ~near & (rows.matrix[rows.unilateral] @ after + opening < -_EXACT * fastest)
             if not late.any():
-                return rows, items, solution, after
+                return items, solution, after
             near |= late
 
     def _percussions(
@@ -366,11 +388,6 @@ class Scene:
             surface = data.contact.surfacevel[rows.contacts[contact]]
             b[first + 1 : first + 1 + law.dimension] += surface[: law.dimension]
             first += 1 + law.dimension
-
-    def _accelerate(self, data: mujoco.MjData) -> None:
-        self._mj.mj_fwdVelocity(self._model, data)
-        self._mj.mj_fwdActuation(self._model, data)
-        self._mj.mj_fwdAcceleration(self._model, data)
 
     def _missed(self, rows: Rows, after: Array) -> float:
         """Return from how far contacts came that the step did not know and that end inside."""
