@@ -57,6 +57,7 @@ class RowsModel:
         self.names = tuple(_geom_name(self.mj, model, geom) for geom in range(model.ngeom))
         self.rank = self._ranks()
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
+        self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
         self.depth = self._depths()
         self.has_depth = bool(self.depth.any())
         self.has_margins = bool(model.jnt_margin.any() or model.tendon_margin.any())
@@ -100,10 +101,10 @@ class RowsModel:
         self.mj.mj_factorM(self.model, data)
         entries[self._diagonal] = own
 
-    def item_name(self, data: mujoco.MjData, row: int, geoms: NDArray[np.int64] | None) -> str:
+    def item_name(self, data: mujoco.MjData, row: int, pair: tuple[int, int] | None) -> str:
         """Return what the user calls a contact of two geoms, or the row of a joint or tendon."""
-        if geoms is not None:
-            return "contact of " + " and ".join(repr(self.names[geom]) for geom in geoms)
+        if pair is not None:
+            return "contact of " + " and ".join(repr(self.names[geom]) for geom in pair)
         kinds, objects = self.mj.mjtConstraint, self.mj.mjtObj
         words, of = {
             kinds.mjCNSTR_EQUALITY: ("equality", objects.mjOBJ_EQUALITY),

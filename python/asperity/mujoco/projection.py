@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from asperity._base.arrays import Array
 from asperity.contact import ContactStepper
 from asperity.mujoco.model import RowsModel
-from asperity.mujoco.rows import JOINT, LIMIT, Rows, all_rows
+from asperity.mujoco.rows import JOINT, LIMIT, Reader, Rows
 from asperity.solvers import Solver
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ class Projector:
         self._model, self._mj, self._exact = model, model.mj, exact
         self.data = model.mj.MjData(model.model)
         self._stepper = ContactStepper([], solver=solver)
+        self._reader = Reader(model)
         self.rows: Rows
 
     def place(self, data: mujoco.MjData) -> None:
@@ -55,17 +56,16 @@ class Projector:
 
     def violations(self, least: float) -> dict[str, float]:
         """Return by how much rows that something can move are violated, if by more than `least`."""
-        ahead, rows = self.data, self.rows
+        ahead, rows, layout = self.data, self.rows, self.rows.layout
         moves = np.any(rows.matrix, axis=1)
         found: dict[str, float] = {}
-        numbers = [*range(ahead.ne), *rows.unilateral.tolist()]
+        numbers = [*range(ahead.ne), *layout.unilateral.tolist()]
         sizes = [*np.abs(ahead.efc_pos[: ahead.ne]).tolist(), *(-rows.gaps).tolist()]
         for k, (row, size) in enumerate(zip(numbers, sizes, strict=True)):
             if size > least and moves[row]:
-                contact = k - ahead.ne - rows.limits
-                name = self._model.item_name(
-                    ahead, row, rows.geoms[contact] if contact >= 0 else None
-                )
+                contact = k - ahead.ne - layout.limits
+                pair = layout.pairs[contact] if contact >= 0 else None
+                name = self._model.item_name(ahead, row, pair)
                 found[name] = max(size, found.get(name, 0.0))
         return found
 
@@ -107,7 +107,7 @@ class Projector:
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
         self._mj.mj_makeConstraint(m, ahead)
-        self.rows = all_rows(self._model, ahead)
+        self.rows = self._reader.read(ahead)
 
     def _worst(self) -> float:
         """Return the largest violation of rows that something can move."""
@@ -116,7 +116,7 @@ class Projector:
         if max(errors.max(initial=0.0), -rows.gaps.min(initial=0.0)) > self._exact:
             moves = np.any(rows.matrix, axis=1)
             errors = errors[moves[:ne]]
-            rows.gaps[~moves[rows.unilateral]] = np.inf
+            rows.gaps[~moves[rows.layout.unilateral]] = np.inf
         return max(float(errors.max(initial=0.0)), -float(rows.gaps.min(initial=0.0)))
 
     def _move(self, worst: float) -> None:
@@ -124,7 +124,7 @@ class Projector:
         ne, rows = self.data.ne, self.rows
         # What is as near as the others are violated may close.
         near = rows.gaps < worst
-        index = np.concatenate((np.arange(ne), rows.unilateral[near]))
+        index = np.concatenate((np.arange(ne), rows.layout.unilateral[near]))
         gaps = np.concatenate((self.data.efc_pos[:ne], rows.gaps[near]))
         inverse, delassus = self._mobility(index)
         solution = self._stepper.solve(

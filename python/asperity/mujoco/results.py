@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from asperity._base.arrays import Array
 from asperity._base.value import Record
 from asperity.contact import StepSolution
@@ -78,9 +81,9 @@ class SceneProblem(Record):
 
     delassus: Array
     free_velocity: Array
-    items: Array
+    items: NDArray[np.int64]
     bounds: Array
-    keys: Array
+    keys: NDArray[np.int64]
     laws: tuple[FrictionLaw, ...]
     names: tuple[str, ...]
 

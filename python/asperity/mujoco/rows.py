@@ -29,139 +29,196 @@ _PLACE = np.array([1.0, np.sqrt(2.0), np.sqrt(3.0)])
 
 
 @dataclass(slots=True)
-class Rows:
-    """All rows near a state: of equalities, dry joints, limits and contacts, in this order.
+class Layout:
+    """What rows there are: those of equalities, dry joints, limits and contacts, in this order.
 
-    `unilateral` are the rows of limits and the normal rows of contacts, with their `gaps`;
-    `contacts` the numbers of contacts in MuJoCo's list, `geoms` their pairs.
+    `unilateral` are the rows of limits and the normal rows of contacts; `contacts` the numbers of
+    contacts in MuJoCo's list, `geoms` their pairs.
     """
 
-    matrix: Array
-    unilateral: NDArray[np.int64]
-    gaps: Array
+    equalities: int
+    begin: int
     limits: int
+    unilateral: NDArray[np.int64]
     contacts: NDArray[np.int64]
     geoms: NDArray[np.int64]
+    pairs: list[tuple[int, int]]
+    items: dict[bytes, Items]
+    keys: NDArray[np.int64] | None = None
+
+
+@dataclass(slots=True)
+class Rows:
+    """All rows near a state, with the gaps of those that are unilateral."""
+
+    layout: Layout
+    matrix: Array
+    gaps: Array
 
 
 @dataclass(slots=True)
 class Items:
     """Those that take part in a step: their rows among all, laws, and the axes of these."""
 
-    index: list[int]
-    kinds: list[int]
-    keys: list[int]
+    index: NDArray[np.int64]
+    kinds: NDArray[np.int64]
+    keys: NDArray[np.int64]
     contacts: list[int]
     laws: list[ContactLaw]
-    turned: list[tuple[int, tuple[float, float, float, float], float]]
 
     @property
     def joints(self) -> int:
         """Number of items before those of contacts."""
         return len(self.kinds) - len(self.contacts)
 
-    def turn(self, matrix: Array) -> None:
-        """Turn rows of MuJoCo's tangents into those of the laws' axes."""
-        for row, (a, b, c, d), radius in self.turned:
-            one, other = matrix[row], matrix[row + 1].copy()
-            matrix[row + 1] = c * one + d * other
-            matrix[row] = a * one + b * other
-            if radius:
-                matrix[row + 2] *= radius
+    def first_rows(self) -> NDArray[np.int64]:
+        """Return the first of the own rows of each contact."""
+        sizes = [1 + law.dimension for law in self.laws]
+        return len(self.index) - np.cumsum(sizes[::-1])[::-1]
+
+
+class Axes:
+    """The axes of the laws of a step, against MuJoCo's tangents."""
+
+    def __init__(self, items: Items, data: mujoco.MjData, layout: Layout) -> None:
+        self._turns = []
+        if all(law.axes is None for law in items.laws):
+            return
+        frames = data.contact.frame
+        for k, law, row in zip(items.contacts, items.laws, items.first_rows(), strict=True):
+            if law.axes is not None:
+                a, b, c, d = law.axes.turn(data, frames[layout.contacts[k]])
+                turn = np.zeros((law.dimension, law.dimension))
+                turn[:2, :2] = (a, b), (c, d)
+                turn[2:, 2:] = law.radius
+                self._turns.append((slice(row + 1, row + 1 + law.dimension), turn))
+
+    def turn(self, rows: Array) -> None:
+        """Turn rows of MuJoCo's tangents into those of the axes."""
+        for own, turn in self._turns:
+            rows[own] = turn @ rows[own]
 
     def turn_back(self, percussion: Array) -> Array:
-        """Return percussions of the laws' rows as those of MuJoCo's rows."""
+        """Return percussions of the axes' rows as those of MuJoCo's rows."""
         turned = percussion.copy()
-        for row, (a, b, c, d), radius in self.turned:
-            one, other = percussion[row], percussion[row + 1]
-            turned[row], turned[row + 1] = a * one + c * other, b * one + d * other
-            if radius:
-                turned[row + 2] *= radius
+        for own, turn in self._turns:
+            turned[own] = turn.T @ percussion[own]
         return turned
 
 
-def all_rows(model: RowsModel, data: mujoco.MjData) -> Rows:
-    """Return all rows that MuJoCo made."""
-    nefc, nv = data.nefc, model.model.nv
+class Reader:
+    """Reads the rows that MuJoCo made; keeps what stays from one step to the next."""
+
+    def __init__(self, model: RowsModel) -> None:
+        self._model = model
+        self._identity: tuple[int, int, int, bytes, bytes] | None = None
+        self._layout: Layout
+
+    def read(self, data: mujoco.MjData) -> Rows:
+        """Return all rows."""
+        model, contacts = self._model, data.contact
+        address, geoms, limits = contacts.efc_address, contacts.geom, data.nl
+        identity = (data.ne, data.nf, limits, address.tobytes(), geoms.tobytes())
+        if identity != self._identity:
+            self._layout, self._identity = _layout(data, address, geoms), identity
+        layout = self._layout
+        nefc, nv = data.nefc, model.model.nv
+        matrix = data.efc_J[: nefc * nv].reshape(nefc, nv)
+        parts = []
+        if limits:
+            limit = slice(layout.begin, layout.begin + limits)
+            gaps = data.efc_pos[limit]
+            if model.has_margins:
+                number, kind = data.efc_id[limit], data.efc_type[limit]
+                joint, tendon = model.user.jnt_margin, model.user.tendon_margin
+                gaps = gaps - [
+                    joint[i] if k == model.joint_limit else tendon[i]
+                    for i, k in zip(number, kind, strict=True)
+                ]
+            parts.append(gaps)
+        if len(layout.contacts):
+            gaps = contacts.dist - contacts.includemargin + model.detection
+            if len(gaps) > len(layout.contacts):
+                gaps = gaps[layout.contacts]
+            if model.has_depth:
+                gaps += model.depth[layout.geoms].min(axis=1)
+            parts.append(gaps)
+        return Rows(layout, matrix, np.concatenate(parts) if parts else np.zeros(0))
+
+    def items(
+        self, laws: PairLaws, data: mujoco.MjData, rows: Rows, is_near: NDArray[np.bool_]
+    ) -> Items:
+        """Return the items of joints, and of the limits and contacts that are near."""
+        layout = rows.layout
+        if layout.keys is None:
+            keys, stay = _keys(self._model, data, layout)
+            layout.items.clear()
+            layout.keys = keys
+            if not stay:
+                self._identity = None
+        which = is_near.tobytes()
+        items = layout.items.get(which)
+        if items is None:
+            items = layout.items[which] = _items(laws, data, layout, is_near)
+        return items
+
+
+def _layout(data: mujoco.MjData, address: NDArray[np.int64], geoms: NDArray[np.int64]) -> Layout:
     begin, limits = data.ne + data.nf, data.nl
-    matrix = data.efc_J[: nefc * nv].reshape(nefc, nv)
-    rows, gaps = np.arange(begin, begin + limits), data.efc_pos[begin : begin + limits].copy()
-    if model.has_margins and limits:
-        number = data.efc_id[begin : begin + limits]
-        is_joint = data.efc_type[begin : begin + limits] == model.joint_limit
-        gaps[is_joint] -= model.user.jnt_margin[number[is_joint]]
-        gaps[~is_joint] -= model.user.tendon_margin[number[~is_joint]]
-    contacts = data.contact
-    address, geoms = contacts.efc_address, contacts.geom
-    distance = contacts.dist - contacts.includemargin + model.detection
-    own = np.arange(len(address))
-    if len(address) and address.min() < 0:
-        own = np.flatnonzero(address >= 0)
-        address, geoms, distance = address[own], geoms[own], distance[own]
-    if model.has_depth and len(own):
-        distance += model.depth[geoms].min(axis=1)
-    return Rows(
-        matrix,
-        np.concatenate((rows, address)),
-        np.concatenate((gaps, distance)),
-        limits,
-        own,
-        geoms,
-    )
+    own = np.flatnonzero(address >= 0)
+    rows = np.concatenate((np.arange(begin, begin + limits), address[own]))
+    pairs = [(one, other) for one, other in geoms[own].tolist()]
+    return Layout(data.ne, begin, limits, rows, own, geoms[own], pairs, {})
 
 
-def keys_of_contacts(model: RowsModel, data: mujoco.MjData, geoms: NDArray[np.int64]) -> list[int]:
+def _keys(model: RowsModel, data: mujoco.MjData, layout: Layout) -> tuple[NDArray[np.int64], bool]:
     """Return keys that do not depend on the order in which geoms and contacts are listed.
 
-    Points of a pair are numbered by their places on the geom that moves.
+    Points of a pair are numbered by their places on the geom that moves; those on a plane are
+    always in the same order, and their keys stay.
     """
+    geoms = layout.geoms
     ranks = model.rank[geoms]
     pairs = ranks.min(axis=1) * len(model.rank) + ranks.max(axis=1)
     ordinal = np.zeros(len(pairs), dtype=np.int64)
-    if len(pairs) > 1:
+    several = len(set(layout.pairs)) < len(layout.pairs)
+    if several:
         first = geoms[:, 0]
         carrier = np.where(model.is_fixed[first], geoms[:, 1], first)
         axes = data.geom_xmat[carrier].reshape(-1, 3, 3) @ _PLACE
-        own = (
-            data.contact.pos if len(data.contact) == len(geoms) else data.contact.pos[: len(geoms)]
-        )
-        place = ((own - data.geom_xpos[carrier]) * axes).sum(axis=1)
+        position = data.contact.pos[layout.contacts]
+        place = ((position - data.geom_xpos[carrier]) * axes).sum(axis=1)
         order = np.lexsort((place, pairs))
         count = np.arange(len(pairs))
         is_first = np.diff(pairs[order], prepend=-1) != 0
         ordinal[order] = count - np.maximum.accumulate(np.where(is_first, count, 0))
-    return (_CONTACTS + pairs * _POINTS + ordinal).tolist()
+    keys = np.concatenate(
+        (np.arange(layout.begin + layout.limits), _CONTACTS + pairs * _POINTS + ordinal)
+    )
+    return keys, not several or bool(model.is_plane[geoms].any(axis=1).all())
 
 
-def items_of(
-    model: RowsModel,
-    laws: PairLaws,
-    data: mujoco.MjData,
-    rows: Rows,
-    keys: list[int],
-    is_near: NDArray[np.bool_],
+def _items(
+    laws: PairLaws, data: mujoco.MjData, layout: Layout, is_near: NDArray[np.bool_]
 ) -> Items:
-    """Return the items of joints, and of the limits and contacts that are near."""
-    ne, begin = data.ne, data.ne + data.nf
     chosen = np.flatnonzero(is_near)
-    first = rows.unilateral[chosen].tolist()
-    limits = int(np.count_nonzero(is_near[: rows.limits]))
-    index = [*range(begin), *first[:limits]]
-    kinds = [JOINT] * ne + [DRY] * (begin - ne) + [LIMIT] * limits
-    items = Items(index, kinds, index.copy(), [], [], [])
-    if limits == len(first):
-        return items
-    friction, frames = data.contact.friction, data.contact.frame
-    for k, row in zip((chosen[limits:] - rows.limits).tolist(), first[limits:], strict=True):
-        number = rows.contacts[k]
-        one, other = rows.geoms[k].tolist()
-        law = laws.of((one, other), friction[number])
-        if law.axes is not None:
-            turn = law.axes.turn(data, frames[number])
-            items.turned.append((len(index) + 1, turn, law.radius if law.dimension == 3 else 0.0))
+    first = layout.unilateral[chosen].tolist()
+    limits = int(np.count_nonzero(is_near[: layout.limits]))
+    index = [*range(layout.begin), *first[:limits]]
+    dry = layout.begin - layout.equalities
+    kinds = [JOINT] * layout.equalities + [DRY] * dry + [LIMIT] * limits
+    contacts = (chosen[limits:] - layout.limits).tolist()
+    friction = data.contact.friction
+    found = [laws.of(layout.pairs[k], friction[layout.contacts[k]]) for k in contacts]
+    for law, row in zip(found, first[limits:], strict=True):
         index.extend(range(row, row + 1 + law.dimension))
         kinds.append(law.number)
-        items.keys.append(keys[k])
-        items.contacts.append(k)
-        items.laws.append(law)
-    return items
+    own = np.concatenate((np.arange(layout.begin), layout.begin + chosen))
+    assert layout.keys is not None
+    return Items(
+        np.array(index, dtype=np.int64),
+        np.array(kinds, dtype=np.int64),
+        layout.keys[own],
+        contacts,
+        found,
+    )

@@ -16,7 +16,7 @@ from asperity.mujoco.laws import Laws, PairLaws
 from asperity.mujoco.model import RowsModel
 from asperity.mujoco.projection import Projector
 from asperity.mujoco.results import Projection, SceneContact, SceneProblem, SceneRun, SceneStep
-from asperity.mujoco.rows import Items, Rows, all_rows, items_of, keys_of_contacts
+from asperity.mujoco.rows import Axes, Items, Reader, Rows
 from asperity.solvers import Solver
 from asperity.status import Phase, Status
 
@@ -103,7 +103,7 @@ class Scene:
         arrays.choice(rolling, "rolling", ("refuse", "ignore"))
         self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
         self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
-        self._laws = PairLaws(rows, laws)
+        self._laws, self._reader = PairLaws(rows, laws), Reader(rows)
         self._solver, self._tolerance = solver, arrays.positive(tolerance, "tolerance")
         self._stepper = self._new_stepper()
         self._extent = float(model.stat.extent)
@@ -215,9 +215,9 @@ class Scene:
         return SceneProblem(
             delassus=delassus,
             free_velocity=free_velocity,
-            items=np.array(items.kinds, dtype=np.int64),
-            bounds=bounds,
-            keys=np.array(items.keys, dtype=np.int64),
+            items=items.kinds,
+            bounds=np.zeros(len(items.kinds)) if bounds is None else bounds,
+            keys=items.keys,
             laws=tuple(self._laws.laws),
             names=tuple(self._name(trial, rows, items, k) for k in range(len(items.kinds))),
         )
@@ -234,18 +234,18 @@ class Scene:
         if self._last is None or self._last[0] is not data or self._left != self._state(data):
             raise ParameterError("data", "must be as the scene's last step left it")
         _, rows, items, solution, percussion, position, frames = self._last
-        found = []
+        layout, found = rows.layout, []
         for k, (i, law) in enumerate(zip(items.contacts, items.laws, strict=True)):
-            row, item = int(rows.unilateral[rows.limits + i]), items.joints + k
-            frame, parts = frames[i].reshape(3, 3), percussion[row : row + 4] / self._dt
-            acting = 1 + min(law.dimension, 2)
-            one, other = rows.geoms[i].tolist()
+            row, number = layout.unilateral[layout.limits + i], layout.contacts[i]
+            frame, parts = frames[number].reshape(3, 3), percussion[row : row + 4] / self._dt
+            acting, item = 1 + min(law.dimension, 2), items.joints + k
+            one, other = layout.pairs[i]
             found.append(
                 SceneContact(
                     geoms=(self._rows.names[one], self._rows.names[other]),
-                    position=position[i],
+                    position=position[number],
                     normal=frame[0],
-                    gap=float(rows.gaps[rows.limits + i]),
+                    gap=float(rows.gaps[layout.limits + i]),
                     force=parts[:acting] @ frame[:acting],
                     torque=float(parts[3]) if law.dimension == 3 else 0.0,
                     phase=Phase(int(solution.phase[item])),
@@ -304,15 +304,14 @@ class Scene:
         mj.mj_fwdPosition(m, data)
         if self._rows.is_damped:
             self._rows.factor(data)
-        rows = all_rows(self._rows, data)
-        keys = keys_of_contacts(self._rows, data, rows.geoms)
+        rows = self._reader.read(data)
         # Forces at the mean velocity, or a tumbling body would gain energy.
         free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
-        found = self._constrained(data, rows, keys, v, free)
+        found = self._constrained(data, rows, v, free)
         if data.ne:
             # That of a loop is far from the mean without its joints.
             free = self._free(data, v, 0.5 * (v + found[2]))
-            found = self._constrained(data, rows, keys, v, free)
+            found = self._constrained(data, rows, v, free)
         return rows, *found
 
     def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
@@ -331,7 +330,7 @@ class Scene:
         return free
 
     def _constrained(
-        self, data: mujoco.MjData, rows: Rows, keys: list[int], v: Array, free: Array
+        self, data: mujoco.MjData, rows: Rows, v: Array, free: Array
     ) -> tuple[Items, StepSolution | None, Array]:
         """Return what takes part, percussions, and v⁺."""
         velocity = rows.matrix @ free
@@ -339,18 +338,20 @@ class Scene:
             # What the path curves between v and v⁺ is reflected, which keeps the energy.
             velocity[: data.ne] += rows.matrix[: data.ne] @ v
         opening = np.maximum(rows.gaps, 0.0) / (0.5 * self._dt)
-        velocity[rows.unilateral] += opening
-        approach = velocity[rows.unilateral]
+        unilateral = rows.layout.unilateral
+        velocity[unilateral] += opening
+        approach = velocity[unilateral]
         # Percussions change velocities by about the largest of those with which items close.
         fastest = -float(approach.min(initial=0.0))
         near = approach < fastest
-        self._problem = np.zeros((0, 0)), np.zeros(0), np.zeros(0)
+        self._problem: tuple[Array, Array, Array | None]
+        self._problem = np.zeros((0, 0)), np.zeros(0), None
         while True:
-            items = items_of(self._rows, self._laws, data, rows, keys, near)
-            if not items.index:
+            items = self._reader.items(self._laws, data, rows, near)
+            if not items.index.size:
                 return items, None, free
             solution, after = self._percussions(data, rows, items, velocity, free)
-            late = ~near & (rows.matrix[rows.unilateral] @ after + opening < -_EXACT * fastest)
+            late = ~near & (rows.matrix[unilateral] @ after + opening < -_EXACT * fastest)
             if not late.any():
                 return items, solution, after
             near |= late
@@ -363,43 +364,43 @@ class Scene:
         matrix, b = rows.matrix[items.index], velocity[items.index]
         if self._model.flg_surfacevel:
             self._add_surfaces(data, rows, items, b)
-        items.turn(matrix)
-        items.turn(b[:, None])
+        self._axes = Axes(items, data, rows.layout)
+        self._axes.turn(matrix)
+        self._axes.turn(b)
         inverse = np.empty_like(matrix)
         self._mj.mj_solveM(self._model, data, inverse, matrix)
-        bounds = np.zeros(len(items.kinds))
-        dry = slice(data.ne, data.ne + data.nf)
-        bounds[dry] = self._dt * data.efc_frictionloss[dry]
+        bounds = None
+        if data.nf:
+            bounds, dry = np.zeros(len(items.kinds)), slice(data.ne, data.ne + data.nf)
+            bounds[dry] = self._dt * data.efc_frictionloss[dry]
         self._problem = matrix @ inverse.T, b, bounds
         solution = self._stepper.solve(
             self._problem[0],
             free_velocity=b,
-            items=np.array(items.kinds, dtype=np.int64),
+            items=items.kinds,
             bounds=bounds,
-            keys=np.array(items.keys, dtype=np.int64),
+            keys=items.keys,
             on_failure="record",
         )
         return solution, free + solution.percussion @ inverse
 
     def _add_surfaces(self, data: mujoco.MjData, rows: Rows, items: Items, b: Array) -> None:
         """Add the velocities of surfaces that move in their own plane."""
-        first = len(b) - sum(1 + law.dimension for law in items.laws)
-        for contact, law in zip(items.contacts, items.laws, strict=True):
-            surface = data.contact.surfacevel[rows.contacts[contact]]
-            b[first + 1 : first + 1 + law.dimension] += surface[: law.dimension]
-            first += 1 + law.dimension
+        surfaces = data.contact.surfacevel[rows.layout.contacts]
+        for k, law, row in zip(items.contacts, items.laws, items.first_rows(), strict=True):
+            b[row + 1 : row + 1 + law.dimension] += surfaces[k, : law.dimension]
 
     def _missed(self, rows: Rows, after: Array) -> float:
         """Return from how far contacts came that the step did not know and that end inside."""
-        ahead = self._projector.rows
-        inside = np.flatnonzero(ahead.gaps[ahead.limits :] < -_EXACT * self._extent)
+        ahead, layout = self._projector.rows, self._projector.rows.layout
+        inside = np.flatnonzero(ahead.gaps[layout.limits :] < -_EXACT * self._extent)
         if not inside.size:
             return 0.0
-        known = Counter(map(tuple, rows.geoms.tolist()))
-        deep = Counter(pairs := list(map(tuple, ahead.geoms[inside].tolist())))
+        known = Counter(rows.layout.pairs)
+        deep = Counter(pairs := [layout.pairs[i] for i in inside])
         missed = [i for i, pair in zip(inside, pairs, strict=True) if deep[pair] > known[pair]]
-        new = ahead.limits + np.array(missed, dtype=np.int64)
-        closing = -ahead.matrix[ahead.unilateral[new]] @ after
+        new = layout.limits + np.array(missed, dtype=np.int64)
+        closing = -ahead.matrix[layout.unilateral[new]] @ after
         return float((ahead.gaps[new] + 0.5 * self._dt * closing).max(initial=0.0))
 
     def _write(
@@ -416,13 +417,13 @@ class Scene:
         data.qacc[:] = (after - v) / h
         percussion = np.zeros(data.nefc + 3)
         if solution is not None:
-            percussion[items.index] = items.turn_back(solution.percussion)
+            percussion[items.index] = self._axes.turn_back(solution.percussion)
         data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
         contacts = data.contact
         if solution is not None:
             self._last = (
                 *(data, rows, items, solution, percussion),
-                *(contacts.pos[rows.contacts], contacts.frame[rows.contacts]),
+                *(contacts.pos.copy(), contacts.frame.copy()),
             )
         if self._rows.is_damped:
             mj.mj_factorM(m, data)
@@ -434,7 +435,7 @@ class Scene:
         else:
             data.time += h
         data.qvel[:] = after
-        if self._is_pyramidal and len(rows.contacts):
+        if self._is_pyramidal and items.contacts:
             self._write_pyramids(data, rows, items, percussion / h)
         else:
             data.efc_force[:] = percussion[: data.nefc] / h
@@ -445,24 +446,26 @@ class Scene:
 
     def _write_pyramids(self, data: mujoco.MjData, rows: Rows, items: Items, force: Array) -> None:
         """Write forces along the edges of friction pyramids, as the user's model reads them."""
-        m, cones = self._model, self._mj.mjtCone
-        first = rows.unilateral[rows.limits :].copy()
+        m, cones, layout = self._model, self._mj.mjtCone, rows.layout
         m.opt.cone = cones.mjCONE_PYRAMIDAL
         self._mj.mj_makeConstraint(m, data)
         m.opt.cone = cones.mjCONE_ELLIPTIC
-        written = np.zeros(data.nefc)
-        begin = data.ne + data.nf + data.nl
+        written, contacts = np.zeros(data.nefc), data.contact
+        begin = layout.begin + layout.limits
         written[:begin] = force[:begin]
-        for k in items.contacts:
-            contact = data.contact[int(rows.contacts[k])]
-            edge, row, edges = int(contact.efc_address), int(first[k]), int(contact.dim) - 1
+        number = layout.contacts[items.contacts]
+        rows_before = layout.unilateral[layout.limits :][items.contacts]
+        edges_of, addresses = contacts.dim[number] - 1, contacts.efc_address[number]
+        for edges in set(edges_of.tolist()):
+            own = edges_of == edges
+            first, address = rows_before[own, None], addresses[own, None]
             if not edges:
-                written[edge] = force[row]
+                written[address] = force[first]
                 continue
-            normal = 0.5 * force[row] / edges
-            across = 0.5 * force[row + 1 : row + 1 + edges] / contact.friction[:edges]
-            written[edge : edge + 2 * edges : 2] = normal + across
-            written[edge + 1 : edge + 2 * edges : 2] = normal - across
+            normal, axis = force[first] / (2 * edges), np.arange(edges)
+            across = force[first + 1 + axis] / (2.0 * contacts.friction[number[own], :edges])
+            written[address + 2 * axis] = normal + across
+            written[address + 2 * axis + 1] = normal - across
         data.efc_force[:] = written
 
     def _new_stepper(self) -> ContactStepper:
@@ -471,8 +474,8 @@ class Scene:
     def _name(self, data: mujoco.MjData, rows: Rows, items: Items, item: int) -> str:
         contact = item - items.joints
         if contact >= 0:
-            return self._rows.item_name(data, 0, rows.geoms[items.contacts[contact]])
-        return self._rows.item_name(data, items.index[item], None)
+            return self._rows.item_name(data, 0, rows.layout.pairs[items.contacts[contact]])
+        return self._rows.item_name(data, int(items.index[item]), None)
 
     def _failure(
         self, data: mujoco.MjData, rows: Rows, items: Items, solution: StepSolution
