@@ -23,6 +23,8 @@ _PARTS = (
     *("percussion", "velocity", "phase", "ambiguous_items"),
     *("status", "residual", "mismatch", "iterations", "worst_item"),
 )
+# Values of enumerators are slow to read.
+_CONVERGED = Status.CONVERGED.value
 
 
 class StepSolution:
@@ -101,7 +103,7 @@ class StepSolution:
     @property
     def converged(self) -> bool:
         """Whether the tolerance was reached."""
-        return self._step.status == Status.CONVERGED.value
+        return self._step.status == _CONVERGED
 
     def __repr__(self) -> str:
         items = len(self.phase)

@@ -59,8 +59,6 @@ class RowsModel:
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
         self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
         self.depth = self._depths()
-        self.has_depth = bool(self.depth.any())
-        self.has_margins = bool(model.jnt_margin.any() or model.tendon_margin.any())
         self.joint_limit = int(self.mj.mjtConstraint.mjCNSTR_LIMIT_JOINT)
 
     def widen(self, detection: float) -> None:

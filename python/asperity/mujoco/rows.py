@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,8 @@ class Layout:
     """What rows there are: those of equalities, dry joints, limits and contacts, in this order.
 
     `unilateral` are the rows of limits and the normal rows of contacts; `contacts` the numbers of
-    contacts in MuJoCo's list, `geoms` their pairs.
+    contacts in MuJoCo's list, `geoms` their pairs. `rest` is the distance at which the unilateral
+    rows rest.
     """
 
     equalities: int
@@ -43,6 +44,7 @@ class Layout:
     contacts: NDArray[np.int64]
     geoms: NDArray[np.int64]
     pairs: list[tuple[int, int]]
+    rest: Array
     items: dict[bytes, Items]
     keys: NDArray[np.int64] | None = None
 
@@ -65,6 +67,7 @@ class Items:
     keys: NDArray[np.int64]
     contacts: list[int]
     laws: list[ContactLaw]
+    pyramids: list[Pyramids] | None = None
 
     @property
     def joints(self) -> int:
@@ -75,6 +78,28 @@ class Items:
         """Return the first of the own rows of each contact."""
         sizes = [1 + law.dimension for law in self.laws]
         return len(self.index) - np.cumsum(sizes[::-1])[::-1]
+
+
+class Pyramids(NamedTuple):
+    """Rows of contacts with as many edges: of the cones before, of the edges, and half of 1/μ."""
+
+    cones: NDArray[np.int64]
+    edges: NDArray[np.int64]
+    half: Array
+
+
+def pyramids_of(items: Items, data: mujoco.MjData, layout: Layout) -> list[Pyramids]:
+    """Return where forces along the edges of pyramids are, from rows that are pyramids by now."""
+    contacts, number = data.contact, layout.contacts[items.contacts]
+    cones = layout.unilateral[layout.limits :][items.contacts]
+    count, edges = contacts.dim[number] - 1, contacts.efc_address[number]
+    found = []
+    for one in set(count.tolist()):
+        own, axis = count == one, np.arange(one)
+        half = 0.5 / contacts.friction[number[own], :one]
+        rows = cones[own, None] + np.arange(one + 1)
+        found.append(Pyramids(rows, edges[own, None] + 2 * axis if one else edges[own], half))
+    return found
 
 
 class Axes:
@@ -120,30 +145,18 @@ class Reader:
         address, geoms, limits = contacts.efc_address, contacts.geom, data.nl
         identity = (data.ne, data.nf, limits, address.tobytes(), geoms.tobytes())
         if identity != self._identity:
-            self._layout, self._identity = _layout(data, address, geoms), identity
+            self._layout, self._identity = _layout(model, data, address, geoms), identity
         layout = self._layout
         nefc, nv = data.nefc, model.model.nv
-        matrix = data.efc_J[: nefc * nv].reshape(nefc, nv)
-        parts = []
+        gaps = np.empty(len(layout.unilateral))
         if limits:
-            limit = slice(layout.begin, layout.begin + limits)
-            gaps = data.efc_pos[limit]
-            if model.has_margins:
-                number, kind = data.efc_id[limit], data.efc_type[limit]
-                joint, tendon = model.user.jnt_margin, model.user.tendon_margin
-                gaps = gaps - [
-                    joint[i] if k == model.joint_limit else tendon[i]
-                    for i, k in zip(number, kind, strict=True)
-                ]
-            parts.append(gaps)
+            gaps[:limits] = data.efc_pos[layout.begin : layout.begin + limits]
         if len(layout.contacts):
-            gaps = contacts.dist - contacts.includemargin + model.detection
-            if len(gaps) > len(layout.contacts):
-                gaps = gaps[layout.contacts]
-            if model.has_depth:
-                gaps += model.depth[layout.geoms].min(axis=1)
-            parts.append(gaps)
-        return Rows(layout, matrix, np.concatenate(parts) if parts else np.zeros(0))
+            distance = contacts.dist
+            whole = len(distance) == len(layout.contacts)
+            gaps[limits:] = distance if whole else distance[layout.contacts]
+        gaps -= layout.rest
+        return Rows(layout, data.efc_J[: nefc * nv].reshape(nefc, nv), gaps)
 
     def items(
         self, laws: PairLaws, data: mujoco.MjData, rows: Rows, is_near: NDArray[np.bool_]
@@ -163,12 +176,22 @@ class Reader:
         return items
 
 
-def _layout(data: mujoco.MjData, address: NDArray[np.int64], geoms: NDArray[np.int64]) -> Layout:
+def _layout(
+    model: RowsModel, data: mujoco.MjData, address: NDArray[np.int64], geoms: NDArray[np.int64]
+) -> Layout:
     begin, limits = data.ne + data.nf, data.nl
     own = np.flatnonzero(address >= 0)
-    rows = np.concatenate((np.arange(begin, begin + limits), address[own]))
-    pairs = [(one, other) for one, other in geoms[own].tolist()]
-    return Layout(data.ne, begin, limits, rows, own, geoms[own], pairs, {})
+    limit, geoms = np.arange(begin, begin + limits), geoms[own]
+    is_joint = data.efc_type[limit] == model.joint_limit
+    joints, tendons = data.efc_id[limit[is_joint]], data.efc_id[limit[~is_joint]]
+    rest = np.zeros(limits + len(own))
+    rest[:limits][is_joint] = model.user.jnt_margin[joints]
+    rest[:limits][~is_joint] = model.user.tendon_margin[tendons]
+    rest[limits:] = data.contact.includemargin[own] - model.detection
+    rest[limits:] -= model.depth[geoms].min(axis=1, initial=np.inf)
+    rows = np.concatenate((limit, address[own]))
+    pairs = [(one, other) for one, other in geoms.tolist()]
+    return Layout(data.ne, begin, limits, rows, own, geoms, pairs, rest, {})
 
 
 def _keys(model: RowsModel, data: mujoco.MjData, layout: Layout) -> tuple[NDArray[np.int64], bool]:

@@ -16,7 +16,7 @@ from asperity.mujoco.laws import Laws, PairLaws
 from asperity.mujoco.model import RowsModel
 from asperity.mujoco.projection import Projector
 from asperity.mujoco.results import Projection, SceneContact, SceneProblem, SceneRun, SceneStep
-from asperity.mujoco.rows import Axes, Items, Reader, Rows
+from asperity.mujoco.rows import Axes, Items, Reader, Rows, pyramids_of
 from asperity.solvers import Solver
 from asperity.status import Phase, Status
 
@@ -351,6 +351,8 @@ class Scene:
             if not items.index.size:
                 return items, None, free
             solution, after = self._percussions(data, rows, items, velocity, free)
+            if near.all():
+                return items, solution, after
             late = ~near & (rows.matrix[unilateral] @ after + opening < -_EXACT * fastest)
             if not late.any():
                 return items, solution, after
@@ -416,11 +418,12 @@ class Scene:
         mj, m, h = self._mj, self._model, self._dt
         data.qacc[:] = (after - v) / h
         percussion = np.zeros(data.nefc + 3)
+        self._last = None
+        data.qfrc_constraint[:] = 0.0
         if solution is not None:
+            contacts = data.contact
             percussion[items.index] = self._axes.turn_back(solution.percussion)
-        data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
-        contacts = data.contact
-        if solution is not None:
+            data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
             self._last = (
                 *(data, rows, items, solution, percussion),
                 *(contacts.pos.copy(), contacts.frame.copy()),
@@ -446,26 +449,22 @@ class Scene:
 
     def _write_pyramids(self, data: mujoco.MjData, rows: Rows, items: Items, force: Array) -> None:
         """Write forces along the edges of friction pyramids, as the user's model reads them."""
-        m, cones, layout = self._model, self._mj.mjtCone, rows.layout
+        m, cones, begin = self._model, self._mj.mjtCone, rows.layout.begin + rows.layout.limits
         m.opt.cone = cones.mjCONE_PYRAMIDAL
         self._mj.mj_makeConstraint(m, data)
         m.opt.cone = cones.mjCONE_ELLIPTIC
-        written, contacts = np.zeros(data.nefc), data.contact
-        begin = layout.begin + layout.limits
+        written = np.zeros(data.nefc)
         written[:begin] = force[:begin]
-        number = layout.contacts[items.contacts]
-        rows_before = layout.unilateral[layout.limits :][items.contacts]
-        edges_of, addresses = contacts.dim[number] - 1, contacts.efc_address[number]
-        for edges in set(edges_of.tolist()):
-            own = edges_of == edges
-            first, address = rows_before[own, None], addresses[own, None]
-            if not edges:
-                written[address] = force[first]
+        if items.pyramids is None:
+            items.pyramids = pyramids_of(items, data, rows.layout)
+        for own, edges, half in items.pyramids:
+            along = force[own]
+            if own.shape[1] == 1:
+                written[edges] = along[:, 0]
                 continue
-            normal, axis = force[first] / (2 * edges), np.arange(edges)
-            across = force[first + 1 + axis] / (2.0 * contacts.friction[number[own], :edges])
-            written[address + 2 * axis] = normal + across
-            written[address + 2 * axis + 1] = normal - across
+            normal, across = along[:, :1] / (2 * half.shape[1]), along[:, 1:] * half
+            written[edges] = normal + across
+            written[edges + 1] = normal - across
         data.efc_force[:] = written
 
     def _new_stepper(self) -> ContactStepper:
