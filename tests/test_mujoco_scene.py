@@ -280,6 +280,7 @@ def test_a_tumbling_body_keeps_its_energy():
     model = model_of(
         '<body><freejoint/><geom type="box" size=".1 .2 .3" mass="1"/></body>',
         option='gravity="0 0 0"',
+        more='<option><flag energy="enable"/></option>',
     )
     data = mujoco.MjData(model)
     data.qvel[3:] = 3.0, 4.0, 5.0
@@ -287,6 +288,7 @@ def test_a_tumbling_body_keeps_its_energy():
     spin = run.qvel[:, 3:]
     energy = (spin**2 * model.body_inertia[1]).sum(axis=1)
     np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
+    assert data.energy[1] == pytest.approx(0.5 * energy[-1], rel=1e-12)
 
 
 def bytes_of(model):
@@ -312,6 +314,28 @@ def test_what_has_no_rigid_rows_is_refused_by_name():
     cloth = model_of('<flexcomp name="f" type="grid" count="2 2 1" dim="2" spacing=".1 .1 .1"/>')
     with pytest.raises(asp.ParameterError, match="flex"):
         Scene(cloth)
+
+
+def test_contacts_that_do_not_fit_into_the_memory_are_not_dropped_without_a_word():
+    world = '<geom type="plane" size="5 5 .1"/>' + "".join(
+        f'<body pos="{k % 9} {k // 9} .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>'
+        for k in range(81)
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><size memory="700K"/><worldbody>{world}</worldbody></mujoco>'
+    )
+    with pytest.raises(asp.ParameterError, match="memory for all contacts"):
+        Scene(model).step(mujoco.MjData(model))
+
+
+def test_forces_that_are_not_finite_end_by_name_and_leave_the_state():
+    model = box()
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = np.inf
+    with pytest.raises(asp.ParameterError, match="finite velocities"):
+        Scene(model).step(data)
+    np.testing.assert_array_equal(data.qpos, model.qpos0)
+    np.testing.assert_array_equal(data.qvel, 0.0)
 
 
 @pytest.mark.parametrize(

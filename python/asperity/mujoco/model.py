@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,7 +39,8 @@ class RowsModel:
         # What only MuJoCo's own solver needs.
         m.opt.solver = self.mj.mjtSolver.mjSOL_NEWTON
         m.opt.disableflags |= int(disable.mjDSBL_ISLAND) | int(disable.mjDSBL_EULERDAMP)
-        m.opt.enableflags &= ~int(enable.mjENBL_SLEEP)
+        for flag in (enable.mjENBL_SLEEP, enable.mjENBL_SPECULATIVE, enable.mjENBL_IPC):
+            m.opt.enableflags &= ~int(flag)
         m.geom_condim[m.geom_condim == _ROLLING] = 4
         m.pair_dim[m.pair_dim == _ROLLING] = 4
         m.jnt_margin[:] = _FAR
@@ -54,7 +56,7 @@ class RowsModel:
             frozenset((int(a), int(b))): k
             for k, (a, b) in enumerate(zip(m.pair_geom1, m.pair_geom2, strict=True))
         }
-        self.names = tuple(_geom_name(self.mj, model, geom) for geom in range(model.ngeom))
+        self.names = tuple(_geom_name(model, geom) for geom in range(model.ngeom))
         self.rank = self._ranks()
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
         self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
@@ -99,6 +101,15 @@ class RowsModel:
         self.mj.mj_factorM(self.model, data)
         entries[self._diagonal] = own
 
+    def refuse_overflow(self, data: mujoco.MjData) -> None:
+        """Refuse data without the memory for all contacts nearby, some of which MuJoCo drops."""
+        kinds = self.mj.mjtWarning
+        for kind in (kinds.mjWARN_CONTACTFULL, kinds.mjWARN_CNSTRFULL):
+            if data.warning[int(kind)].number:
+                raise ParameterError(
+                    "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
+                )
+
     def item_name(self, data: mujoco.MjData, row: int, pair: tuple[int, int] | None) -> str:
         """Return what the user calls a contact of two geoms, or the row of a joint or tendon."""
         if pair is not None:
@@ -140,7 +151,7 @@ class RowsModel:
         return np.where(flat, 1e-5 * self.user.geom_rbound, 0.0)
 
 
-def _geom_name(mj: object, model: mujoco.MjModel, geom: int) -> str:
+def _geom_name(model: mujoco.MjModel, geom: int) -> str:
     own = model.geom(geom).name
     if own:
         return own
@@ -148,7 +159,7 @@ def _geom_name(mj: object, model: mujoco.MjModel, geom: int) -> str:
     return f"{body.name or 'body ' + str(body.id)}[{geom - int(body.geomadr[0])}]"
 
 
-def _refuse(mj: object, m: mujoco.MjModel, ignore_rolling: bool) -> None:
+def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
     """Refuse, by name, what has no rows that a contact law could have."""
     if m.nflex:
         raise ParameterError("model", "has a flex, whose contacts are not those of rigid bodies")
@@ -156,11 +167,12 @@ def _refuse(mj: object, m: mujoco.MjModel, ignore_rolling: bool) -> None:
     rolling = np.flatnonzero(touching & (m.geom_condim == _ROLLING)).tolist()
     rolling += m.pair_geom1[m.pair_dim == _ROLLING].tolist()
     if rolling and not ignore_rolling:
-        name = _geom_name(mj, m, rolling[0])
+        name = _geom_name(m, rolling[0])
         raise ParameterError(
             "model",
             f'has rolling friction (condim 6) at geom {name!r}: rolling="ignore" leaves it out',
         )
-    adhesive = extras.library("mujoco").mjtTrn.mjTRN_BODY
-    if m.flg_adhesion or (m.actuator_trntype == adhesive).any():
+    if int(m.opt.enableflags) & int(mj.mjtEnableBit.mjENBL_OVERRIDE):
+        raise ParameterError("model", "overrides the parameters of its contacts: turn override off")
+    if m.flg_adhesion or (m.actuator_trntype == mj.mjtTrn.mjTRN_BODY).any():
         raise ParameterError("model", "has adhesion, which pulls on contacts that are not closed")

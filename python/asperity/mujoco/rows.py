@@ -145,6 +145,7 @@ class Reader:
         address, geoms, limits = contacts.efc_address, contacts.geom, data.nl
         identity = (data.ne, data.nf, limits, address.tobytes(), geoms.tobytes())
         if identity != self._identity:
+            model.refuse_overflow(data)
             self._layout, self._identity = _layout(model, data, address, geoms), identity
         layout = self._layout
         nefc, nv = data.nefc, model.model.nv

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
@@ -144,17 +145,11 @@ class Scene:
         control = self._mj.get_mjcb_control()
         if control is not None:
             control(self._rows.user, data)
-        while True:
-            rows, items, solution, after = self._solve(data, q, v)
-            if self._on_failure == "raise" and solution is not None and not solution.converged:
-                data.qpos[:], data.qvel[:] = q, v
-                raise self._failure(data, rows, items, solution)
-            self._projector.advance(data, after, 0.5 * self._dt)
-            distance = self._missed(rows, after)
-            if distance <= self._rows.detection:
-                break
-            self._quiet = 0
-            self._rows.widen(2.0 * distance)
+        try:
+            rows, items, solution, after = self._advance(data, q, v)
+        except BaseException:
+            data.qpos[:], data.qvel[:] = q, v
+            raise
         self._write(data, v, after, rows, items, solution)
         projected, violation = self._projector.settle()
         data.qpos[:] = self._projector.data.qpos
@@ -293,6 +288,21 @@ class Scene:
     def _state(data: mujoco.MjData) -> bytes:
         return data.qpos.tobytes() + data.qvel.tobytes()
 
+    def _advance(
+        self, data: mujoco.MjData, q: Array, v: Array
+    ) -> tuple[Rows, Items, StepSolution | None, Array]:
+        """Solve the step, from contacts that are found in time, and find the rows at its end."""
+        while True:
+            rows, items, solution, after = self._solve(data, q, v)
+            if self._on_failure == "raise" and solution is not None and not solution.converged:
+                raise self._failure(data, rows, items, solution)
+            self._projector.advance(data, after, 0.5 * self._dt)
+            distance = self._missed(rows, after)
+            if distance <= self._rows.detection:
+                return rows, items, solution, after
+            self._quiet = 0
+            self._rows.widen(2.0 * distance)
+
     def _solve(
         self, data: mujoco.MjData, q: Array, v: Array
     ) -> tuple[Rows, Items, StepSolution | None, Array]:
@@ -327,6 +337,10 @@ class Scene:
             change = np.empty((1, m.nv))
             mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
             free += change[0]
+        if not math.isfinite(float(free @ free)):
+            raise ParameterError(
+                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
+            )
         return free
 
     def _constrained(
