@@ -510,6 +510,11 @@ class Call:
 
 RESULTS = {
     "FiniteElementModel",
+    "Projection",
+    "SceneContact",
+    "SceneProblem",
+    "SceneRun",
+    "SceneStep",
     "ReducedSystem",
     "SquealMap",
     "ComplexModes",

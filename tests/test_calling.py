@@ -76,6 +76,8 @@ RESULTS = {
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
     "identify.IdentifiedLaw",
+    "mujoco.Projection", "mujoco.SceneContact", "mujoco.SceneProblem", "mujoco.SceneRun",
+    "mujoco.SceneStep",
     "identify.PatchFit", "identify.PathFit", "identify.SupportsFit", "track.Track",
     "track.TrackConfig",
 }  # fmt: skip
