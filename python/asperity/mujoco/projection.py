@@ -32,26 +32,17 @@ class Projector:
         self._stepper = ContactStepper([], solver=solver)
         self._reader = Reader(model)
         self.rows: Rows
+        self.depth = 0.0
 
     def place(self, data: mujoco.MjData) -> None:
         """Find the rows at the coordinates of `data`."""
-        m, ahead = self._model.model, self.data
-        ahead.qpos[:] = data.qpos
-        if m.nmocap:
-            ahead.mocap_pos[:], ahead.mocap_quat[:] = data.mocap_pos, data.mocap_quat
-        if m.neq:
-            ahead.eq_active[:] = data.eq_active
+        self._copy(data)
         self._find()
 
     def advance(self, data: mujoco.MjData, velocity: Array, time: float) -> None:
         """Find the rows where `data` is after a time with a velocity."""
-        m, ahead = self._model.model, self.data
-        if m.nmocap:
-            ahead.mocap_pos[:], ahead.mocap_quat[:] = data.mocap_pos, data.mocap_quat
-        if m.neq:
-            ahead.eq_active[:] = data.eq_active
-        ahead.qpos[:] = data.qpos
-        self._mj.mj_integratePos(m, ahead.qpos, velocity, time)
+        self._copy(data)
+        self._mj.mj_integratePos(self._model.model, self.data.qpos, velocity, time)
         self._find()
 
     def violations(self, least: float) -> dict[str, float]:
@@ -102,16 +93,28 @@ class Projector:
         self._mj.mj_energyVel(m, ahead)
         return ahead.energy
 
+    def _copy(self, data: mujoco.MjData) -> None:
+        m, ahead = self._model.model, self.data
+        ahead.qpos[:] = data.qpos
+        if m.nmocap:
+            ahead.mocap_pos[:], ahead.mocap_quat[:] = data.mocap_pos, data.mocap_quat
+        if m.neq:
+            ahead.eq_active[:] = data.eq_active
+
     def _find(self) -> None:
         m, ahead = self._model.model, self.data
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
         self._mj.mj_makeConstraint(m, ahead)
         self.rows = self._reader.read(ahead)
+        gaps = self.rows.gaps
+        self.depth = -float(gaps.min()) if gaps.size else 0.0
 
     def _worst(self) -> float:
         """Return the largest violation of rows that something can move."""
         ne, rows = self.data.ne, self.rows
+        if not ne and self.depth <= self._exact:
+            return max(self.depth, 0.0)
         errors = np.abs(self.data.efc_pos[:ne])
         if max(errors.max(initial=0.0), -rows.gaps.min(initial=0.0)) > self._exact:
             moves = np.any(rows.matrix, axis=1)

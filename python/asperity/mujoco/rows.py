@@ -67,6 +67,7 @@ class Items:
     keys: NDArray[np.int64]
     contacts: list[int]
     laws: list[ContactLaw]
+    has_axes: bool
     pyramids: list[Pyramids] | None = None
 
     @property
@@ -107,7 +108,7 @@ class Axes:
 
     def __init__(self, items: Items, data: mujoco.MjData, layout: Layout) -> None:
         self._turns = []
-        if all(law.axes is None for law in items.laws):
+        if not items.has_axes:
             return
         frames = data.contact.frame
         for k, law, row in zip(items.contacts, items.laws, items.first_rows(), strict=True):
@@ -245,4 +246,5 @@ def _items(
         layout.keys[own],
         contacts,
         found,
+        has_axes=any(law.axes is not None for law in found),
     )

@@ -408,10 +408,10 @@ class Scene:
 
     def _missed(self, rows: Rows, after: Array) -> float:
         """Return from how far contacts came that the step did not know and that end inside."""
+        if self._projector.depth <= _EXACT * self._extent:
+            return 0.0
         ahead, layout = self._projector.rows, self._projector.rows.layout
         inside = np.flatnonzero(ahead.gaps[layout.limits :] < -_EXACT * self._extent)
-        if not inside.size:
-            return 0.0
         known = Counter(rows.layout.pairs)
         deep = Counter(pairs := [layout.pairs[i] for i in inside])
         missed = [i for i, pair in zip(inside, pairs, strict=True) if deep[pair] > known[pair]]
