@@ -257,6 +257,18 @@ def test_forces_are_where_mujoco_has_them(cone):
     assert data.time == pytest.approx(0.003)
 
 
+def test_contacts_that_are_near_and_open_have_no_force():
+    model = box(option='cone="pyramidal"', height=0.00500001)
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qvel[2] = 1e-3
+    for _ in range(3):
+        data.qfrc_applied[2] = 0.018 * GRAVITY
+        scene.step(data)
+        assert data.ncon == 4
+        assert data.nefc == 16
+        assert not data.efc_force.any()
+
+
 def test_activations_and_damping_advance_as_in_mujoco():
     joint = '<body><joint name="j" axis="0 0 1" damping="2"/><geom size=".1"/></body>'
     actuator = '<actuator><general joint="j" dyntype="filterexact" dynprm="0.02"/></actuator>'

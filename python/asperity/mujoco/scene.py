@@ -452,7 +452,7 @@ class Scene:
         else:
             data.time += h
         data.qvel[:] = after
-        if self._is_pyramidal and items.contacts:
+        if self._is_pyramidal and len(rows.layout.contacts):
             self._write_pyramids(data, rows, items, percussion / h)
         else:
             data.efc_force[:] = percussion[: data.nefc] / h
