@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,16 @@ if TYPE_CHECKING:
 _EXACT, _START = 1e-9, 1e-6
 # Steps without a contact that was found too late, after which the detection distance is halved.
 _QUIET = 100
+
+
+class _System(NamedTuple):
+    """What a step solves, but for the velocities."""
+
+    items: Items
+    axes: Axes
+    inverse: Array
+    delassus: Array
+    bounds: Array | None
 
 
 class Scene:
@@ -113,6 +123,7 @@ class Scene:
         self._least_detection = 1e-4 * self._extent
         rows.widen(self._least_detection)
         self._quiet = 0
+        self._system: _System | None = None
         # The state at the end of the last step, as bytes.
         self._left = b""
         self._last: tuple[mujoco.MjData, Rows, Items, StepSolution, Array, Array, Array] | None
@@ -207,12 +218,14 @@ class Scene:
         trial = self._mj.MjData(self._model)
         self._mj.mj_copyData(trial, self._model, data)
         rows, items, _, _ = self._solve(trial, data.qpos.copy(), data.qvel.copy())
-        delassus, free_velocity, bounds = self._problem
+        system, bounds = self._system, np.zeros(len(items.kinds))
+        if system is not None and system.bounds is not None:
+            bounds = system.bounds
         return SceneProblem(
-            delassus=delassus,
-            free_velocity=free_velocity,
+            delassus=np.zeros((0, 0)) if system is None else system.delassus,
+            free_velocity=np.zeros(0) if system is None else self._free_velocity,
             items=items.kinds,
-            bounds=np.zeros(len(items.kinds)) if bounds is None else bounds,
+            bounds=bounds,
             keys=items.keys,
             laws=tuple(self._laws.laws),
             names=tuple(self._name(trial, rows, items, k) for k in range(len(items.kinds))),
@@ -316,6 +329,7 @@ class Scene:
         if self._rows.is_damped:
             self._rows.factor(data)
         rows = self._reader.read(data)
+        self._system = None
         # Forces at the mean velocity, or a tumbling body would gain energy.
         free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
         found = self._constrained(data, rows, v, free)
@@ -360,8 +374,6 @@ class Scene:
         # Percussions change velocities by about the largest of those with which items close.
         fastest = -float(approach.min(initial=0.0))
         near = approach < fastest
-        self._problem: tuple[Array, Array, Array | None]
-        self._problem = np.zeros((0, 0)), np.zeros(0), None
         while True:
             items = self._reader.items(self._laws, data, rows, near)
             if not items.index.size:
@@ -377,30 +389,35 @@ class Scene:
     def _percussions(
         self, data: mujoco.MjData, rows: Rows, items: Items, velocity: Array, free: Array
     ) -> tuple[StepSolution, Array]:
-        if len(self._laws.laws) > len(self._stepper.laws):
-            self._stepper = self._new_stepper()
-        matrix, b = rows.matrix[items.index], velocity[items.index]
+        if self._system is None or self._system.items is not items:
+            self._system = self._assembled(data, rows, items)
+        system, b = self._system, velocity[items.index]
         if self._model.flg_surfacevel:
             self._add_surfaces(data, rows, items, b)
-        self._axes = Axes(items, data, rows.layout)
-        self._axes.turn(matrix)
-        self._axes.turn(b)
+        system.axes.turn(b)
+        self._free_velocity = b
+        solution = self._stepper.solve(
+            system.delassus,
+            free_velocity=b,
+            items=items.kinds,
+            bounds=system.bounds,
+            keys=items.keys,
+            on_failure="record",
+        )
+        return solution, free + solution.percussion @ system.inverse
+
+    def _assembled(self, data: mujoco.MjData, rows: Rows, items: Items) -> _System:
+        if len(self._laws.laws) > len(self._stepper.laws):
+            self._stepper = self._new_stepper()
+        axes, matrix = Axes(items, data, rows.layout), rows.matrix[items.index]
+        axes.turn(matrix)
         inverse = np.empty_like(matrix)
         self._mj.mj_solveM(self._model, data, inverse, matrix)
         bounds = None
         if data.nf:
             bounds, dry = np.zeros(len(items.kinds)), slice(data.ne, data.ne + data.nf)
             bounds[dry] = self._dt * data.efc_frictionloss[dry]
-        self._problem = matrix @ inverse.T, b, bounds
-        solution = self._stepper.solve(
-            self._problem[0],
-            free_velocity=b,
-            items=items.kinds,
-            bounds=bounds,
-            keys=items.keys,
-            on_failure="record",
-        )
-        return solution, free + solution.percussion @ inverse
+        return _System(items, axes, inverse, matrix @ inverse.T, bounds)
 
     def _add_surfaces(self, data: mujoco.MjData, rows: Rows, items: Items, b: Array) -> None:
         """Add the velocities of surfaces that move in their own plane."""
@@ -438,7 +455,8 @@ class Scene:
         data.qfrc_constraint[:] = 0.0
         if solution is not None:
             contacts = data.contact
-            percussion[items.index] = self._axes.turn_back(solution.percussion)
+            assert self._system is not None
+            percussion[items.index] = self._system.axes.turn_back(solution.percussion)
             data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
             self._last = (
                 *(data, rows, items, solution, percussion),
