@@ -442,6 +442,12 @@ def test_runs_keep_what_is_asked_for():
             scene.simulate(data, **arguments)
 
 
+def test_arrays_whose_size_changes_are_not_kept():
+    model = box(height=0.02)
+    with pytest.raises(asp.ParameterError, match="arrays of one size, not 'efc_J'"):
+        Scene(model).simulate(mujoco.MjData(model), t_end=0.1, keep=("efc_J",))
+
+
 def test_a_control_callback_is_called():
     model = model_of('<body><joint/><geom size=".1"/></body>')
     data, calls = mujoco.MjData(model), []

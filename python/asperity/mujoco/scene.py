@@ -207,7 +207,10 @@ class Scene:
                     residual = max(residual, step.solution.residual)
             t[k] = data.time
             for name, samples in kept.items():
-                samples[k] = getattr(data, name)
+                value = getattr(data, name)
+                if value.shape != samples.shape[1:]:
+                    raise ParameterError("keep", f"must name arrays of one size, not {name!r}")
+                samples[k] = value
         return SceneRun(t, kept, residual, violation)
 
     def problem(self, data: mujoco.MjData) -> SceneProblem:
