@@ -103,8 +103,8 @@ def pyramids_of(items: Items, data: mujoco.MjData, layout: Layout) -> list[Pyram
     return found
 
 
-class Axes:
-    """The axes of the laws of a step, against MuJoCo's tangents."""
+class Turns:
+    """Turns of the rows of a step, from MuJoCo's tangents to the axes of the laws."""
 
     def __init__(self, items: Items, data: mujoco.MjData, layout: Layout) -> None:
         self._turns = []

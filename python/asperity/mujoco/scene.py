@@ -17,7 +17,7 @@ from asperity.mujoco.laws import Laws, PairLaws
 from asperity.mujoco.model import RowsModel
 from asperity.mujoco.projection import Projector
 from asperity.mujoco.results import Projection, SceneContact, SceneProblem, SceneRun, SceneStep
-from asperity.mujoco.rows import Axes, Items, Reader, Rows, pyramids_of
+from asperity.mujoco.rows import Items, Reader, Rows, Turns, pyramids_of
 from asperity.solvers import Solver
 from asperity.status import Phase, Status
 
@@ -35,7 +35,7 @@ class _System(NamedTuple):
     """What a step solves, but for the velocities."""
 
     items: Items
-    axes: Axes
+    turns: Turns
     inverse: Array
     delassus: Array
     bounds: Array | None
@@ -397,7 +397,7 @@ class Scene:
         system, b = self._system, velocity[items.index]
         if self._model.flg_surfacevel:
             self._add_surfaces(data, rows, items, b)
-        system.axes.turn(b)
+        system.turns.turn(b)
         self._free_velocity = b
         solution = self._stepper.solve(
             system.delassus,
@@ -412,15 +412,15 @@ class Scene:
     def _assembled(self, data: mujoco.MjData, rows: Rows, items: Items) -> _System:
         if len(self._laws.laws) > len(self._stepper.laws):
             self._stepper = self._new_stepper()
-        axes, matrix = Axes(items, data, rows.layout), rows.matrix[items.index]
-        axes.turn(matrix)
+        turns, matrix = Turns(items, data, rows.layout), rows.matrix[items.index]
+        turns.turn(matrix)
         inverse = np.empty_like(matrix)
         self._mj.mj_solveM(self._model, data, inverse, matrix)
         bounds = None
         if data.nf:
             bounds, dry = np.zeros(len(items.kinds)), slice(data.ne, data.ne + data.nf)
             bounds[dry] = self._dt * data.efc_frictionloss[dry]
-        return _System(items, axes, inverse, matrix @ inverse.T, bounds)
+        return _System(items, turns, inverse, matrix @ inverse.T, bounds)
 
     def _add_surfaces(self, data: mujoco.MjData, rows: Rows, items: Items, b: Array) -> None:
         """Add the velocities of surfaces that move in their own plane."""
@@ -459,7 +459,7 @@ class Scene:
         if solution is not None:
             contacts = data.contact
             assert self._system is not None
-            percussion[items.index] = self._system.axes.turn_back(solution.percussion)
+            percussion[items.index] = self._system.turns.turn_back(solution.percussion)
             data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
             self._last = (
                 *(data, rows, items, solution, percussion),
