@@ -10,8 +10,8 @@ _SPEC = importlib.util.spec_from_file_location("mujoco_models", _BENCH)
 bench = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(bench)
 FILES = [path for files in bench.paths().values() for path in files]
-FAST = {"inverted_double_pendulum"}
-"""Swings so fast for its step of 10 ms that its energy is that of a scheme of second order."""
+LARGEST = {"inverted_double_pendulum": 0.5, "finger": 2e-3}
+"""Energy in J that steps of 10 ms gain: of swings that are fast for them, and of stiff dampers."""
 
 
 @pytest.mark.long
@@ -22,6 +22,4 @@ def test_models_run_with_rigid_contacts_and_without_energy_from_nowhere(path):
     assert found.residual < 1e-10
     assert found.depth < 0.1
     assert found.violation < 0.1
-    if path.stem not in FAST:
-        assert found.unexplained <= 0.01 * found.steps
-        assert found.largest < 0.1
+    assert found.largest <= LARGEST.get(path.stem, 0.0)
