@@ -65,7 +65,7 @@ class Scene:
     midpoint. Contacts nearby are listed, too.
 
     Args:
-        model: an ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
+        model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
         laws: by pairs of names of geoms or bodies, and ``"default"``: a `FrictionLaw`, whose first
             axis is that of the first of the pair, or a `PairLaw`. Pairs of geoms win over bodies.
         starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
