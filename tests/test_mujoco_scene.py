@@ -425,6 +425,9 @@ def test_contacts_are_those_of_the_last_step():
     data.qpos[0] += 1.0
     with pytest.raises(asp.ParameterError, match="last step"):
         scene.contacts(data)
+    data.qpos[2] += 1.0
+    scene.step(data)
+    assert scene.contacts(data) == []
 
 
 def test_runs_keep_what_is_asked_for():

@@ -126,8 +126,9 @@ class Scene:
         self._system: _System | None = None
         # The state at the end of the last step, as bytes.
         self._left = b""
-        self._last: tuple[mujoco.MjData, Rows, Items, StepSolution, Array, Array, Array] | None
-        self._last = None
+        # Whose step was the last one, and what it solved, if anything.
+        self._owner: mujoco.MjData | None = None
+        self._last: tuple[Rows, Items, StepSolution, Array, Array, Array] | None = None
         m, enable = self._model, self._mj.mjtEnableBit
         self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
         self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
@@ -243,9 +244,11 @@ class Scene:
         Raises:
             ParameterError: if it is not.
         """
-        if self._last is None or self._last[0] is not data or self._left != self._state(data):
+        if self._owner is not data or self._left != self._state(data):
             raise ParameterError("data", "must be as the scene's last step left it")
-        _, rows, items, solution, percussion, position, frames = self._last
+        if self._last is None:
+            return []
+        rows, items, solution, percussion, position, frames = self._last
         layout, found = rows.layout, []
         for k, (i, law) in enumerate(zip(items.contacts, items.laws, strict=True)):
             row, number = layout.unilateral[layout.limits + i], layout.contacts[i]
@@ -454,7 +457,7 @@ class Scene:
         mj, m, h = self._mj, self._model, self._dt
         data.qacc[:] = (after - v) / h
         percussion = np.zeros(data.nefc + 3)
-        self._last = None
+        self._owner, self._last = data, None
         data.qfrc_constraint[:] = 0.0
         if solution is not None:
             contacts = data.contact
@@ -462,7 +465,7 @@ class Scene:
             percussion[items.index] = self._system.turns.turn_back(solution.percussion)
             data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
             self._last = (
-                *(data, rows, items, solution, percussion),
+                *(rows, items, solution, percussion),
                 *(contacts.pos.copy(), contacts.frame.copy()),
             )
         if self._rows.is_damped:
