@@ -34,10 +34,11 @@ SUBPACKAGES = {
     "plot": "Pictures",
     "problems": "Generated contact problems",
     "mechanisms": "Mechanisms of instability",
+    "mujoco": "MuJoCo models",
 }
 """The subpackages in the order of the reference, with their titles."""
 
-_HEADS = ("identify", "mechanisms", "plot", "predict", "problems", "track")
+_HEADS = ("identify", "mechanisms", "mujoco", "plot", "predict", "problems", "track")
 """Subpackages whose names are not those of the package itself."""
 
 _COMMON = ("Value", "Record")

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import asperity as asp
+import mujoco as mj
 import numpy as np
 import scipy.sparse
-from asperity import identify, mechanisms, plot, predict, problems, track
+from asperity import identify, mechanisms, mujoco, plot, predict, problems, track
 from asperity.contact import files, grading
 from asperity.system import FiniteElementModel
 from filmed import RUN, SMALL
@@ -27,6 +28,7 @@ MODULES = (
     problems,
     problems.scenes,
     mechanisms,
+    mujoco,
     plot,
     predict,
     grading,
@@ -144,8 +146,18 @@ CALCULIX = FiniteElementModel(
     node_sets={"ALL": (4,)},
     findings=(),
 )
+BALL_MODEL = mj.MjModel.from_xml_string(
+    '<mujoco><worldbody><body><freejoint/><geom size="1"/></body></worldbody></mujoco>'
+)
+BALL_DATA = mj.MjData(BALL_MODEL)
 OBJECTS = [
     asp.ContactStepper([LAW]),
+    mujoco.Scene(BALL_MODEL),
+    mujoco.PairLaw(
+        asp.FrictionLaw.associated(asp.Ellipsoid((0.4, 0.3, 0.2))),
+        axis=(0.0, 1.0, 0.0),
+        patch_radius=0.01,
+    ),
     SPARSE,
     REDUCED,
     asp.stability(SPARSE, near=3.0, count=2),
@@ -441,6 +453,9 @@ ARGUMENTS = {
     "problems.scenes.stack": {"boxes": 2},
     "problems.scenes.table": {"feet": 3},
     "problems.scenes.wall": {"rows": 2, "columns": 2},
+    "mujoco.Scene": {"model": BALL_MODEL, "tolerance": 1e-9},
+    # Beyond the times of the calls before, which advance the data.
+    "mujoco.Scene.simulate": {"data": BALL_DATA, "t_end": 0.004},
     "mechanisms.mode_coupling": {"mu": 0.5},
     "mechanisms.painleve_rod": {},
     "mechanisms.stribeck_block": {},
@@ -495,6 +510,11 @@ class Call:
 
 RESULTS = {
     "FiniteElementModel",
+    "Projection",
+    "SceneContact",
+    "SceneProblem",
+    "SceneRun",
+    "SceneStep",
     "ReducedSystem",
     "SquealMap",
     "ComplexModes",

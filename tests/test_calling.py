@@ -5,12 +5,23 @@ import inspect
 
 import asperity as asp
 import pytest
-from asperity import identify, mechanisms, plot, problems, track
+from asperity import identify, mechanisms, mujoco, plot, problems, track
 from asperity.contact import files, grading
 from asperity.sets import StarSet
 from samples import public_of
 
-MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
+MODULES = (
+    asp,
+    identify,
+    track,
+    mujoco,
+    problems,
+    problems.scenes,
+    mechanisms,
+    plot,
+    grading,
+    files,
+)
 
 PAIRS = {
     "FrictionLaw": "a law is the pair (C, D)",
@@ -51,6 +62,7 @@ PAIRS = {
     "contact.files.Percussions": "the parts of a file that belong together",
     "Provenance.of_table": "a table and its name in the file",
     "sweep": "a function and where it is called",
+    "mujoco.Scene": "a model, and the laws of its surfaces",
     "problems.Scene": "columns of one table of bodies and contacts",
 }
 """Callables with several arguments by position, and why: none of these is more the subject."""
@@ -64,6 +76,8 @@ RESULTS = {
     "identify.Associativity", "identify.Averaged", "identify.Bands", "identify.Candidate",
     "identify.Dependence", "identify.Estimate", "identify.Fit", "identify.FittedPath",
     "identify.IdentifiedLaw",
+    "mujoco.Projection", "mujoco.SceneContact", "mujoco.SceneProblem", "mujoco.SceneRun",
+    "mujoco.SceneStep",
     "identify.PatchFit", "identify.PathFit", "identify.SupportsFit", "track.Track",
     "track.TrackConfig",
 }  # fmt: skip

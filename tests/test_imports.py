@@ -24,12 +24,12 @@ LAYERS = [
     {"steady_sliding"},
     {"cycles"},
     {"ensemble"},
-    {"identify", "mechanisms", "plot", "problems", "track"},
+    {"identify", "mechanisms", "mujoco", "plot", "problems", "track"},
     {"demo", "predict"},
     {"commands"},
 ]
 # Imported at first use.
-LAZY = {"identify", "mechanisms", "plot", "predict", "problems", "track"}
+LAZY = {"identify", "mechanisms", "mujoco", "plot", "predict", "problems", "track"}
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 # Parts of a folder in their order; its other files may use them all.
 PARTS = {

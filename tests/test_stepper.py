@@ -1,6 +1,7 @@
 """Steps of mechanisms: contacts among joints, limits, dry joints and rows that nothing moves."""
 
 import copy
+import itertools
 import pickle
 import subprocess
 import sys
@@ -148,6 +149,27 @@ def test_contacts_alone_are_a_contact_problem(count):
         assert np.array_equal(step.percussion, solution.percussion)
         assert np.array_equal(step.phase, solution.phase)
         assert step.residual == solution.residual
+
+
+def test_feet_that_slide_in_different_directions_share_as_if_of_equal_compliance():
+    """Those of a box that slides and turns, whatever the order of its feet."""
+    inertia, feet = np.diag([0.018] * 3 + [2.55e-6, 2.55e-6, 4.8e-6]), [(-1, -1), (1, -1), (-1, 1)]
+    rows = [
+        [*axis, *np.cross([0.02 * x, 0.02 * y, -0.005], axis)]
+        for x, y in [*feet, (1, 1)]
+        for axis in np.eye(3)[[2, 0, 1]]
+    ]
+    rows, speed = np.array(rows), np.array([0.8, 1.2, -9.81e-3, 0.0, 0.0, 10.0])
+    loads = []
+    for order in itertools.permutations(range(4)):
+        own = rows.reshape(4, 3, 6)[list(order)].reshape(12, 6)
+        step = ContactStepper(LAWS[0]).solve(
+            own @ np.linalg.solve(inertia, own.T), free_velocity=own @ speed, items=[0] * 4
+        )
+        loads.append(step.percussion[::3][np.argsort(order)])
+    assert np.ptp(loads, axis=0).max() < 1e-9 * np.max(loads)
+    # Loads of a plane: what a rigid body on equal springs has.
+    assert abs(loads[0] @ [1.0, -1.0, -1.0, 1.0]) < 1e-9 * np.max(loads)
 
 
 def test_dead_rows_of_an_ellipse_have_the_friction_along_the_direction_that_is_left():

@@ -18,7 +18,7 @@ def home(kind):
     return f"asp.{kind.__module__.split('.')[1]}.{kind.__name__}"
 
 
-LAZY = ("identify", "mechanisms", "plot", "predict", "problems", "track")
+LAZY = ("identify", "mechanisms", "mujoco", "plot", "predict", "problems", "track")
 NAMES = [
     *(f"asp.{name}" if name in asp.__all__ else home(one) for name, one in public_of(asp).items()),
     *(f"asp.{part}.{name}" for part in LAZY for name in public_of(getattr(asp, part))),

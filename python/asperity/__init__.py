@@ -47,6 +47,7 @@ from asperity.system import *
 if _TYPE_CHECKING:
     from asperity import identify as identify
     from asperity import mechanisms as mechanisms
+    from asperity import mujoco as mujoco
     from asperity import plot as plot
     from asperity import predict as predict
     from asperity import problems as problems
@@ -67,8 +68,8 @@ __all__ += steady_sliding.__all__
 __all__ += sweeps.__all__
 __all__ += system.__all__
 
-# These subpackages import matplotlib and SciPy: they are imported at first use.
-_LAZY = ("identify", "mechanisms", "plot", "predict", "problems", "track")
+# These subpackages import matplotlib, MuJoCo and SciPy: they are imported at first use.
+_LAZY = ("identify", "mechanisms", "mujoco", "plot", "predict", "problems", "track")
 
 
 def __getattr__(name: str) -> _ModuleType:

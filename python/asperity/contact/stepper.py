@@ -23,6 +23,8 @@ _PARTS = (
     *("percussion", "velocity", "phase", "ambiguous_items"),
     *("status", "residual", "mismatch", "iterations", "worst_item"),
 )
+# Values of enumerators are slow to read.
+_CONVERGED = Status.CONVERGED.value
 
 
 class StepSolution:
@@ -101,7 +103,7 @@ class StepSolution:
     @property
     def converged(self) -> bool:
         """Whether the tolerance was reached."""
-        return self._step.status == Status.CONVERGED.value
+        return self._step.status == _CONVERGED
 
     def __repr__(self) -> str:
         items = len(self.phase)
@@ -120,12 +122,14 @@ class ContactStepper:
 
     Percussions and phases start from those that the item with the same key had in the step before.
     Items are solved in the order of their keys: the result does not depend on the order in which
-    they are listed, to the bit, also where percussions are not unique. Bilateral rows may repeat
-    each other, as in loops: their percussions have the least Σ G_ii P_i² among all that leave the
-    least velocities. They may not contradict each other by more than 1e-6 of the velocities that
-    they take out. Where the bodies of a contact cannot move in some of its rows, as in planar
-    models, they stick up to the friction of sliding in the direction that is left; at rest what is
-    transmitted across it is undetermined, and goes with the force along it as in sliding.
+    they are listed, to the bit, also where percussions are not unique: contacts of one body that
+    slide in different directions share its load as if of equal compliance. Bilateral rows may
+    repeat each other, as in loops: their percussions have the least Σ G_ii P_i² among all that
+    leave the least velocities. They may not contradict each other by more than 1e-6 of the
+    velocities that they take out. Where the bodies of a contact cannot move in some of its rows, as
+    in planar models, they stick up to the friction of sliding in the direction that is left; at
+    rest what is transmitted across it is undetermined, and goes with the force along it as in
+    sliding.
 
     A stepper changes with every step: one per simulation, and per thread. Copies, by pickle too, do
     not remember the steps before.

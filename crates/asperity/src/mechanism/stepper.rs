@@ -12,7 +12,7 @@ use crate::contact::{
     BlockMatrix, ContactProblem, ContactState, Delassus, LARGEST, Memory, NormalForce, Phase,
 };
 use crate::law::{FrictionLaw, Law};
-use crate::solver::{Certificate, SolveReport, Solver, Status, Stop, Workspace};
+use crate::solver::{Certificate, Shares, SolveReport, Solver, Status, Stop, Workspace};
 
 /// The rows of one item.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +75,9 @@ struct Found {
 /// Solves the contacts of a mechanism step after step, among its joints, limits and dry joints.
 ///
 /// Percussions and phases start from those that the item with the same key had in the step before. Items are solved in the
-/// order of their keys: percussions do not depend on the order in which an engine lists the contacts, unique or not. Percussions of
-/// joints that loops repeat are those of least weighted squares. Where the bodies of a contact cannot move in some direction, they stick
+/// order of their keys: percussions do not depend on the order in which an engine lists the contacts, unique or not. Contacts of one
+/// body that slide in different directions share what they carry as if of equal compliance. Percussions of joints that loops repeat
+/// are those of least weighted squares. Where the bodies of a contact cannot move in some direction, they stick
 /// up to the friction of sliding in the direction that is left, and what is transmitted across it is that of sliding, too.
 ///
 /// ```
@@ -109,6 +110,9 @@ pub struct ContactStepper {
     problem: ContactProblem,
     workspace: Workspace,
     memory: Memory,
+    /// What the contacts did before the step.
+    history: Vec<ContactState>,
+    shares: Shares,
     joints: Joints,
     layout: Layout,
     /// That of the step before, to which the problem belongs, and buffers.
@@ -140,6 +144,8 @@ impl ContactStepper {
             problem: ContactProblem::assemble([], Delassus::Blocks(BlockMatrix::default())),
             workspace: Workspace::default(),
             memory: Memory::default(),
+            history: Vec::new(),
+            shares: Shares::default(),
             joints: Joints::default(),
             layout: Layout::default(),
             earlier: Layout::default(),
@@ -172,8 +178,13 @@ impl ContactStepper {
         self.lay_out(rows)?;
         self.fill(rows);
         self.recall(rows);
-        let Self { solver, problem, memory, workspace, .. } = self;
+        let Self { solver, problem, memory, history, shares, workspace, .. } = self;
+        history.clone_from(&memory.states);
         let mut report = solver.solve_prepared(problem, stop, memory, workspace);
+        if report.status == Status::Converged {
+            let shared = shares.find(problem, stop, &report, history, memory, workspace);
+            report = shared.unwrap_or(report);
+        }
         self.expand(rows);
         self.keep(rows);
         report.worst_contact = self.item_of(report.worst_contact);
@@ -320,7 +331,7 @@ impl ContactStepper {
 
     /// Brings the problem up to date: its contacts where they are others than before, its entries and velocities.
     fn fill(&mut self, rows: &StepRows<'_>) {
-        let Self { laws, line, problem, workspace, joints, layout, earlier, .. } = self;
+        let Self { laws, line, problem, workspace, shares, joints, layout, earlier, .. } = self;
         let entry = |i: usize, j: usize| rows.entry(i, j) - joints.entry(i, j);
         let is_new = !layout.fits(earlier) || problem.contacts().len() != layout.members.len();
         if is_new {
@@ -356,6 +367,7 @@ impl ContactStepper {
         }
         if is_new {
             workspace.prepare(problem);
+            *shares = Shares::default();
         } else {
             workspace.refresh(problem);
         }

@@ -1,0 +1,178 @@
+"""A private copy of a MuJoCo model whose rows are those of all contacts and limits nearby."""
+
+from __future__ import annotations
+
+import copy
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base import extras
+from asperity.errors import ParameterError
+
+if TYPE_CHECKING:
+    import mujoco
+
+# Limits have rows at any distance: those that stay open are left out of the step.
+_FAR = 1e10
+_ROLLING = 6
+
+
+class RowsModel:
+    """The copy, with the detection distance of contacts, and what the user's model says of rows.
+
+    MuJoCo makes rows for contacts and limits within their margins only: those of the copy are
+    wider. The user's margins are part of the gap, as bodies rest there in MuJoCo.
+    """
+
+    def __init__(self, model: mujoco.MjModel, *, ignore_rolling: bool) -> None:
+        self.mj = extras.library("mujoco")
+        self.user = model
+        self.model = m = copy.copy(model)
+        _refuse(self.mj, m, ignore_rolling)
+        disable, enable = self.mj.mjtDisableBit, self.mj.mjtEnableBit
+        m.opt.cone = self.mj.mjtCone.mjCONE_ELLIPTIC
+        m.opt.jacobian = self.mj.mjtJacobian.mjJAC_DENSE
+        m.opt.integrator = self.mj.mjtIntegrator.mjINT_EULER
+        # What only MuJoCo's own solver needs.
+        m.opt.solver = self.mj.mjtSolver.mjSOL_NEWTON
+        m.opt.disableflags |= int(disable.mjDSBL_ISLAND) | int(disable.mjDSBL_EULERDAMP)
+        for flag in (enable.mjENBL_SLEEP, enable.mjENBL_SPECULATIVE, enable.mjENBL_IPC):
+            m.opt.enableflags &= ~int(flag)
+        m.geom_condim[m.geom_condim == _ROLLING] = 4
+        m.pair_dim[m.pair_dim == _ROLLING] = 4
+        m.jnt_margin[:] = _FAR
+        m.tendon_margin[:] = _FAR
+        self.dt = float(m.opt.timestep)
+        self.detection = 0.0
+        self.damping = self.dt * m.dof_damping
+        if int(m.opt.disableflags) & int(disable.mjDSBL_DAMPER):
+            self.damping[:] = 0.0
+        self.is_damped = bool(self.damping.any())
+        self._diagonal = m.M_rowadr + m.M_rownnz - 1
+        self._pairs = {
+            frozenset((int(a), int(b))): k
+            for k, (a, b) in enumerate(zip(m.pair_geom1, m.pair_geom2, strict=True))
+        }
+        self.names = tuple(_geom_name(model, geom) for geom in range(model.ngeom))
+        self.rank = self._ranks()
+        self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
+        self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
+        self.depth = self._depths()
+        self.joint_limit = int(self.mj.mjtConstraint.mjCNSTR_LIMIT_JOINT)
+
+    def widen(self, detection: float) -> None:
+        """Find contacts up to this distance in m from touching."""
+        more = detection - self.detection
+        m, self.detection = self.model, detection
+        m.geom_margin += more / 2
+        # Without it the bounding volumes of bodies with several geoms would hide contacts.
+        m.body_margin += more / 2
+        m.pair_margin += more
+
+    def condim(self, first: int, second: int) -> int:
+        """Return the dimension of the contacts of two geoms in the user's model."""
+        m, pair = self.user, self._pairs.get(frozenset((first, second)))
+        if pair is not None:
+            dimension = m.pair_dim[pair]
+        elif m.geom_priority[first] != m.geom_priority[second]:
+            winner = first if m.geom_priority[first] > m.geom_priority[second] else second
+            dimension = m.geom_condim[winner]
+        else:
+            dimension = max(m.geom_condim[first], m.geom_condim[second])
+        return min(int(dimension), 4)
+
+    def raise_condim(self, geoms: set[int], dimension: int) -> None:
+        """Have MuJoCo make at least as many rows for contacts of these geoms."""
+        m = self.model
+        chosen = sorted(geoms)
+        m.geom_condim[chosen] = np.maximum(m.geom_condim[chosen], dimension)
+        for pair, number in self._pairs.items():
+            if pair <= geoms:
+                m.pair_dim[number] = max(m.pair_dim[number], dimension)
+
+    def factor(self, data: mujoco.MjData) -> None:
+        """Factor M + h D in place of M, for damping that is implicit."""
+        entries = data.M
+        own = entries[self._diagonal]
+        entries[self._diagonal] = own + self.damping
+        self.mj.mj_factorM(self.model, data)
+        entries[self._diagonal] = own
+
+    def refuse_overflow(self, data: mujoco.MjData) -> None:
+        """Refuse data without the memory for all contacts nearby, some of which MuJoCo drops."""
+        kinds = self.mj.mjtWarning
+        for kind in (kinds.mjWARN_CONTACTFULL, kinds.mjWARN_CNSTRFULL):
+            if data.warning[int(kind)].number:
+                raise ParameterError(
+                    "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
+                )
+
+    def item_name(self, data: mujoco.MjData, row: int, pair: tuple[int, int] | None) -> str:
+        """Return what the user calls a contact of two geoms, or the row of a joint or tendon."""
+        if pair is not None:
+            return "contact of " + " and ".join(repr(self.names[geom]) for geom in pair)
+        kinds, objects = self.mj.mjtConstraint, self.mj.mjtObj
+        words, of = {
+            kinds.mjCNSTR_EQUALITY: ("equality", objects.mjOBJ_EQUALITY),
+            kinds.mjCNSTR_FRICTION_DOF: ("frictionloss of joint", objects.mjOBJ_JOINT),
+            kinds.mjCNSTR_FRICTION_TENDON: ("frictionloss of tendon", objects.mjOBJ_TENDON),
+            kinds.mjCNSTR_LIMIT_JOINT: ("limit of joint", objects.mjOBJ_JOINT),
+            kinds.mjCNSTR_LIMIT_TENDON: ("limit of tendon", objects.mjOBJ_TENDON),
+        }[kinds(int(data.efc_type[row]))]
+        number = int(data.efc_id[row])
+        if words == "frictionloss of joint":
+            number = int(self.user.dof_jntid[number])
+        name = self.mj.mj_id2name(self.user, of, number)
+        return f"{words} {name or number!r}"
+
+    def _ranks(self) -> NDArray[np.int64]:
+        """Return numbers of geoms by what they are, whatever their order in the file."""
+        m = self.user
+
+        def identity(geom: int) -> tuple[object, ...]:
+            place = (m.geom_pos[geom].tolist(), m.geom_quat[geom].tolist())
+            return (self.names[geom], int(m.geom_type[geom]), *place, m.geom_size[geom].tolist())
+
+        order = sorted(range(m.ngeom), key=identity)
+        return np.argsort(np.array(order, dtype=np.int64))
+
+    def _depths(self) -> NDArray[np.float64]:
+        """Return by how much the flat faces of each geom rest in each other, in m.
+
+        MuJoCo finds one point instead of eight where two boxes touch within 1e-9 m.
+        """
+        types = self.mj.mjtGeom
+        flat = np.isin(
+            self.user.geom_type, [types.mjGEOM_BOX, types.mjGEOM_MESH, types.mjGEOM_CYLINDER]
+        )
+        return np.where(flat, 1e-5 * self.user.geom_rbound, 0.0)
+
+
+def _geom_name(model: mujoco.MjModel, geom: int) -> str:
+    own = model.geom(geom).name
+    if own:
+        return own
+    body = model.body(model.geom_bodyid[geom])
+    return f"{body.name or 'body ' + str(body.id)}[{geom - int(body.geomadr[0])}]"
+
+
+def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
+    """Refuse, by name, what has no rows that a contact law could have."""
+    if m.nflex:
+        raise ParameterError("model", "has a flex, whose contacts are not those of rigid bodies")
+    touching = (m.geom_contype != 0) | (m.geom_conaffinity != 0)
+    rolling = np.flatnonzero(touching & (m.geom_condim == _ROLLING)).tolist()
+    rolling += m.pair_geom1[m.pair_dim == _ROLLING].tolist()
+    if rolling and not ignore_rolling:
+        name = _geom_name(m, rolling[0])
+        raise ParameterError(
+            "model",
+            f'has rolling friction (condim 6) at geom {name!r}: rolling="ignore" leaves it out',
+        )
+    if int(m.opt.enableflags) & int(mj.mjtEnableBit.mjENBL_OVERRIDE):
+        raise ParameterError("model", "overrides the parameters of its contacts: turn override off")
+    if m.flg_adhesion or (m.actuator_trntype == mj.mjtTrn.mjTRN_BODY).any():
+        raise ParameterError("model", "has adhesion, which pulls on contacts that are not closed")

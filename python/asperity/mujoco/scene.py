@@ -1,0 +1,532 @@
+"""Steps of a MuJoCo model with set-valued friction."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity.contact import ContactStepper, StepSolution
+from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
+from asperity.mujoco.laws import Laws, PairLaws
+from asperity.mujoco.model import RowsModel
+from asperity.mujoco.projection import Projector
+from asperity.mujoco.results import Projection, SceneContact, SceneProblem, SceneRun, SceneStep
+from asperity.mujoco.rows import Items, Reader, Rows, Turns, pyramids_of
+from asperity.solvers import Solver
+from asperity.status import Phase, Status
+
+if TYPE_CHECKING:
+    import mujoco
+
+# Parts of the model's extent: violations up to the first stay, starts with more than the second are
+# refused.
+_EXACT, _START = 1e-9, 1e-6
+# Steps without a contact that was found too late, after which the detection distance is halved.
+_QUIET = 100
+
+
+class _System(NamedTuple):
+    """What a step solves, but for the velocities."""
+
+    items: Items
+    turns: Turns
+    inverse: Array
+    delassus: Array
+    bounds: Array | None
+
+
+class Scene:
+    """A MuJoCo model whose contacts, limits and joints are rigid, with set-valued friction.
+
+    ``scene.step(data)`` takes the place of ``mujoco.mj_step(model, data)``: Moreau's midpoint rule,
+    with percussions P that obey the laws of contact at the end of the step,
+
+        q_M = q ⊕ ½h v,  (M + hD)(v⁺ − v) = h f(q_M, ½(v + v⁺)) − hD v + JᵀP,  q⁺ = q_M ⊕ ½h v⁺
+
+    f are the forces without the damping D of joints, and their v⁺ is that of a first solve. Normal
+    velocities are at least −gap/½h; equalities reflect what their path curves, J(v + v⁺) = 0, which
+    keeps the energy. Gaps, limits and equalities that are violated at the end by more than 1e-9 of
+    the model's extent are projected.
+
+    Bodies touch where MuJoCo lets them rest, at the sum of their margins. ``solref``, ``solimp``
+    and ``impratio`` have no effect: equalities, limits and ``frictionloss`` are rigid. The step is
+    that of ``model.opt.timestep``, whatever the integrator. Contacts without a law given here have
+    the friction coefficients of MuJoCo, which combines those of the geoms: a disk, for ``condim`` 4
+    an ellipsoid with the drilling, also where the cone is pyramidal; ``condim`` 1 has no friction.
+
+    After a step ``data`` holds the state at its end; positions of bodies, contacts and forces
+    (``efc_force``, ``qacc``, ``cfrc_ext`` by ``mj_rnePostConstraint``, sensors) are those of its
+    midpoint. Contacts nearby are listed, too.
+
+    Args:
+        model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
+        laws: by pairs of names of geoms or bodies, and ``"default"``: a `FrictionLaw`, whose first
+            axis is that of the first of the pair, or a `PairLaw`. Pairs of geoms win over bodies.
+        starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
+            model's extent, or ``"project"`` them.
+        rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
+        on_failure: ``"raise"``, with the data as before the step, or ``"record"``.
+        solver: default `Auto`.
+        tolerance: largest relative defect of a contact.
+
+    Raises:
+        ParameterError: naming the argument, the flex, adhesion or rolling friction of a model, or
+            the name that the model does not have.
+        ModuleNotFoundError: without mujoco.
+
+    Reference: [WL19] (19), (55); J. J. Moreau (1988).
+
+    >>> import mujoco
+    >>> import asperity as asp
+    >>> from asperity.mujoco import Scene
+    >>> model = mujoco.MjModel.from_xml_string('''
+    ... <mujoco><worldbody>
+    ...   <geom name="plate" type="plane" size="1 1 .1"/>
+    ...   <body pos="0 0 .05"><freejoint/><geom name="puck" type="box" size=".1 .1 .05"/></body>
+    ... </worldbody></mujoco>''')
+    >>> data = mujoco.MjData(model)
+    >>> data.qvel[:2] = 1.0, 1.0
+    >>> grooved = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2))
+    >>> scene = Scene(model, {("plate", "puck"): grooved})
+    >>> run = scene.simulate(data, t_end=1.0)
+    >>> run.qpos[-1, :2].round(3).tolist()
+    [0.103, 0.334]
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        laws: Laws | None = None,
+        *,
+        starts: Literal["refuse", "project"] = "refuse",
+        rolling: Literal["refuse", "ignore"] = "refuse",
+        on_failure: Literal["raise", "record"] = "raise",
+        solver: Solver | None = None,
+        tolerance: float = 1e-10,
+    ) -> None:
+        self._starts = arrays.choice(starts, "starts", ("refuse", "project"))
+        self._on_failure = arrays.choice(on_failure, "on_failure", ("raise", "record"))
+        arrays.choice(rolling, "rolling", ("refuse", "ignore"))
+        self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
+        self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
+        self._laws, self._reader = PairLaws(rows, laws), Reader(rows)
+        self._solver, self._tolerance = solver, arrays.positive(tolerance, "tolerance")
+        self._stepper = self._new_stepper()
+        self._extent = float(model.stat.extent)
+        self._projector = Projector(rows, exact=_EXACT * self._extent, solver=solver)
+        self._least_detection = 1e-4 * self._extent
+        rows.widen(self._least_detection)
+        self._quiet = 0
+        self._system: _System | None = None
+        # The state at the end of the last step, as bytes.
+        self._left = b""
+        # Whose step was the last one, and what it solved, if anything.
+        self._owner: mujoco.MjData | None = None
+        self._last: tuple[Rows, Items, StepSolution, Array, Array, Array] | None = None
+        m, enable = self._model, self._mj.mjtEnableBit
+        self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
+        self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
+        self._has_energy = bool(m.opt.enableflags & int(enable.mjENBL_ENERGY))
+
+    @property
+    def dt(self) -> float:
+        """Time step in s, that of the model."""
+        return self._dt
+
+    def __repr__(self) -> str:
+        return f"<Scene: {self._model.ngeom} geoms, {self._model.nv} velocities, dt {self._dt:g} s>"
+
+    def step(self, data: mujoco.MjData) -> SceneStep:
+        """Take one step.
+
+        Args:
+            data: of the model; its state is advanced.
+
+        Raises:
+            ParameterError: if the state is inadmissible and `starts` is ``"refuse"``.
+            NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
+        """
+        if self._left != self._state(data):
+            self._start(data)
+        q, v = data.qpos.copy(), data.qvel.copy()
+        control = self._mj.get_mjcb_control()
+        if control is not None:
+            control(self._rows.user, data)
+        try:
+            rows, items, solution, after = self._advance(data, q, v)
+        except BaseException:
+            data.qpos[:], data.qvel[:] = q, v
+            raise
+        self._write(data, v, after, rows, items, solution)
+        projected, violation = self._projector.settle()
+        data.qpos[:] = self._projector.data.qpos
+        if data.ne:
+            data.qvel[:] = self._projector.level(after)
+        if self._has_energy:
+            data.energy[:] = self._projector.energy(data.qvel)
+        self._left = self._state(data)
+        self._quiet += 1
+        if self._quiet > _QUIET and self._rows.detection > self._least_detection:
+            self._quiet = 0
+            self._rows.widen(0.5 * self._rows.detection)
+        return SceneStep(solution, projected, violation)
+
+    def simulate(
+        self, data: mujoco.MjData, *, t_end: float, keep: Sequence[str] = ("qpos", "qvel")
+    ) -> SceneRun:
+        """Take steps until a time.
+
+        Args:
+            data: of the model; its state is advanced.
+            t_end: in s, of ``data.time``, to half a step.
+            keep: arrays of ``MjData`` that are sampled after every step.
+
+        Raises:
+            ParameterError: naming the argument, or as `step`.
+            NoSolutionError, ConvergenceError: as `step`.
+        """
+        steps = round((arrays.number(t_end, "t_end") - data.time) / self._dt)
+        if steps < 0:
+            raise ParameterError("t_end", f"must not be before data.time = {data.time:g}")
+        for name in keep:
+            if not isinstance(getattr(data, str(name), None), np.ndarray):
+                raise ParameterError("keep", f"must name arrays of MjData, got {name!r}")
+        t = np.empty(steps + 1)
+        kept = {name: np.empty((steps + 1, *getattr(data, name).shape)) for name in keep}
+        residual = violation = 0.0
+        for k in range(steps + 1):
+            if k:
+                step = self.step(data)
+                violation = max(violation, step.violation)
+                if step.solution is not None:
+                    residual = max(residual, step.solution.residual)
+            t[k] = data.time
+            for name, samples in kept.items():
+                value = getattr(data, name)
+                if value.shape != samples.shape[1:]:
+                    raise ParameterError("keep", f"must name arrays of one size, not {name!r}")
+                samples[k] = value
+        return SceneRun(t, kept, residual, violation)
+
+    def problem(self, data: mujoco.MjData) -> SceneProblem:
+        """Return the rows of the step from here, without taking it.
+
+        Limits and contacts that stay open are left out.
+        """
+        trial = self._mj.MjData(self._model)
+        self._mj.mj_copyData(trial, self._model, data)
+        rows, items, _, _ = self._solve(trial, data.qpos.copy(), data.qvel.copy())
+        system, bounds = self._system, np.zeros(len(items.kinds))
+        if system is not None and system.bounds is not None:
+            bounds = system.bounds
+        return SceneProblem(
+            delassus=np.zeros((0, 0)) if system is None else system.delassus,
+            free_velocity=np.zeros(0) if system is None else self._free_velocity,
+            items=items.kinds,
+            bounds=bounds,
+            keys=items.keys,
+            laws=tuple(self._laws.laws),
+            names=tuple(self._name(trial, rows, items, k) for k in range(len(items.kinds))),
+        )
+
+    def contacts(self, data: mujoco.MjData) -> list[SceneContact]:
+        """Return the contacts that took part in the last step, closed or about to close.
+
+        Args:
+            data: that of the last step, as the scene left it.
+
+        Raises:
+            ParameterError: if it is not.
+        """
+        if self._owner is not data or self._left != self._state(data):
+            raise ParameterError("data", "must be as the scene's last step left it")
+        if self._last is None:
+            return []
+        rows, items, solution, percussion, position, frames = self._last
+        layout, found = rows.layout, []
+        for k, (i, law) in enumerate(zip(items.contacts, items.laws, strict=True)):
+            row, number = layout.unilateral[layout.limits + i], layout.contacts[i]
+            frame, parts = frames[number].reshape(3, 3), percussion[row : row + 4] / self._dt
+            acting, item = 1 + min(law.dimension, 2), items.joints + k
+            one, other = layout.pairs[i]
+            found.append(
+                SceneContact(
+                    geoms=(self._rows.names[one], self._rows.names[other]),
+                    position=position[number],
+                    normal=frame[0],
+                    gap=float(rows.gaps[layout.limits + i]),
+                    force=parts[:acting] @ frame[:acting],
+                    torque=float(parts[3]) if law.dimension == 3 else 0.0,
+                    phase=Phase(int(solution.phase[item])),
+                    ambiguous=bool(solution.ambiguous_items[item]),
+                )
+            )
+        return found
+
+    def project(self, data: mujoco.MjData) -> Projection:
+        """Move a state, by as little as possible in M, to where gaps, limits and equalities hold.
+
+        Raises:
+            NoSolutionError: if they cannot, to 1e-6 of the model's extent.
+        """
+        ahead = self._projector
+        ahead.place(data)
+        violations = ahead.violations(_EXACT * self._extent)
+        ahead.settle()
+        left = ahead.violations(_START * self._extent)
+        if left:
+            raise NoSolutionError(f"the state cannot be projected: {_listed(left)} are left")
+        change = np.zeros(self._model.nv)
+        self._mj.mj_differentiatePos(self._model, change, 1.0, data.qpos, ahead.data.qpos)
+        data.qpos[:] = ahead.data.qpos
+        return Projection(violations, float(np.abs(change).max(initial=0.0)))
+
+    def _start(self, data: mujoco.MjData) -> None:
+        """Refuse or project a state that the scene did not leave."""
+        self._stepper.forget()
+        self._projector.place(data)
+        violations = self._projector.violations(_START * self._extent)
+        if violations and self._starts == "project":
+            self.project(data)
+        elif violations:
+            raise ParameterError(
+                "data",
+                f"must be admissible, it violates {_listed(violations)}: scene.project(data) or "
+                'starts="project" moves it',
+            )
+        if self._projector.data.ne:
+            # What equalities do not allow would be reflected.
+            data.qvel[:] = self._projector.level(data.qvel)
+
+    @staticmethod
+    def _state(data: mujoco.MjData) -> bytes:
+        return data.qpos.tobytes() + data.qvel.tobytes()
+
+    def _advance(
+        self, data: mujoco.MjData, q: Array, v: Array
+    ) -> tuple[Rows, Items, StepSolution | None, Array]:
+        """Solve the step, from contacts that are found in time, and find the rows at its end."""
+        while True:
+            rows, items, solution, after = self._solve(data, q, v)
+            if self._on_failure == "raise" and solution is not None and not solution.converged:
+                raise self._failure(data, rows, items, solution)
+            self._projector.advance(data, after, 0.5 * self._dt)
+            distance = self._missed(rows, after)
+            if distance <= self._rows.detection:
+                return rows, items, solution, after
+            self._quiet = 0
+            self._rows.widen(2.0 * distance)
+
+    def _solve(
+        self, data: mujoco.MjData, q: Array, v: Array
+    ) -> tuple[Rows, Items, StepSolution | None, Array]:
+        """Return the rows at the midpoint, what takes part, percussions, and v⁺."""
+        mj, m = self._mj, self._model
+        data.qpos[:] = q
+        mj.mj_integratePos(m, data.qpos, v, 0.5 * self._dt)
+        data.qvel[:] = v
+        mj.mj_fwdPosition(m, data)
+        if self._rows.is_damped:
+            self._rows.factor(data)
+        rows = self._reader.read(data)
+        self._system = None
+        # Forces at the mean velocity, or a tumbling body would gain energy.
+        free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
+        found = self._constrained(data, rows, v, free)
+        if found[1] is not None:
+            # Percussions are part of it, or stiff joints and stuck feet would lend energy.
+            again = self._free(data, v, 0.5 * (v + found[2]))
+            if np.abs(again - free).max() > self._tolerance * np.abs(again).max():
+                found = self._constrained(data, rows, v, again)
+        return rows, *found
+
+    def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
+        """Return the velocities without percussions, by forces at a velocity."""
+        mj, m = self._mj, self._model
+        data.qvel[:] = at
+        mj.mj_fwdVelocity(m, data)
+        mj.mj_fwdActuation(m, data)
+        mj.mj_fwdAcceleration(m, data)
+        free = v + self._dt * data.qacc_smooth
+        if self._rows.is_damped and at is not v:
+            # Damping is that of v⁺, MuJoCo's that of the velocity here.
+            change = np.empty((1, m.nv))
+            mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
+            free += change[0]
+        if not math.isfinite(float(free @ free)):
+            raise ParameterError(
+                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
+            )
+        return free
+
+    def _constrained(
+        self, data: mujoco.MjData, rows: Rows, v: Array, free: Array
+    ) -> tuple[Items, StepSolution | None, Array]:
+        """Return what takes part, percussions, and v⁺."""
+        velocity = rows.matrix @ free
+        if data.ne:
+            # What the path curves between v and v⁺ is reflected, which keeps the energy.
+            velocity[: data.ne] += rows.matrix[: data.ne] @ v
+        opening = np.maximum(rows.gaps, 0.0) / (0.5 * self._dt)
+        unilateral = rows.layout.unilateral
+        velocity[unilateral] += opening
+        approach = velocity[unilateral]
+        # Percussions change velocities by about the largest of those with which items close.
+        fastest = -float(approach.min(initial=0.0))
+        near = approach < fastest
+        while True:
+            items = self._reader.items(self._laws, data, rows, near)
+            if not items.index.size:
+                return items, None, free
+            solution, after = self._percussions(data, rows, items, velocity, free)
+            if near.all():
+                return items, solution, after
+            late = ~near & (rows.matrix[unilateral] @ after + opening < -_EXACT * fastest)
+            if not late.any():
+                return items, solution, after
+            near |= late
+
+    def _percussions(
+        self, data: mujoco.MjData, rows: Rows, items: Items, velocity: Array, free: Array
+    ) -> tuple[StepSolution, Array]:
+        if self._system is None or self._system.items is not items:
+            self._system = self._assembled(data, rows, items)
+        system, b = self._system, velocity[items.index]
+        if self._model.flg_surfacevel:
+            self._add_surfaces(data, rows, items, b)
+        system.turns.turn(b)
+        self._free_velocity = b
+        solution = self._stepper.solve(
+            system.delassus,
+            free_velocity=b,
+            items=items.kinds,
+            bounds=system.bounds,
+            keys=items.keys,
+            on_failure="record",
+        )
+        return solution, free + solution.percussion @ system.inverse
+
+    def _assembled(self, data: mujoco.MjData, rows: Rows, items: Items) -> _System:
+        if len(self._laws.laws) > len(self._stepper.laws):
+            self._stepper = self._new_stepper()
+        turns, matrix = Turns(items, data, rows.layout), rows.matrix[items.index]
+        turns.turn(matrix)
+        inverse = np.empty_like(matrix)
+        self._mj.mj_solveM(self._model, data, inverse, matrix)
+        bounds = None
+        if data.nf:
+            bounds, dry = np.zeros(len(items.kinds)), slice(data.ne, data.ne + data.nf)
+            bounds[dry] = self._dt * data.efc_frictionloss[dry]
+        return _System(items, turns, inverse, matrix @ inverse.T, bounds)
+
+    def _add_surfaces(self, data: mujoco.MjData, rows: Rows, items: Items, b: Array) -> None:
+        """Add the velocities of surfaces that move in their own plane."""
+        surfaces = data.contact.surfacevel[rows.layout.contacts]
+        for k, law, row in zip(items.contacts, items.laws, items.first_rows(), strict=True):
+            b[row + 1 : row + 1 + law.dimension] += surfaces[k, : law.dimension]
+
+    def _missed(self, rows: Rows, after: Array) -> float:
+        """Return from how far contacts came that the step did not know and that end inside."""
+        if self._projector.depth <= _EXACT * self._extent:
+            return 0.0
+        ahead, layout = self._projector.rows, self._projector.rows.layout
+        inside = np.flatnonzero(ahead.gaps[layout.limits :] < -_EXACT * self._extent)
+        known = Counter(rows.layout.pairs)
+        deep = Counter(pairs := [layout.pairs[i] for i in inside])
+        missed = [i for i, pair in zip(inside, pairs, strict=True) if deep[pair] > known[pair]]
+        new = layout.limits + np.array(missed, dtype=np.int64)
+        closing = -ahead.matrix[layout.unilateral[new]] @ after
+        return float((ahead.gaps[new] + 0.5 * self._dt * closing).max(initial=0.0))
+
+    def _write(
+        self,
+        data: mujoco.MjData,
+        v: Array,
+        after: Array,
+        rows: Rows,
+        items: Items,
+        solution: StepSolution | None,
+    ) -> None:
+        """Leave in `data` what MuJoCo would: velocities, activations, time, forces and sensors."""
+        mj, m, h = self._mj, self._model, self._dt
+        data.qacc[:] = (after - v) / h
+        percussion = np.zeros(data.nefc + 3)
+        self._owner, self._last = data, None
+        data.qfrc_constraint[:] = 0.0
+        if solution is not None:
+            contacts = data.contact
+            assert self._system is not None
+            percussion[items.index] = self._system.turns.turn_back(solution.percussion)
+            data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
+            self._last = (
+                *(rows, items, solution, percussion),
+                *(contacts.pos.copy(), contacts.frame.copy()),
+            )
+        if self._rows.is_damped:
+            mj.mj_factorM(m, data)
+        if self._integrates_more:
+            middle = data.qpos.copy()
+            data.qvel[:] = v
+            mj.mj_Euler(m, data)
+            data.qpos[:] = middle
+        else:
+            data.time += h
+        data.qvel[:] = after
+        if self._is_pyramidal and len(rows.layout.contacts):
+            self._write_pyramids(data, rows, items, percussion / h)
+        else:
+            data.efc_force[:] = percussion[: data.nefc] / h
+        mj.mj_fwdVelocity(m, data)
+        if m.nsensor:
+            for sense in (mj.mj_sensorPos, mj.mj_sensorVel, mj.mj_sensorAcc):
+                sense(self._rows.user, data)
+
+    def _write_pyramids(self, data: mujoco.MjData, rows: Rows, items: Items, force: Array) -> None:
+        """Write forces along the edges of friction pyramids, as the user's model reads them."""
+        m, cones, begin = self._model, self._mj.mjtCone, rows.layout.begin + rows.layout.limits
+        m.opt.cone = cones.mjCONE_PYRAMIDAL
+        self._mj.mj_makeConstraint(m, data)
+        m.opt.cone = cones.mjCONE_ELLIPTIC
+        written = np.zeros(data.nefc)
+        written[:begin] = force[:begin]
+        if items.pyramids is None:
+            items.pyramids = pyramids_of(items, data, rows.layout)
+        for own, edges, half in items.pyramids:
+            along = force[own]
+            if own.shape[1] == 1:
+                written[edges] = along[:, 0]
+                continue
+            normal, across = along[:, :1] / (2 * half.shape[1]), along[:, 1:] * half
+            written[edges] = normal + across
+            written[edges + 1] = normal - across
+        data.efc_force[:] = written
+
+    def _new_stepper(self) -> ContactStepper:
+        return ContactStepper(self._laws.laws, solver=self._solver, tolerance=self._tolerance)
+
+    def _name(self, data: mujoco.MjData, rows: Rows, items: Items, item: int) -> str:
+        contact = item - items.joints
+        if contact >= 0:
+            return self._rows.item_name(data, 0, rows.layout.pairs[items.contacts[contact]])
+        return self._rows.item_name(data, int(items.index[item]), None)
+
+    def _failure(
+        self, data: mujoco.MjData, rows: Rows, items: Items, solution: StepSolution
+    ) -> NoSolutionError | ConvergenceError:
+        where = f"{self._name(data, rows, items, solution.worst_item)} at {data.time:g} s"
+        message = f"{solution.status.message}: {where}"
+        if solution.status is Status.NO_SOLUTION:
+            return NoSolutionError(message, residual=solution.residual)
+        return ConvergenceError(message, residual=solution.residual, advice=solution.status.advice)
+
+
+def _listed(violations: dict[str, float]) -> str:
+    """Return the largest violations in words."""
+    worst = sorted(violations.items(), key=lambda entry: -entry[1])[:3]
+    return ", ".join(f"{name} by {depth:.3g} (m or rad)" for name, depth in worst)

@@ -1,0 +1,271 @@
+"""Joints, limits, loops and dry joints of MuJoCo models, held rigidly."""
+
+import asperity as asp
+import mujoco
+import numpy as np
+import pytest
+from asperity.mujoco import Scene
+
+GRAVITY = 9.81
+ROD = 'type="capsule" size=".01" contype="0" conaffinity="0"'
+
+CRANK = f"""
+<worldbody>
+  <body name="crank"><joint name="crank" axis="0 1 0"/>
+    <geom {ROD} fromto="0 0 0 0 0 .1" mass=".1"/>
+    <body name="coupler" pos="0 0 .1"><joint axis="0 1 0"/>
+      <geom {ROD} fromto="0 0 0 .3 0 .15" mass=".2"/></body></body>
+  <body name="rocker" pos=".3 0 0"><joint name="rocker" axis="0 1 0"/>
+    <geom {ROD} fromto="0 0 0 0 0 .25" mass=".15"/></body>
+</worldbody>
+<equality>{{}}</equality>"""
+LOOP = '<connect body1="coupler" body2="rocker" anchor=".3 0 .15"/>'
+WELD = """
+<worldbody>
+  <body name="a" pos="0 0 1"><freejoint/><geom type="box" size=".1 .05 .02" mass="1"/></body>
+  <body name="b" pos=".3 0 1"><freejoint/><geom type="box" size=".03 .05 .08" mass=".5"/></body>
+</worldbody>
+<equality><weld body1="a" body2="b"/></equality>"""
+PAIR = """
+<worldbody>
+  <body><joint name="a" axis="0 0 1"/><geom type="box" size=".1 .02 .02" mass="1"/></body>
+  <body pos="1 0 0"><joint name="b" axis="0 0 1"/><geom type="box" size=".1 .03 .02"/></body>
+</worldbody>"""
+GEAR = '<equality><joint joint1="a" joint2="b" polycoef="0 -2 0 0 0"/></equality>'
+CURVED = '<equality><joint joint1="a" joint2="b" polycoef="0 1 .2 .1 0"/></equality>'
+TENDON = """<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="b" coef="1.5"/></fixed>
+</tendon><equality><tendon tendon1="t"/></equality>"""
+
+
+def model_of(parts, *, dt=1e-3):
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="degree"/><option timestep="{dt}"/>{parts}</mujoco>'
+    )
+
+
+class Observer:
+    """Energy and errors of equalities by MuJoCo alone."""
+
+    def __init__(self, model):
+        self.model, self.data = model, mujoco.MjData(model)
+
+    def look(self, data):
+        model, other = self.model, self.data
+        other.qpos[:], other.qvel[:] = data.qpos, data.qvel
+        mujoco.mj_fwdPosition(model, other)
+        mujoco.mj_fwdVelocity(model, other)
+        mujoco.mj_energyPos(model, other)
+        mujoco.mj_energyVel(model, other)
+        return float(other.energy.sum()), np.abs(other.efc_pos[: other.ne]).max()
+
+
+@pytest.mark.parametrize(
+    ("parts", "start"),
+    [
+        (CRANK.format(LOOP), {"crank": 10.0}),
+        (CRANK.format(2 * LOOP), {"crank": 10.0}),
+        (WELD, {}),
+        (PAIR + GEAR, {"a": -2.0, "b": 1.0}),
+        (PAIR + CURVED, {"a": 3.0, "b": 3.0}),
+        (PAIR + TENDON, {"a": 3.0, "b": -2.0}),
+    ],
+    ids=["crank", "crank with a redundant loop", "weld", "gear", "curved gear", "tendon"],
+)
+def test_loops_hold_and_keep_their_energy(parts, start):
+    lost = []
+    for dt in (1e-3, 5e-4):
+        model = model_of(parts, dt=dt)
+        data, scene = mujoco.MjData(model), Scene(model)
+        for name, speed in start.items():
+            data.joint(name).qvel = speed
+        if parts == WELD:
+            spin = np.array([1.0, 2.0, 3.0])
+            data.qvel[:] = *(0.3, 0.0, 0.0), *spin, *np.cross(spin, (0.3, 0.0, 0.0)), *spin
+            data.qvel[6] += 0.3
+        # The start takes out the velocities that a loop does not allow.
+        scene.step(data)
+        observer = Observer(model)
+        before, _ = observer.look(data)
+        energy = before
+        for _ in range(round(0.2 / dt)):
+            assert scene.step(data).solution.converged
+            last, (energy, drift) = energy, observer.look(data)
+            assert drift < 1e-6 * model.stat.extent
+            assert energy - last < 1e-4 * max(1.0, abs(last))
+        lost.append(abs(energy - before))
+    # Of second order.
+    assert lost[0] < 1e-3 * max(1.0, abs(before))
+    assert lost[1] < 0.5 * lost[0] + 1e-9
+
+
+def test_a_redundant_loop_moves_as_one_alone():
+    ends = []
+    for loops in (LOOP, 2 * LOOP):
+        model = model_of(CRANK.format(loops))
+        data, scene = mujoco.MjData(model), Scene(model)
+        data.joint("crank").qvel = 5.0
+        scene.simulate(data, t_end=0.3)
+        ends.append(data.qpos.copy())
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-8)
+
+
+def test_a_crank_obeys_the_equation_of_its_loop():
+    """Freudenstein's equation of four bars, for the angles of crank and rocker."""
+    model = model_of(CRANK.format(LOOP))
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.joint("crank").qvel = 5.0
+    r, b, c, d = 0.1, np.hypot(0.3, 0.15), 0.25, 0.3
+    for _ in range(300):
+        scene.step(data)
+        # Angles from the line of the fixed joints; those of the model are from the vertical.
+        one = np.pi / 2 - data.joint("crank").qpos[0]
+        other = np.pi / 2 - data.joint("rocker").qpos[0]
+        left = d / r * np.cos(other) - d / c * np.cos(one)
+        left += (r * r - b * b + c * c + d * d) / (2 * r * c)
+        assert abs(left - np.cos(one - other)) < 1e-6
+    assert data.joint("crank").qpos[0] > 0.5
+
+
+def test_an_anchor_is_a_ball_joint():
+    """A body that hangs on a connect moves as on a ball joint, by MuJoCo's Runge–Kutta."""
+    body = '<geom size=".03" mass=".3" pos=".1 .3 0"/><geom size=".02" mass="1"/>'
+    hung = model_of(
+        f'<worldbody><body name="b"><freejoint/>{body}</body></worldbody>'
+        '<equality><connect body1="b" anchor=".3 0 .4"/></equality>',
+        dt=5e-4,
+    )
+    jointed = model_of(
+        f'<worldbody><body><joint type="ball" pos=".3 0 .4"/>{body}</body></worldbody>'
+    )
+    jointed.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    data, expected = mujoco.MjData(hung), mujoco.MjData(jointed)
+    Scene(hung).simulate(data, t_end=0.5)
+    while expected.time < 0.5 - 1e-9:
+        mujoco.mj_step(jointed, expected)
+    mujoco.mj_kinematics(jointed, expected)
+    np.testing.assert_allclose(data.qpos[:3], expected.xpos[1], atol=2e-6)
+
+
+def test_a_gear_has_the_inertia_of_both():
+    model = model_of(PAIR + GEAR)
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qfrc_applied[1] = 0.3
+    run = scene.simulate(data, t_end=0.1)
+    one, other = model.dof_M0
+    np.testing.assert_allclose(run.qvel[-1], np.array([-2, 1]) * 0.03 / (other + 4 * one))
+
+
+def test_limits_of_every_type_hold():
+    rod = 'type="capsule" size=".01" contype="0" conaffinity="0"'
+    model = model_of(f"""
+      <worldbody>
+        <site name="hook" pos="0 1 0"/>
+        <body><joint name="hinge" axis="0 1 0" range="-20 40" limited="true"/>
+          <geom {rod} fromto="0 0 0 .3 0 0"/>
+          <body pos=".3 0 0"><joint name="ball" type="ball" range="0 30" limited="true"/>
+            <geom {rod} fromto="0 0 0 .3 .05 0"/></body></body>
+        <body pos="1 0 0"><joint name="slide" type="slide" axis="0 0 1" range="-.1 .1"
+            limited="true"/><geom size=".05"/></body>
+        <body pos="0 1 -.1"><freejoint/><geom size=".03"/><site name="eye"/></body>
+      </worldbody>
+      <tendon><spatial name="rope" limited="true" range="0 .3">
+        <site site="hook"/><site site="eye"/></spatial></tendon>""")
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qvel[-6] = 1.5
+    touched = np.zeros(4)
+    for _ in range(2000):
+        step = scene.step(data)
+        assert step.violation < 1e-8
+        angle = 2 * np.arccos(min(abs(data.joint("ball").qpos[0]), 1.0))
+        rope = np.linalg.norm(data.qpos[-7:-4] - [0.0, 1.0, 0.0])
+        excess = np.array(
+            [
+                np.abs(data.joint("hinge").qpos[0] - np.deg2rad(10)) - np.deg2rad(30),
+                angle - np.deg2rad(30),
+                np.abs(data.joint("slide").qpos[0]) - 0.1,
+                rope - 0.3,
+            ]
+        )
+        assert excess.max() < 1e-7
+        touched += excess > -1e-6
+    assert touched.min() > 0
+
+
+def test_margins_of_limits_are_where_they_rest():
+    """As in MuJoCo, whose limits act from their margin on."""
+    model = model_of(
+        '<worldbody><body><joint type="slide" axis="0 0 1" range="-.1 .1" limited="true"'
+        ' margin=".02"/><geom size=".05"/></body></worldbody>'
+    )
+    data = mujoco.MjData(model)
+    Scene(model).simulate(data, t_end=0.5)
+    assert data.qpos[0] == pytest.approx(-0.08, abs=1e-8)
+
+
+def test_dry_joints_hold_up_to_their_bound_and_stop_where_theory_says():
+    dry = (
+        '<worldbody><body><joint axis="0 0 1" frictionloss=".3"/>'
+        '<geom type="box" size=".1 .02 .02" mass="1"/></body></worldbody>'
+    )
+    model = model_of(dry)
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = 0.15
+    run = Scene(model).simulate(data, t_end=1.0)
+    assert np.abs(run.qvel).max() < 1e-12
+    for dt in (1e-3, 1e-4):
+        model = model_of(dry, dt=dt)
+        data = mujoco.MjData(model)
+        data.qvel[0] = 2.0
+        Scene(model).simulate(data, t_end=0.1)
+        assert data.qvel[0] == 0.0
+        expected = 0.5 * model.dof_M0[0] * 4.0 / 0.3
+        # The last step, in which it stops, is as long as the others.
+        assert abs(data.qpos[0] - expected) < 0.3 * dt**2 / model.dof_M0[0]
+
+
+def test_dry_tendons_and_free_joints_have_a_bound_per_row():
+    model = model_of(
+        '<worldbody><body><joint type="slide" name="a" axis="1 0 0"/><geom size=".1" mass="1"/>'
+        '</body></worldbody><tendon><fixed frictionloss="2"><joint joint="a" coef="1"/></fixed>'
+        "</tendon>"
+    )
+    for push, speed in ((1.9, 0.0), (3.0, 0.1)):
+        data = mujoco.MjData(model)
+        data.qfrc_applied[0] = push
+        Scene(model).simulate(data, t_end=0.1)
+        assert data.qvel[0] == pytest.approx(speed, abs=1e-12)
+    ball = '<body><joint type="ball" frictionloss=".1"/><geom size=".1"/></body>'
+    model = model_of(f"<worldbody>{ball}</worldbody>")
+    data = mujoco.MjData(model)
+    data.qvel[:] = 1.0, -2.0, 0.0
+    Scene(model).step(data)
+    change = 1e-3 * 0.1 / model.dof_M0[0]
+    np.testing.assert_allclose(data.qvel, [1.0 - change, -2.0 + change, 0.0], atol=1e-9)
+
+
+def test_joints_that_contradict_each_other_are_named():
+    ends = "".join(
+        f'<joint name="at {end}" joint1="a" polycoef="{end} 0 0 0 0"/>' for end in ("-.1", ".1")
+    )
+    model = model_of(PAIR + f"<equality>{ends}</equality>")
+    data = mujoco.MjData(model)
+    with pytest.raises(asp.ParameterError, match=r"equality 'at -.1' by 0.1 .*equality 'at .1'"):
+        Scene(model).step(data)
+    with pytest.raises(asp.NoSolutionError, match=r"cannot be projected: equality 'at"):
+        Scene(model).project(data)
+    np.testing.assert_array_equal(data.qpos, 0.0)
+
+
+def test_bodies_that_nothing_moves_do_not_stop_planar_models():
+    """Third rows that vanish, as in planar walkers, and normal rows, as in pushers on a table."""
+    model = model_of(
+        '<worldbody><geom type="plane" size="1 1 .1" friction=".5"/>'
+        '<body pos="0 0 .1"><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/>'
+        '<geom size=".1" mass="1" friction=".5"/></body>'
+        '<body pos="0 1 .05"><joint type="slide" axis="1 0 0"/><geom size=".1"/></body>'
+        "</worldbody>"
+    )
+    data = mujoco.MjData(model)
+    data.qvel[0] = 1.0
+    Scene(model).simulate(data, t_end=0.1)
+    assert data.qvel[0] == pytest.approx(1.0 - 0.05 * GRAVITY, rel=1e-6)

@@ -1,0 +1,462 @@
+"""Contacts of MuJoCo models against rigid bodies of the library, closed forms and MuJoCo."""
+
+import itertools
+
+import asperity as asp
+import mujoco
+import numpy as np
+import pytest
+from asperity.mujoco import PairLaw, Scene
+from profiles import counts
+
+GRAVITY = 9.81
+SURFACE = asp.Superellipse(0.54, 0.46, 2.94)
+LAWS = {
+    "isotropic": asp.FrictionLaw.isotropic(0.4),
+    "ellipse": asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.3)),
+    "superellipse": asp.FrictionLaw.associated(SURFACE),
+    "collinear": asp.FrictionLaw.collinear(asp.Ellipse(0.6, 0.3)),
+    "extended": asp.FrictionLaw(SURFACE, asp.Superellipse(1.84, 1.19, 2.51)),
+}
+HALF_LOAD = asp.FrictionLaw.isotropic(0.5)
+DISK = (0.02, 0.02, 0.005)
+
+
+def model_of(world, *, option="", more=""):
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="0.001" {option}/><worldbody>{world}</worldbody>{more}</mujoco>'
+    )
+
+
+def box(half_sizes=DISK, *, option="", floor="", geom="", more="", height=None):
+    sizes, z = " ".join(map(str, half_sizes)), half_sizes[2] if height is None else height
+    return model_of(
+        f'<geom name="floor" type="plane" size="5 5 .1" {floor}/>'
+        f'<body name="body" pos="0 0 {z}"><freejoint/>'
+        f'<geom name="box" type="box" size="{sizes}" mass="0.018" {geom}/></body>',
+        option=option,
+        more=more,
+    )
+
+
+def gravity_of_slope(slope):
+    angle = np.arctan(slope)
+    return f'gravity="{GRAVITY * np.sin(angle)} 0 {-GRAVITY * np.cos(angle)}"'
+
+
+@pytest.mark.parametrize("spin", [0.0, 10.0])
+@pytest.mark.parametrize("name", LAWS)
+def test_a_launched_box_moves_as_that_of_rigid_bodies(name, spin):
+    law, model = LAWS[name], box()
+    data = mujoco.MjData(model)
+    angle = np.deg2rad(58.0)
+    velocity = (1.52 * np.cos(angle), 1.52 * np.sin(angle), 0.0)
+    data.qvel[:] = *velocity, 0.0, 0.0, spin
+    run = Scene(model, {("floor", "box"): law}).simulate(data, t_end=0.5)
+    body = asp.Body(
+        0.018,
+        inertia=model.body_inertia[1],
+        position=(0.0, 0.0, 0.005),
+        velocity=velocity,
+        angular_velocity=(0.0, 0.0, spin),
+    )
+    pair = asp.BoxPlane(0, half_sizes=DISK, plane=asp.Plane(), law=law)
+    bodies = asp.RigidBodies([body], pairs=[pair], gravity=(0.0, 0.0, -GRAVITY))
+    expected = asp.simulate(bodies, dt=1e-3, t_end=0.5)
+    np.testing.assert_allclose(run.qpos[:, :3], expected.q[:, :3], rtol=0.0, atol=1e-6)
+    (x, y), (x0, y0) = run.qpos[-1, :2], expected.q[-1, :2]
+    assert abs(np.rad2deg(np.arctan2(y, x) - np.arctan2(y0, x0))) < 1e-4
+
+
+@counts(1, 10)
+def test_half_the_critical_load_holds(count):
+    model = box()
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = 0.25 * 0.018 * GRAVITY
+    run = Scene(model, {("floor", "box"): HALF_LOAD}).simulate(data, t_end=float(count))
+    assert np.abs(run.qvel).max() < 1e-9
+    assert np.abs(run.qpos[-1] - run.qpos[0]).max() < 1e-10
+
+
+def test_slopes_hold_below_the_critical_angle_and_slide_beyond_it():
+    for factor in (0.999, 1.001):
+        model = box(option=gravity_of_slope(0.5 * factor))
+        data = mujoco.MjData(model)
+        run = Scene(model, {("floor", "box"): HALF_LOAD}).simulate(data, t_end=1.0)
+        angle = np.arctan(0.5 * factor)
+        acceleration = GRAVITY * (np.sin(angle) - 0.5 * np.cos(angle))
+        expected = 0.5 * max(acceleration, 0.0)
+        assert run.qpos[-1, 0] == pytest.approx(expected, rel=1e-6, abs=1e-10)
+
+
+@pytest.mark.parametrize("degrees", [15, 30, 45, 60, 75])
+def test_friction_of_a_slender_box_is_opposite_to_its_motion(degrees):
+    model = box((0.04, 0.02, 0.005))
+    data, scene = mujoco.MjData(model), Scene(model, {("floor", "box"): HALF_LOAD})
+    angle = np.deg2rad(degrees)
+    data.qvel[:2] = np.cos(angle), np.sin(angle)
+    scene.step(data)
+    force = sum(contact.force for contact in scene.contacts(data))
+    np.testing.assert_allclose(force[2], 0.018 * GRAVITY, rtol=1e-8)
+    assert np.rad2deg(np.arctan2(-force[1], -force[0])) == pytest.approx(degrees, abs=1e-6)
+    np.testing.assert_allclose(np.hypot(*force[:2]), 0.5 * 0.018 * GRAVITY, rtol=1e-8)
+
+
+FEET = [(0.02, 0.02), (-0.02, 0.02), (0.02, -0.02), (-0.02, -0.02)]
+
+
+@counts(4, 24)
+def test_the_order_of_geoms_has_no_effect(count):
+    ends = []
+    orders = list(itertools.permutations(range(4)))
+    for order in orders[:: len(orders) // count]:
+        feet = "".join(
+            f'<geom name="foot{k}" type="sphere" size="0.005" mass="0.005" friction="0.4"'
+            f' pos="{FEET[k][0]} {FEET[k][1]} 0"/>'
+            for k in order
+        )
+        floor = '<geom name="floor" type="plane" size="1 1 .1" friction="0.3"/>'
+        body = f'<body pos="0 0 0.005"><freejoint/>{feet}</body>'
+        model = model_of(floor + body if order[0] % 2 else body + floor)
+        data = mujoco.MjData(model)
+        data.qvel[:] = 0.8, 1.2, 0.0, 0.0, 0.0, 10.0
+        Scene(model).simulate(data, t_end=0.2)
+        ends.append(data.qpos.copy())
+    assert np.ptp(ends, axis=0).max() < 1e-9
+    assert np.hypot(*ends[0][:2]) > 0.1
+
+
+def test_a_tower_of_turned_boxes_keeps_its_points_and_stands():
+    world = "".join(
+        f'<body pos="0 0 {0.1 + 0.2 * k}" euler="0 0 {20 * k}"><freejoint/>'
+        '<geom type="box" size=".1 .1 .1"/></body>'
+        for k in range(3)
+    )
+    model = model_of('<geom type="plane" size="1 1 .1"/>' + world)
+    data, scene = mujoco.MjData(model), Scene(model)
+    for k in range(200):
+        scene.step(data)
+        assert data.ncon == 4 + 8 + 8
+        if k > 1:
+            assert np.abs(data.qvel).max() < 1e-8
+    np.testing.assert_allclose(data.qpos[2::7], [0.1, 0.3, 0.5], atol=1e-5)
+
+
+def test_laws_lie_on_what_carries_them():
+    """The force is that of the law in the axes of the plate, of the body, or of the world."""
+    law, turn = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2)), np.deg2rad(30.0)
+    first = (np.cos(turn), np.sin(turn))
+    for key, value, axis in [
+        (("floor", "box"), law, first),
+        (("box", "floor"), law, (1.0, 0.0)),
+        (("floor", "body"), PairLaw(law, carried_by="body", axis=(0, 1, 0)), (0.0, 1.0)),
+        (("box", "floor"), PairLaw(law, carried_by="floor", axis=(0, 2, 0)), (-first[1], first[0])),
+        (("floor", "box"), PairLaw(law, carried_by="world"), (1.0, 0.0)),
+        ("default", law, (1.0, 0.0)),
+    ]:
+        model = box(floor='euler="0 0 30"')
+        data = mujoco.MjData(model)
+        data.qvel[:2] = 0.7, 0.4
+        scene = Scene(model, {key: value})
+        scene.step(data)
+        force = sum(contact.force for contact in scene.contacts(data))[:2]
+        axes = np.array([axis, (-axis[1], axis[0])])
+        slip = axes @ data.qvel[:2]
+        expected = axes.T @ law.force(slip, normal_force=0.018 * GRAVITY)
+        np.testing.assert_allclose(force, expected, atol=1e-6, err_msg=str((key, value)))
+
+
+def test_a_law_that_is_not_symmetric_has_the_slip_of_the_second_of_the_pair():
+    """Scales slide one way and hold the other, whichever geom MuJoCo lists first."""
+    scales = asp.FrictionLaw.associated(
+        asp.Polygon([(-0.8, -0.3), (0.2, -0.3), (0.2, 0.3), (-0.8, 0.3)])
+    )
+    for key in (("floor", "box"), ("box", "floor")):
+        model = box()
+        for sense in (1.0, -1.0):
+            data = mujoco.MjData(model)
+            data.qvel[0] = sense
+            Scene(model, {key: scales}).step(data)
+            slip = sense if key[0] == "floor" else -sense
+            expected = -scales.force([slip, 0.0], normal_force=1.0)[0] * slip
+            measured = (1.0 - abs(data.qvel[0])) / (1e-3 * GRAVITY)
+            assert measured == pytest.approx(expected, rel=1e-6)
+
+
+def test_drilling_brakes_a_spin():
+    """Of condim 4, and of a law with a patch: I dω/dt = −r N with r in m."""
+    for law, floor in [
+        (None, 'condim="4" friction="0.4 0.003 0"'),
+        (asp.FrictionLaw.associated(asp.Ellipsoid((0.4, 0.4, 0.3))), ""),
+    ]:
+        model = model_of(
+            f'<geom name="floor" type="plane" size="1 1 .1" {floor}/><body pos="0 0 .02">'
+            '<freejoint/><geom name="ball" type="sphere" size=".02" mass=".1"'
+            ' friction="0.4 0.003 0"/></body>'
+        )
+        laws = {("floor", "ball"): PairLaw(law, patch_radius=0.01)} if law else {}
+        data, scene = mujoco.MjData(model), Scene(model, laws)
+        data.qvel[5] = 3.0
+        run = scene.simulate(data, t_end=0.01)
+        torque = 0.003 * 0.1 * GRAVITY
+        np.testing.assert_allclose(
+            run.qvel[:, 5], 3.0 - torque / (0.4 * 0.1 * 0.02**2) * run.t, atol=1e-8
+        )
+        assert scene.contacts(data)[0].torque == pytest.approx(-torque, rel=1e-6)
+
+
+def test_a_conveyor_carries_a_box():
+    model = box(floor='surfacevel="1 0 0" friction="0.5"', geom='friction="0.5"')
+    data = mujoco.MjData(model)
+    reference = mujoco.MjData(model)
+    Scene(model).simulate(data, t_end=0.1)
+    while reference.time < 0.0995:
+        mujoco.mj_step(model, reference)
+    assert data.qvel[0] == pytest.approx(0.5 * GRAVITY * 0.1, rel=1e-6)
+    assert np.sign(reference.qvel[0]) == 1.0
+
+
+def test_contacts_that_come_from_afar_are_found_in_time():
+    """A ball at 8 m/s with a step of 10 ms, 80 mm a step, of 20 mm radius."""
+    model = model_of(
+        '<geom type="plane" size="1 1 .1"/><body pos="0 0 1"><freejoint/>'
+        '<geom type="sphere" size=".02"/></body>',
+    )
+    model.opt.timestep = 0.01
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qvel[2] = -8.0
+    lowest = min(scene.step(data) and data.qpos[2] for _ in range(100))
+    assert lowest > 0.02 - 1e-9
+    assert data.qpos[2] == pytest.approx(0.02, abs=1e-8)
+    assert abs(data.qvel[2]) < 1e-8
+
+
+@pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
+def test_forces_are_where_mujoco_has_them(cone):
+    sensors = (
+        '<sensor><touch site="under"/><force site="under"/></sensor>'
+        '<actuator><motor joint="push" gear="1"/></actuator>'
+    )
+    model = model_of(
+        '<geom name="floor" type="plane" size="1 1 .1"/><body name="block" pos="0 0 .05">'
+        '<joint name="push" type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/>'
+        '<geom type="box" size=".05 .05 .05" mass="2" friction=".5"/>'
+        '<site name="under" type="box" size=".06 .06 .06"/></body>',
+        option=f'cone="{cone}"',
+        more=sensors,
+    )
+    data, scene = mujoco.MjData(model), Scene(model, {("floor", "block"): HALF_LOAD})
+    data.ctrl[0] = 3.0
+    for _ in range(3):
+        scene.step(data)
+    mujoco.mj_rnePostConstraint(model, data)
+    np.testing.assert_allclose(data.cfrc_ext[1, 3:], [-3.0, 0.0, 2 * GRAVITY], atol=1e-6)
+    np.testing.assert_allclose(data.qfrc_constraint, [-3.0, 2 * GRAVITY], atol=1e-6)
+    np.testing.assert_allclose(data.qacc, 0.0, atol=1e-6)
+    assert data.sensordata[0] == pytest.approx(2 * GRAVITY, rel=1e-6)
+    assert data.time == pytest.approx(0.003)
+
+
+def test_contacts_that_are_near_and_open_have_no_force():
+    model = box(option='cone="pyramidal"', height=0.00500001)
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qvel[2] = 1e-3
+    for _ in range(3):
+        data.qfrc_applied[2] = 0.018 * GRAVITY
+        scene.step(data)
+        assert data.ncon == 4
+        assert data.nefc == 16
+        assert not data.efc_force.any()
+
+
+def test_activations_and_damping_advance_as_in_mujoco():
+    joint = '<body><joint name="j" axis="0 0 1" damping="2"/><geom size=".1"/></body>'
+    actuator = '<actuator><general joint="j" dyntype="filterexact" dynprm="0.02"/></actuator>'
+    model = model_of(joint, more=actuator)
+    ours, theirs, scene = mujoco.MjData(model), mujoco.MjData(model), Scene(model)
+    for data in (ours, theirs):
+        data.ctrl[0], data.qvel[0] = 1.0, 3.0
+    for _ in range(20):
+        scene.step(ours)
+        mujoco.mj_step(model, theirs)
+    np.testing.assert_array_equal(ours.act, theirs.act)
+    np.testing.assert_allclose(ours.qvel, theirs.qvel, rtol=1e-13)
+    assert ours.time == theirs.time
+    mass = np.zeros((1, 1))
+    mujoco.mj_fullM(model, ours, mass)
+    assert mass[0, 0] == pytest.approx(model.dof_M0[0])
+
+
+def test_a_tumbling_body_keeps_its_energy():
+    """Once would gain 8 % in 10 s, as MuJoCo's Euler does."""
+    model = model_of(
+        '<body><freejoint/><geom type="box" size=".1 .2 .3" mass="1"/></body>',
+        option='gravity="0 0 0"',
+        more='<option><flag energy="enable"/></option>',
+    )
+    data = mujoco.MjData(model)
+    data.qvel[3:] = 3.0, 4.0, 5.0
+    run = Scene(model).simulate(data, t_end=2.0)
+    spin = run.qvel[:, 3:]
+    energy = (spin**2 * model.body_inertia[1]).sum(axis=1)
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
+    assert data.energy[1] == pytest.approx(0.5 * energy[-1], rel=1e-12)
+
+
+def bytes_of(model):
+    buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()
+
+
+def test_the_model_of_the_user_stays_as_it_is():
+    model = box(geom='condim="1"')
+    before, data = bytes_of(model), mujoco.MjData(model)
+    Scene(model, {("floor", "box"): HALF_LOAD}).step(data)
+    assert bytes_of(model) == before
+
+
+def test_what_has_no_rigid_rows_is_refused_by_name():
+    rolling = box(geom='condim="6"')
+    with pytest.raises(asp.ParameterError, match=r"condim 6\) at geom 'box'"):
+        Scene(rolling)
+    assert Scene(rolling, rolling="ignore").step(mujoco.MjData(rolling)).solution.converged
+    with pytest.raises(asp.ParameterError, match="adhesion"):
+        Scene(box(more='<actuator><adhesion body="body" gain="1" ctrlrange="0 1"/></actuator>'))
+    cloth = model_of('<flexcomp name="f" type="grid" count="2 2 1" dim="2" spacing=".1 .1 .1"/>')
+    with pytest.raises(asp.ParameterError, match="flex"):
+        Scene(cloth)
+
+
+def test_contacts_that_do_not_fit_into_the_memory_are_not_dropped_without_a_word():
+    world = '<geom type="plane" size="5 5 .1"/>' + "".join(
+        f'<body pos="{k % 9} {k // 9} .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>'
+        for k in range(81)
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><size memory="700K"/><worldbody>{world}</worldbody></mujoco>'
+    )
+    with pytest.raises(asp.ParameterError, match="memory for all contacts"):
+        Scene(model).step(mujoco.MjData(model))
+
+
+def test_forces_that_are_not_finite_end_by_name_and_leave_the_state():
+    model = box()
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = np.inf
+    with pytest.raises(asp.ParameterError, match="finite velocities"):
+        Scene(model).step(data)
+    np.testing.assert_array_equal(data.qpos, model.qpos0)
+    np.testing.assert_array_equal(data.qvel, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("laws", "message"),
+    [
+        ({("floor", "bix"): HALF_LOAD}, "'bix', which no geom or body"),
+        ({"floor": HALF_LOAD}, "pairs of names"),
+        ({("floor", "box"): 0.5}, "a FrictionLaw or a PairLaw"),
+        ({("floor", "box"): asp.FrictionLaw.isotropic(0.5, dimension=1)}, "dimension 2 or 3"),
+        (
+            {("floor", "box"): asp.FrictionLaw.associated(asp.Ellipsoid((0.4, 0.4, 0.3)))},
+            "patch_radius",
+        ),
+        ([HALF_LOAD], "must be a mapping"),
+    ],
+)
+def test_laws_are_checked(laws, message):
+    with pytest.raises(asp.AsperityError, match=message):
+        Scene(box(), laws)
+
+
+def test_inadmissible_starts_are_refused_or_projected_with_a_report():
+    model = box(height=0.003)
+    data, scene = mujoco.MjData(model), Scene(model)
+    with pytest.raises(asp.ParameterError, match=r"contact of 'floor' and 'box' by 0\.002"):
+        scene.step(data)
+    np.testing.assert_array_equal(data.qpos, model.qpos0)
+    report = scene.project(data)
+    assert report.violations == {"contact of 'floor' and 'box'": pytest.approx(0.002)}
+    assert report.moved == pytest.approx(0.002)
+    scene.step(data)
+    other = mujoco.MjData(model)
+    Scene(model, starts="project").step(other)
+    np.testing.assert_allclose(other.qpos, data.qpos, atol=1e-12)
+
+
+def test_a_failure_leaves_the_state_as_it_was():
+    model = box(option='gravity="0 0 -9.81"')
+    scene = Scene(model, {("floor", "box"): LAWS["extended"]}, tolerance=1e-300)
+    data = mujoco.MjData(model)
+    data.qvel[:] = 0.7, 0.4, 0.0, 0.0, 0.0, 5.0
+    with pytest.raises(asp.ConvergenceError, match="contact of 'floor' and 'box' at 0 s"):
+        scene.step(data)
+    np.testing.assert_array_equal(data.qpos, model.qpos0)
+    assert data.qvel[5] == 5.0
+    assert data.time == 0.0
+
+
+def test_a_problem_is_that_of_the_next_step():
+    model = box()
+    data, scene = mujoco.MjData(model), Scene(model, {("floor", "box"): LAWS["extended"]})
+    data.qvel[:2] = 0.7, 0.4
+    problem = scene.problem(data)
+    assert problem.names == ("contact of 'floor' and 'box'",) * 4
+    alone = asp.ContactStepper(problem.laws).solve(
+        problem.delassus,
+        free_velocity=problem.free_velocity,
+        items=problem.items,
+        bounds=problem.bounds,
+        keys=problem.keys,
+    )
+    taken = scene.step(data).solution
+    np.testing.assert_allclose(alone.percussion, taken.percussion, atol=1e-15)
+
+
+def test_contacts_are_those_of_the_last_step():
+    model = box()
+    data, scene = mujoco.MjData(model), Scene(model)
+    with pytest.raises(asp.ParameterError, match="last step"):
+        scene.contacts(data)
+    scene.step(data)
+    found = scene.contacts(data)
+    assert {contact.geoms for contact in found} == {("floor", "box")}
+    assert [contact.phase for contact in found] == [asp.Phase.STICK] * 4
+    data.qpos[0] += 1.0
+    with pytest.raises(asp.ParameterError, match="last step"):
+        scene.contacts(data)
+    data.qpos[2] += 1.0
+    scene.step(data)
+    assert scene.contacts(data) == []
+
+
+def test_runs_keep_what_is_asked_for():
+    model = box()
+    data, scene = mujoco.MjData(model), Scene(model)
+    run = scene.simulate(data, t_end=0.01, keep=("qpos", "xpos"))
+    assert run.qpos.shape == (11, 7)
+    assert run.kept["xpos"].shape == (11, 2, 3)
+    np.testing.assert_allclose(run.t, np.arange(11) * 1e-3, atol=1e-15)
+    for arguments, message in [
+        ({"t_end": 0.0}, "data.time"),
+        ({"t_end": 1.0, "keep": ("nothing",)}, "arrays of MjData"),
+    ]:
+        with pytest.raises(asp.ParameterError, match=message):
+            scene.simulate(data, **arguments)
+
+
+def test_arrays_whose_size_changes_are_not_kept():
+    model = box(height=0.02)
+    with pytest.raises(asp.ParameterError, match="arrays of one size, not 'efc_J'"):
+        Scene(model).simulate(mujoco.MjData(model), t_end=0.1, keep=("efc_J",))
+
+
+def test_a_control_callback_is_called():
+    model = model_of('<body><joint/><geom size=".1"/></body>')
+    data, calls = mujoco.MjData(model), []
+    mujoco.set_mjcb_control(lambda m, d: calls.append((m is model, d.time)))
+    try:
+        Scene(model).simulate(data, t_end=0.002)
+    finally:
+        mujoco.set_mjcb_control(None)
+    assert calls == [(True, 0.0), (True, 0.001)]
