@@ -86,6 +86,12 @@ class SquealSheet(Result):
             missing = one.modes.certificate
             if missing is not None and not missing.is_complete:
                 found.append(f"Modes may be missing {_case(one)}: {missing.summary()}")
+            if len(one.modes.beyond):
+                rate = one.modes.beyond.real.max()
+                found.append(
+                    f"Steady sliding is unstable {_case(one)} with {rate:.6g} 1/s beyond the "
+                    "growth or the band of [squeal]."
+                )
             open_signs = int((~one.modes.sign_is_certain).sum())
             if open_signs:
                 found.append(
@@ -197,12 +203,12 @@ class SquealSheet(Result):
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            grows = (table[:, 3] > 0.0) & (table[:, 6] > 0.0)
-            for chosen, colour, name in ((~grows, GREY, "decays"), (grows, "C3", "grows")):
-                ax.plot(table[chosen, 2], 100.0 * table[chosen, 4], "o", color=colour, label=name)
+            friction, hertz, damping = table[:, 0], table[:, 2], 100.0 * table[:, 4]
             ax.axhline(0.0, color=GREY)
+            points = ax.scatter(hertz, damping, c=friction, cmap="viridis", zorder=2.0)
+            if len(np.unique(friction)) > 1:
+                figure.colorbar(points, label="factor of friction")
             ax.set(xlabel="frequency in Hz", ylabel="damping ratio in %")
-            ax.legend()
         picture = Picture("modes", png(figure, 150))
         (folder / "modes.png").write_bytes(picture.png)
         growing = self._growing()

@@ -19,7 +19,14 @@ from asperity.errors import ParameterError
 from asperity.steady_sliding.linearised.field import constant
 from asperity.steady_sliding.linearised.pencil import Complex
 from asperity.steady_sliding.sparse.certificate import Certificate, Circle, certified
-from asperity.steady_sliding.sparse.nearest import Pairs, are_new, nearest, within
+from asperity.steady_sliding.sparse.nearest import (
+    Pairs,
+    are_new,
+    crowded,
+    divergence,
+    nearest,
+    within,
+)
 from asperity.steady_sliding.sparse.pencil import SmallMotions
 from asperity.steady_sliding.sparse.shape_files import write_vtk
 from asperity.steady_sliding.sparse.steady_state import residual_of, sparse_equilibrium
@@ -55,6 +62,8 @@ class ComplexModes(TableResult):
         sign_is_certain: whether no error of rounding changes the sign of the growth rate.
         circles: where all eigenvalues are searched; ``certificate`` says whether they are found.
         certificate: the count by the argument principle, if it was asked for.
+        beyond: eigenvalues found that grow faster than ``growth`` within the band or, as Im s = 0
+            is divergence whatever the frequency, beside it, in 1/s.
 
     Reference: [WL19] (85)–(88).
     """
@@ -66,6 +75,7 @@ class ComplexModes(TableResult):
     sign_is_certain: NDArray[np.bool_]
     circles: tuple[Circle, ...]
     certificate: Certificate | None
+    beyond: Complex
     small_motions: SmallMotions = field(repr=False)
 
     @property
@@ -158,17 +168,23 @@ class ComplexModes(TableResult):
         """Return which modes grow, how exact they are, and whether any is missing."""
         if not self.circles:
             return "Nothing can move: there are no modes."
-        if not len(self.eigenvalues):
-            return "No mode is within the band."
-        lines = [
-            f"{counted(len(self.eigenvalues), 'mode')} from {self.frequencies.min():.6g} to "
-            f"{self.frequencies.max():.6g} Hz, {self._verdict()}; their backward errors are at "
-            f"most {self.backward_errors.max():.1g}."
-        ]
+        lines = ["No mode is within the band."]
+        if len(self.eigenvalues):
+            lines = [
+                f"{counted(len(self.eigenvalues), 'mode')} from {self.frequencies.min():.6g} to "
+                f"{self.frequencies.max():.6g} Hz, {self._verdict()}; their backward errors are at "
+                f"most {self.backward_errors.max():.1g}."
+            ]
         for i in np.flatnonzero(self.unstable):
             lines.append(
                 f"{self.frequencies[i]:.6g} Hz grows with {self.growth_rates[i]:.6g} 1/s, a "
                 f"damping ratio of {self.damping_ratios[i]:.4g}."
+            )
+        if len(self.beyond):
+            s = self.beyond[int(self.beyond.real.argmax())]
+            what = f"{s.imag / (2.0 * np.pi):.6g} Hz" if s.imag else "A motion without oscillation"
+            lines.append(
+                f"{what} grows with {s.real:.6g} 1/s, beyond the growth or the band asked for."
             )
         if not self.sign_is_certain.all():
             number = int((~self.sign_is_certain).sum())
@@ -253,13 +269,17 @@ def modes_near(
     """Return the modes whose eigenvalues are nearest to a point."""
     small = _small_motions(system, steady)
     found, radius = nearest(small.pencil, shift, 2 * count + 10 if certify else count)
+    if len(found.values) < min(count, small.pencil.most):
+        raise crowded(small.pencil, shift, len(found.values), radius)
     distance = np.abs(found.values - shift)
     order = np.argsort(distance)
     if certify and len(order) > count:
         between = 0.5 * (distance[order[count - 1]] + distance[order[count]])
         radius = min(float(between), _CERTIFIED * radius)
     circles = (Circle(shift, radius),) if len(order) else ()
-    return _modes(small, steady, found.taken(order[:count]), found, circles, certify=certify)
+    beyond = found.values[:0]
+    chosen = found.taken(order[:count])
+    return _modes(small, steady, chosen, found, circles, beyond, certify=certify)
 
 
 def modes_within(
@@ -278,8 +298,14 @@ def modes_within(
     half = 0.05 * high if growth is None else arrays.positive(growth, "growth")
     small = _small_motions(system, steady)
     found, circles = _walked(small, low, high, half, count, _CERTIFIED if certify else 0.999)
-    wanted = within(found.values, low, high, half)
-    return _modes(small, steady, found.taken(wanted), found, circles, certify=certify)
+    if circles:
+        found = found.joined(divergence(small.pencil, found.values))
+    s, sure = found.values, found.sign_is_certain
+    wanted = within(s, low, high, half)
+    real = within(s, 0.0, 0.0, np.inf)
+    grows = (s.real > 0.0) & sure & ~wanted & (real | within(s, low, high, np.inf))
+    beyond = np.where(real, s.real, s)[grows]
+    return _modes(small, steady, found.taken(wanted), found, circles, beyond, certify=certify)
 
 
 def _walked(
@@ -294,6 +320,8 @@ def _walked(
     for _ in range(_SHIFTS):
         shift = min(covered + 0.5 * step, high)
         pairs, radius = nearest(small.pencil, 1j * shift, count)
+        if len(pairs.values) < min(count, small.pencil.most) and radius <= half:
+            raise crowded(small.pencil, 1j * shift, len(pairs.values), radius)
         radius *= share
         if count >= small.pencil.most:
             # These are all there are.
@@ -326,6 +354,7 @@ def _modes(
     pairs: Pairs,
     known: Pairs,
     circles: tuple[Circle, ...],
+    beyond: Complex,
     *,
     certify: bool,
 ) -> ComplexModes:
@@ -345,5 +374,6 @@ def _modes(
         pairs.sign_is_certain,
         circles,
         certificate,
+        beyond,
         small,
     )

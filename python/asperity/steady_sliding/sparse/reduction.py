@@ -66,8 +66,8 @@ def reduce(
         system: `LinearSystem` with sparse matrices and a symmetric stiffness.
         band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
             a fifth of the highest are left out.
-        parameters: values of one or two of ``"friction"``, ``"phi"`` and ``"speed"`` between which
-            the reduced system is to be good, as of `LinearSystem.varied`. Default: as it is.
+        parameters: rising values of one or two of ``"friction"``, ``"phi"`` and ``"speed"`` between
+            which the reduced system is to be good, as of `squeal_map`. Default: as it is.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative
             to the frequency.
         sticking: whether contacts will stick: two more static modes of each.
@@ -104,8 +104,12 @@ def checked_parameters(parameters: Mapping[str, ArrayLike]) -> dict[str, Array]:
         made[name] = arrays.constant(np.atleast_1d(values), name, (None,))
         if not len(made[name]):
             raise ParameterError(name, "must hold a value")
-        if name != "phi" and not (made[name] > 0.0).all():
+        if name == "speed" and not (made[name] > 0.0).all():
             raise ParameterError(name, "must be positive")
+        if name == "friction" and not (made[name] >= 0.0).all():
+            raise ParameterError(name, "must not be negative")
+        if not (np.diff(made[name]) > 0.0).all():
+            raise ParameterError(name, "must rise from value to value")
     return made
 
 
@@ -158,9 +162,9 @@ class Reduction:
         """Add the complex modes of a point, and its displacements by friction."""
         # Static modes have the loads of the whole system.
         state = self._loaded.states.at(None, **point)
-        of, columns = self.full.varied(**point), self.full.columns
+        columns = self.full.columns
         closed = np.flatnonzero(columns.unilateral)[state.closed]
-        small = SmallMotions.of(of, state.load, closed)
+        small = SmallMotions(self.full, state.contacts, closed, state.jacobian, 0 * state.jacobian)
         self._extend(np.asarray(small.constraint.Z @ self._modes(small.pencil)), _SMALL)
         friction = np.asarray(columns.tangents @ (state.contacts.unit_force @ state.load))
         self._extend(self.statics.responses(friction[:, None]), _SMALL)
