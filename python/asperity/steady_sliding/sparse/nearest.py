@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -123,9 +125,7 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
             worst = min(worst, float(errors.max()))
             continue
         pairs = Pairs(values, modes, errors, np.full(len(values), np.nan))
-        doubtful = _doubtful(pencil, values, modes)
-        if doubtful.any():
-            pairs = _with_errors(pencil, factors, point, pairs, doubtful)
+        pairs = with_errors(pencil, pairs, partial(_left, pencil, factors, point, count))
         return pairs, max(reach - abs(point - shift), 0.0)
     if not np.isfinite(worst):
         raise ParameterError(
@@ -332,22 +332,20 @@ def _rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
     return values
 
 
-def _with_errors(
-    pencil: SparsePencil,
-    factors: Factorisation,
-    shift: complex,
-    pairs: Pairs,
-    doubtful: NDArray[np.bool_],
+def with_errors(
+    pencil: SparsePencil, pairs: Pairs, left: Callable[[], tuple[Complex, Complex]]
 ) -> Pairs:
-    """Bound the errors of doubtful eigenvalues by their left eigenvectors.
+    """Bound the errors of doubtful eigenvalues by their left eigenvectors, found by `left`.
 
     The bound is of first order: where the discs of several eigenvalues overlap they may be one that
     rounding has scattered, and each is as uncertain as they are far from each other.
     """
     from scipy.sparse.csgraph import connected_components
 
-    left = _left(pencil, factors, shift, pairs)
-    error = pencil.errors_of(pairs.values, pairs.modes, left)
+    doubtful = _doubtful(pencil, pairs.values, pairs.modes)
+    if not doubtful.any():
+        return pairs
+    error = pencil.errors_of(pairs.values, pairs.modes, _matched(pencil, pairs, *left()))
     # Nothing is known of the error of a multiple one, which must not reach all others.
     radius = np.minimum(SAFETY * error, _CLOSE * np.abs(pairs.values))
     distance = np.abs(pairs.values[:, None] - pairs.values)
@@ -359,17 +357,22 @@ def _with_errors(
     return replace(pairs, error=np.where(doubtful, error, np.nan))
 
 
-def _left(pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs) -> Complex:
-    """Return y with yᵀP(s) = 0 for each eigenvalue, by the same factors."""
+def _left(
+    pencil: SparsePencil, factors: Factorisation, shift: complex, count: int
+) -> tuple[Complex, Complex]:
+    """Return eigenvalues with y, yᵀP(s) = 0, by the same factors."""
+    across, turned = _Transposed(factors), pencil.transposed
+    values, modes, _ = _shift_and_invert(turned, across, shift, count)
+    return _corrected(turned, across, values, modes)
+
+
+def _matched(pencil: SparsePencil, pairs: Pairs, values: Complex, left: Complex) -> Complex:
+    """Return the left eigenvector of each pair."""
     from scipy.optimize import linear_sum_assignment
 
-    across = _Transposed(factors)
-    turned = pencil.transposed
-    values, modes, _ = _shift_and_invert(turned, across, shift, len(pairs.values))
     # Of equal eigenvalues each takes another vector.
     _, order = linear_sum_assignment(np.abs(pairs.values[:, None] - values))
-    left = _corrected(turned, across, pairs.values, modes[:, order])[1]
-    return _biorthogonal(pencil, pairs, left)
+    return _biorthogonal(pencil, pairs, left[:, order])
 
 
 def _biorthogonal(pencil: SparsePencil, pairs: Pairs, left: Complex) -> Complex:
