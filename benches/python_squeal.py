@@ -70,7 +70,7 @@ def certified(cells: list[int], contacts: int) -> float:
     system = pad_system(cells, asp.FrictionLaw.isotropic(MU), speed=SPEED, contacts=contacts)
     start = time.process_time()
     found = asp.stability(system, near=SHIFT.imag, count=COUNT, certify=True)
-    assert found.certificate is not None and found.certificate.is_complete
+    assert "no eigenvalue missing" in found.summary()
     return time.process_time() - start
 
 
