@@ -37,7 +37,7 @@ _GUESS, _MARGIN = 16, 4
 _GROWTH = 0.2
 # Points of a grid along its shorter and longer parameter at which residuals are examined, or along
 # its only one; rounds of corrections, and the share that a round leaves where it is of use.
-_EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 8, 0.5
+_EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 10, 0.5
 # Share of the allowed error at points that are examined, as it is larger between them.
 _BETWEEN = 0.5
 # Share of an estimated error that is not known.
@@ -186,7 +186,8 @@ class Reduction:
             self.sample(_named(grid, place))
             if report is not None:
                 report(done + 1, rounds)
-        left, former = _examined(grid), dict[tuple[float, ...], float]()
+        left, between = _examined(grid)
+        former = dict[tuple[float, ...], float]()
         for done in range(_ROUNDS):
             reduced = self.system
             found = {
@@ -195,6 +196,10 @@ class Reduction:
             self.estimates |= {place: largest for place, (largest, _) in found.items()}
             left = [place for place in left if self.estimates[place] > _BETWEEN]
             if not left:
+                # What is good enough there is checked half-way.
+                left, between = between, []
+                if left:
+                    continue
                 break
             self._extend(np.concatenate([found[place][1] for place in left], axis=1), 1.0)
             worst = max(left, key=lambda place: self.estimates[place])
@@ -255,14 +260,21 @@ class Reduction:
         return columns - self._within @ (self._within.T @ columns)
 
 
-def _examined(grid: Mapping[str, Array]) -> list[tuple[float, ...]]:
-    """Return points of a grid at which residuals are examined, more along the longer parameter."""
+def _examined(
+    grid: Mapping[str, Array],
+) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+    """Return points of a grid at which residuals are examined, and others between them.
+
+    There are more along the longer parameter.
+    """
     sizes = dict.fromkeys(grid, _ALONE)
     if len(grid) == 2:
         short, long = sorted(grid, key=lambda name: len(grid[name]))
         sizes = {short: _EXAMINED[0], long: _EXAMINED[1]}
-    lines = []
+    lines, between = [], []
     for name, values in grid.items():
         at = np.unique(np.linspace(0, len(values) - 1, min(sizes[name], len(values))).astype(int))
         lines.append(values[at].tolist())
-    return list(product(*lines))
+        between.append(values[np.unique((at[1:] + at[:-1]) // 2) if len(at) > 1 else at].tolist())
+    first = list(product(*lines))
+    return first, [place for place in product(*between) if place not in set(first)]
