@@ -285,6 +285,11 @@ def test_overdamped_motions_are_passed_by_or_named():
     both = asp.LinearSystem(sp.identity(301), stiffness=loose, damping=C)
     found = asp.stability(both, band=(0.0, 3e3), growth=50.0)
     np.testing.assert_allclose(found.eigenvalues, [10.0 + 1j * np.sqrt(1e6 - 100.0)], rtol=1e-12)
+    # Of an undamped one no sign is certain.
+    C = sp.block_diag([1e-2 * K, sp.csc_array((1, 1))])
+    found = asp.stability(both.replace(damping=C), band=(0.0, 3e3), growth=50.0)
+    np.testing.assert_allclose(found.eigenvalues, [1e3j], rtol=1e-12)
+    assert not found.sign_is_certain.any()
 
 
 def test_massless_coordinates_do_no_harm():

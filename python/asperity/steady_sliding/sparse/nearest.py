@@ -125,7 +125,8 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
             worst = min(worst, float(errors.max()))
             continue
         pairs = Pairs(values, modes, errors, np.full(len(values), np.nan))
-        pairs = with_errors(pencil, pairs, partial(_left, pencil, factors, point, count))
+        left = partial(_left, pencil, factors, point, len(values))
+        pairs = with_errors(pencil, pairs, left)
         return pairs, max(reach - abs(point - shift), 0.0)
     if not np.isfinite(worst):
         raise ParameterError(
@@ -345,7 +346,11 @@ def with_errors(
     doubtful = _doubtful(pencil, pairs.values, pairs.modes)
     if not doubtful.any():
         return pairs
-    error = pencil.errors_of(pairs.values, pairs.modes, _matched(pencil, pairs, *left()))
+    values, vectors = left()
+    if len(values) < len(pairs.values):
+        # Where many are at one distance, some may lack a left one, and nothing is known of any.
+        return replace(pairs, error=np.where(doubtful, np.inf, np.nan))
+    error = pencil.errors_of(pairs.values, pairs.modes, _matched(pencil, pairs, values, vectors))
     # Nothing is known of the error of a multiple one, which must not reach all others.
     radius = np.minimum(SAFETY * error, _CLOSE * np.abs(pairs.values))
     distance = np.abs(pairs.values[:, None] - pairs.values)
