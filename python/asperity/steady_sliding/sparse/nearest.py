@@ -304,7 +304,7 @@ def _corrected(
     what is of nearer ones grows, so that each pair is kept as it was where that was better.
     """
     modes = modes / np.linalg.norm(modes, axis=0)
-    values = _rayleigh(pencil, values, modes)
+    values = rayleigh(pencil, values, modes)
     errors = pencil.backward_errors(values, modes)
     for _ in range(_CORRECTIONS):
         rough = np.flatnonzero(errors > _GOOD * EXACT)
@@ -313,7 +313,7 @@ def _corrected(
         s, x = values[rough], modes[:, rough]
         x = x - factors.solve(pencil.times(s, x))
         x /= np.linalg.norm(x, axis=0)
-        s = _rayleigh(pencil, s, x)
+        s = rayleigh(pencil, s, x)
         left = pencil.backward_errors(s, x)
         better = left < errors[rough]
         if not better.any():
@@ -323,7 +323,7 @@ def _corrected(
     return values, modes
 
 
-def _rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
+def rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
     """Solve xᴴP(s)x = 0 for s by Newton's method, two steps."""
     for _ in range(2):
         left = modes.conj()

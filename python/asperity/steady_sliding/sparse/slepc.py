@@ -16,7 +16,7 @@ import numpy as np
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.steady_sliding.linearised.pencil import Complex
 from asperity.steady_sliding.sparse import slepc_script
-from asperity.steady_sliding.sparse.nearest import EXACT, Pairs, with_errors
+from asperity.steady_sliding.sparse.nearest import EXACT, Pairs, rayleigh, with_errors
 from asperity.steady_sliding.sparse.pencil import SparsePencil
 
 VARIABLE = "ASPERITY_SLEPC"
@@ -33,6 +33,7 @@ def nearest_by_slepc(pencil: SparsePencil, shift: complex, count: int) -> tuple[
     """
     count = min(count, pencil.most)
     values, modes = _found(pencil, shift, count)
+    values = rayleigh(pencil, values, modes)
     errors = pencil.backward_errors(values, modes)
     if not (errors <= EXACT).all():
         raise ConvergenceError(

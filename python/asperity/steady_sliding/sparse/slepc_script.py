@@ -46,11 +46,29 @@ def solve(folder: Path) -> None:
     problem.setTarget(complex(given["shift"]))
     problem.setFromOptions()
     problem.solve()
-    values, modes = [], []
-    x = K.createVecRight()
-    onto, whole = PETSc.Scatter.toZero(x)
-    for i in range(problem.getConverged()):
-        values.append(complex(problem.getEigenpair(i, x)))
+    found = [K.createVecRight() for _ in range(problem.getConverged())]
+    values = [complex(problem.getEigenpair(i, x)) for i, x in enumerate(found)]
+    problem.destroy()
+    # As `nearest` does, take away what the factors at the shift see of the residuals.
+    shift = complex(given["shift"])
+    P = K.copy()
+    for factor, part in ((shift, C), (shift**2, M)):
+        P.axpy(factor, part)
+    solver = PETSc.KSP().create()
+    solver.setOperators(P)
+    solver.setType("preonly")
+    solver.getPC().setType("lu")
+    solver.getPC().setFactorSolverType("mumps")
+    modes = []
+    residual, y = P.createVecs()
+    onto, whole = PETSc.Scatter.toZero(y)
+    for s, x in zip(values, found, strict=True):
+        K.mult(x, residual)
+        for factor, part in ((s, C), (s**2, M)):
+            part.mult(x, y)
+            residual.axpy(factor, y)
+        solver.solve(residual, y)
+        x.axpy(-1.0, y)
         onto.scatter(x, whole)
         modes.append(whole.getArray().copy())
     if PETSc.COMM_WORLD.rank == 0:
