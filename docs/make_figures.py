@@ -359,12 +359,10 @@ def charts() -> None:
 
 def tutorials() -> None:
     """Run the tutorials; the pictures that they save are those that they show."""
+    run_page = runpy.run_path(str(ROOT / "tests" / "pages.py"))["run_page"]
     for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
-        blocks = re.findall(
-            r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
-        )
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-            exec(compile("\n".join(blocks), str(page), "exec"), {"__name__": "__main__"})
+            run_page(page)
             for picture in sorted(Path(folder).glob("*.png")):
                 shutil.copy(picture, IMAGES / f"{page.stem}_{picture.name}")
 

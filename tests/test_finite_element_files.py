@@ -4,6 +4,8 @@
 eigenvalues in seven digits. They were made for this project and may be used freely.
 """
 
+import shutil
+import subprocess
 import tarfile
 import warnings
 from pathlib import Path
@@ -14,6 +16,7 @@ import pytest
 import scipy.io
 import scipy.linalg
 import scipy.sparse as sp
+from pages import BLOCK
 
 HEADER = "%%MatrixMarket matrix coordinate real "
 
@@ -46,6 +49,30 @@ def test_eigenfrequencies_are_those_of_calculix(pads, name):
     for square in own[own > 1e3]:
         omega = np.sqrt(square)
         found = asp.stability(system, near=1.001 * omega, count=4).eigenvalues
+        assert np.abs(found.imag - omega).min() <= 1e-6 * omega
+
+
+@pytest.mark.long
+def test_the_job_of_the_tutorial_run_anew(pads, tmp_path, monkeypatch):
+    """The stored files of the page are those of its input, and its modes are CalculiX's own."""
+    if shutil.which("ccx") is None:
+        pytest.skip("ccx is not installed: apt-get install calculix-ccx")
+    monkeypatch.chdir(tmp_path)
+    page = Path(__file__).parents[1] / "docs" / "tutorials" / "squeal.md"
+    exec(BLOCK.search(page.read_text(encoding="utf-8"))[1], {})
+    subprocess.run(["ccx", "-i", "pad"], check=True, capture_output=True)
+    for ending in (".sti", ".mas", ".dof"):
+        ours, stored = np.loadtxt(f"pad{ending}"), np.loadtxt(pads / f"pad_springs{ending}")
+        np.testing.assert_allclose(ours, stored, rtol=0.0, atol=1e-11 * np.abs(stored).max())
+    deck = Path("pad.inp").read_text().replace(", SOLVER=MATRIXSTORAGE", "\n20")
+    Path("own.inp").write_text(deck)
+    subprocess.run(["ccx", "-i", "own"], check=True, capture_output=True)
+    model = asp.read_calculix("pad")
+    system = asp.LinearSystem(model.mass, stiffness=model.stiffness)
+    found = asp.stability(system, near=0.0, count=40).eigenvalues
+    own = own_eigenvalues(Path("own.dat"))
+    assert len(own) == 20
+    for omega in np.sqrt(own):
         assert np.abs(found.imag - omega).min() <= 1e-6 * omega
 
 

@@ -8,6 +8,7 @@ import pytest
 import scipy.sparse as sp
 from asperity.steady_sliding.sparse.certificate import (
     Circle,
+    _Measured,
     certified,
     unexplained_phases,
 )
@@ -71,7 +72,7 @@ PADS = [
     ((12, 8, 3), None, 0.0),
     ((16, 8, 5), 60, TILT),
     ((22, 11, 7), 100, TILT),
-    ((33, 17, 10), 200, 0.0),
+    ((33, 17, 10), 200, TILT),
 ]
 
 
@@ -237,6 +238,60 @@ def test_a_band_from_zero_holds_real_eigenvalues():
             np.testing.assert_allclose(chart.growth_rate[k], wanted, rtol=1e-5)
 
 
+def rates(*squares, damping=0.0):
+    """Return masses on springs of their own, with ω² as given; many, so that few are found."""
+    K = sp.diags_array(np.r_[squares, np.arange(1.0, 201.0) ** 2])
+    return asp.LinearSystem(sp.identity(len(squares) + 200), stiffness=K, damping=damping)
+
+
+def test_growth_beyond_what_was_asked_for_is_said():
+    # Divergence with 3e4 1/s, far from the band.
+    for low in (0.0, 20.0):
+        found = asp.stability(rates(-9e8), band=(low, 60.0), growth=5.0, count=10)
+        assert not found.unstable.any()
+        np.testing.assert_allclose(found.beyond, [3e4], rtol=1e-12)
+        assert "A motion without oscillation grows with 30000 1/s, beyond" in found.summary()
+    # Within the bound it is one of the modes, and nothing is beyond.
+    found = asp.stability(rates(-9.0), band=(0.0, 60.0), growth=5.0, count=10)
+    assert found.unstable.sum() == 1
+    assert found.growth_rate == pytest.approx(3.0, rel=1e-12)
+    assert not len(found.beyond)
+    # Flutter: s = 8 ± 30.5i of a negative damper.
+    flutter = rates(64.0 + 30.5**2, damping=sp.diags_array(np.r_[-16.0, np.zeros(200)]))
+    found = asp.stability(flutter, band=(0.0, 60.0), growth=5.0, count=20)
+    assert not found.unstable.any()
+    np.testing.assert_allclose(found.beyond, [8.0 + 30.5j], rtol=1e-12)
+    assert f"{30.5 / (2.0 * np.pi):.6g} Hz grows with 8 1/s, beyond" in found.summary()
+    assert not len(asp.stability(rates(9.0), band=(0.0, 60.0), growth=5.0).beyond)
+
+
+def test_overdamped_motions_are_passed_by_or_named():
+    """C = K/100: of 300 motions all eigenvalues but a few are about −100, or far away."""
+    K = 1e6 * sp.diags_array([-1.0, 2.1, -1.0], offsets=[-1, 0, 1], shape=(300, 300))
+    chain = asp.LinearSystem(sp.identity(300), stiffness=K, damping=1e-2 * K)
+    # s² + ω² s/100 + ω² = 0 has real roots above ω = 200, and the lowest ω is 316.
+    found = asp.stability(chain, band=(0.0, 3e3), growth=50.0, certify=True)
+    assert not len(found.eigenvalues)
+    assert found.certificate.is_complete
+    for where in ({"near": 1e3}, {"band": (0.0, 3e3), "growth": 150.0}):
+        with pytest.raises(asp.ConvergenceError, match=r"none of the .* critical damping") as error:
+            asp.stability(chain, **where)
+        assert "a smaller `growth`" in str(error.value)
+    # As the message says.
+    assert asp.stability(chain).growth_rate == pytest.approx(-100.245106, rel=1e-8)
+    # A mode of its own that grows among them is found.
+    loose = sp.block_diag([K, sp.csc_array([[1e6]])])
+    C = sp.block_diag([1e-2 * K, sp.csc_array([[-20.0]])])
+    both = asp.LinearSystem(sp.identity(301), stiffness=loose, damping=C)
+    found = asp.stability(both, band=(0.0, 3e3), growth=50.0)
+    np.testing.assert_allclose(found.eigenvalues, [10.0 + 1j * np.sqrt(1e6 - 100.0)], rtol=1e-12)
+    # Of an undamped one no sign is certain.
+    C = sp.block_diag([1e-2 * K, sp.csc_array((1, 1))])
+    found = asp.stability(both.replace(damping=C), band=(0.0, 3e3), growth=50.0)
+    np.testing.assert_allclose(found.eigenvalues, [1e3j], rtol=1e-12)
+    assert not found.sign_is_certain.any()
+
+
 def test_massless_coordinates_do_no_harm():
     """Elements with reduced integration have singular mass matrices; only dense ones need M⁻¹."""
     M = sp.csc_array(np.diag([1.0, 0.0, 2.0]))
@@ -311,20 +366,44 @@ def test_certificates_find_what_is_missing_and_nothing_else(seed):
 
 
 @pytest.mark.long
-def test_a_pad_of_20_000_coordinates():
-    """Of twenty eigenvalues each is one of the pencil, none is missing, and a missing one is found.
+@pytest.mark.parametrize("seed", range(10))
+def test_certificates_of_pads_of_20_000_coordinates(seed, monkeypatch):
+    """A complete list lacks nothing; of one or two that are taken away each is found."""
+    rng = np.random.default_rng(seed)
+    known = {}
+    measured = _Measured._log
 
-    With 200 contacts at the nodes of a solid, isotropic friction, near 3 kHz.
-    """
-    system = pad_system((33, 17, 10), LAWS["isotropic"], contacts=200)
+    def once(self, turn):
+        # The same points for all lists.
+        if turn not in known:
+            known[turn] = measured(self, turn)
+        return known[turn]
+
+    monkeypatch.setattr(_Measured, "_log", once)
+    law, way = (str(rng.choice(list(one))) for one in (LAWS, WAYS))
+    tilt = float(rng.choice([0.0, TILT]))
+    system = pad_system((33, 17, 10), LAWS[law], contacts=200, tilt=tilt, **WAYS[way])
     assert system.dof == 20196
-    found = asp.stability(system, near=2.0 * np.pi * 3e3, count=20, certify=True)
-    assert found.backward_errors.max() <= 1e-12
-    assert found.certificate.is_complete
-    values, circle = found.eigenvalues, found.circles[0]
-    gone = int(np.flatnonzero(circle.holds(values))[0])
-    less = certified(found.small_motions.pencil, np.delete(values, gone), circle)
-    np.testing.assert_allclose(less.missing, values[[gone]], rtol=1e-8)
+    centre = 2j * np.pi * rng.uniform(1e3, 1.5e4)
+    modes = asp.stability(system, near=centre, count=30)
+    assert modes.backward_errors.max() <= 1e-12
+    pencil, values = modes.small_motions.pencil, modes.eigenvalues
+    distance = np.abs(values - centre)
+    # In half of the cases an eigenvalue is beside the edge, inside or outside.
+    i = int(np.abs(distance - 0.6 * modes.circles[0].radius).argmin())
+    beside = rng.choice([-1e-5, 1e-5]) * abs(values[i]) if seed % 2 else 0.1 * distance[i]
+    circle = Circle(centre, distance[i] + beside)
+    assert certified(pencil, values, circle).is_complete
+    inside = np.flatnonzero(circle.holds(values))
+    for number in (1, 2):
+        gone = rng.choice(inside, min(len(inside), number), replace=False)
+        if number == 1 and i in inside:
+            gone = np.array([i])
+        less = certified(pencil, np.delete(values, gone), circle)
+        assert less.is_conclusive
+        np.testing.assert_allclose(
+            np.sort_complex(less.missing), np.sort_complex(values[gone]), rtol=1e-8
+        )
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 5])

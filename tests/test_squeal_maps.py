@@ -3,6 +3,7 @@
 import asperity as asp
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.sparse as sp
 from brake_pads import pad, pad_system
 from matplotlib.figure import Figure
@@ -176,6 +177,27 @@ def test_modes_keep_their_names_over_friction():
     assert len(ax.lines[1].get_xdata()) == (chart.growth_rates > 0.0).sum()
 
 
+@pytest.mark.parametrize("friction", [[0.0], [0.0, 0.2, 0.4]])
+def test_a_map_may_begin_without_friction(friction):
+    """There the modes are those of the pad whose contact nodes slide freely on the surface."""
+    system = pad_system((4, 3, 2), LAWS["isotropic"], phi=0.3)
+    chart = asp.squeal_map(system, parameters={"friction": friction}, band=BAND)
+    free = np.setdiff1d(np.arange(system.dof), system.contacts[0].coordinates[:, 2])
+    M, C, K = (
+        part.toarray()[np.ix_(free, free)]
+        for part in (system.mass, system.damping, system.stiffness)
+    )
+    squares, modes = scipy.linalg.eigh(K, M)
+    rates = 0.5 * np.sum(modes * (C @ modes), axis=0)
+    wanted = -rates + 1j * np.sqrt(squares - rates**2)
+    wanted = wanted[(wanted.imag >= BAND[0]) & (wanted.imag <= BAND[1])]
+    found = chart.eigenvalues[:, 0]
+    found = found[~np.isnan(found)]
+    np.testing.assert_allclose(*(s[np.argsort(s.imag)] for s in (found, wanted)), rtol=1e-5)
+    # As long as the damping is proportional to M and K, its share of |s| is exact, too.
+    np.testing.assert_allclose(np.sort(found.real), np.sort(wanted.real), rtol=1e-3)
+
+
 def test_speed_and_friction_are_relative_to_the_system():
     system = pad_system((3, 2, 1), LAWS["falling"], phi=0.3)
     same = system.varied()
@@ -198,7 +220,10 @@ def test_speed_and_friction_are_relative_to_the_system():
     [
         ({"mu": [0.1]}, BAND, "parameters"),
         ({}, BAND, "parameters"),
-        ({"friction": [0.0, 1.0]}, BAND, "friction"),
+        ({"friction": [-0.1, 1.0]}, BAND, "friction: must not be negative"),
+        ({"speed": [0.0, 1.0]}, BAND, "speed: must be positive"),
+        ({"friction": [0.9, 0.1]}, BAND, "friction: must rise"),
+        ({"phi": [0.0, 0.0, 1.0]}, BAND, "phi: must rise"),
         ({"phi": []}, BAND, "phi"),
         ({"phi": [0.0]}, (5.0, 1.0), "band"),
     ],

@@ -33,6 +33,12 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         type=Path,
         help="file of a friction law, instead of the one that the model names",
     )
+    parser.add_argument(
+        "--engine",
+        choices=("slepc",),
+        help="find the eigenvalues by SLEPc under MPI; the environment variable ASPERITY_SLEPC "
+        "holds the command that starts a Python with slepc4py, by default mpiexec -n 2 python3",
+    )
     add_json(parser)
     add_out(parser, required=False)
     return parser
@@ -44,7 +50,9 @@ def run(options: argparse.Namespace) -> int:
     from asperity.predict.squeal_sheet import describe_squeal
 
     with bar_if_there("case") as bar:
-        sheet = describe_squeal(options.model, law=options.law, out=options.out, progress=bar)
+        sheet = describe_squeal(
+            options.model, law=options.law, out=options.out, engine=options.engine, progress=bar
+        )
     print(as_json(sheet.data()) if options.json else sheet.text())
     if options.out is not None and not options.json:
         print(f"\nfigure, table and report.html in {options.out}")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,10 @@ from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns
 from asperity.errors import ConvergenceError, ParameterError
 from asperity.predict.squeal_model import SquealModel, at
-from asperity.steady_sliding import ComplexModes, Equilibrium, equilibrium, stability
+from asperity.steady_sliding import ComplexModes, Equilibrium, equilibrium
+from asperity.steady_sliding.sparse.modes import complex_modes
+from asperity.steady_sliding.sparse.nearest import nearest
+from asperity.steady_sliding.sparse.slepc import nearest_by_slepc
 
 FILES = ("modes.csv", "modes.png", "report.html")
 """What `describe_squeal` writes."""
@@ -86,6 +89,12 @@ class SquealSheet(Result):
             missing = one.modes.certificate
             if missing is not None and not missing.is_complete:
                 found.append(f"Modes may be missing {_case(one)}: {missing.summary()}")
+            if len(one.modes.beyond):
+                rate = one.modes.beyond.real.max()
+                found.append(
+                    f"Steady sliding is unstable {_case(one)} with {rate:.6g} 1/s beyond the "
+                    "growth or the band of [squeal]."
+                )
             open_signs = int((~one.modes.sign_is_certain).sum())
             if open_signs:
                 found.append(
@@ -197,12 +206,12 @@ class SquealSheet(Result):
         with style():
             figure = Figure(figsize=(6.4, 4.6), layout="constrained")
             ax = figure.add_subplot()
-            grows = (table[:, 3] > 0.0) & (table[:, 6] > 0.0)
-            for chosen, colour, name in ((~grows, GREY, "decays"), (grows, "C3", "grows")):
-                ax.plot(table[chosen, 2], 100.0 * table[chosen, 4], "o", color=colour, label=name)
+            friction, hertz, damping = table[:, 0], table[:, 2], 100.0 * table[:, 4]
             ax.axhline(0.0, color=GREY)
+            points = ax.scatter(hertz, damping, c=friction, cmap="viridis", zorder=2.0)
+            if len(np.unique(friction)) > 1:
+                figure.colorbar(points, label="factor of friction")
             ax.set(xlabel="frequency in Hz", ylabel="damping ratio in %")
-            ax.legend()
         picture = Picture("modes", png(figure, 150))
         (folder / "modes.png").write_bytes(picture.png)
         growing = self._growing()
@@ -228,6 +237,7 @@ def describe_squeal(
     *,
     law: str | os.PathLike[str] | None = None,
     out: str | os.PathLike[str] | None = None,
+    engine: Literal["slepc"] | None = None,
     progress: Progress = None,
 ) -> SquealSheet:
     """Find all modes of a finite-element model within a band of frequencies, and which grow.
@@ -236,6 +246,8 @@ def describe_squeal(
         path: of the model's TOML file, as ``asperity init --kind squeal`` writes one.
         law: file of a law that takes the place of the one that the model names.
         out: folder for what `FILES` lists; it is complete or not there.
+        engine: ``"slepc"`` finds the eigenvalues by SLEPc under MPI, in a Python with slepc4py that
+            the command in the environment variable ``ASPERITY_SLEPC`` starts.
         progress: over friction factors and directions, as of `growth_chart`.
 
     Raises:
@@ -243,11 +255,13 @@ def describe_squeal(
 
     Reference: [WL19] (85)–(88).
     """
+    if engine not in (None, "slepc"):
+        raise ParameterError("engine", f"must be 'slepc' or None, got {engine!r}")
     folder = None if out is None else ResultFolder(Path(out), FILES)
     model = SquealModel.load(path, law=law)
     points = [(mu, phi) for mu in model.friction.tolist() for phi in model.directions.tolist()]
     with reporter(progress, "case") as report:
-        cases = tuple(_solved(model, mu, phi) for mu, phi in each(points, report))
+        cases = tuple(_solved(model, engine, mu, phi) for mu, phi in each(points, report))
     sheet = SquealSheet(model, cases)
     if folder is not None:
         with folder.filled() as place:
@@ -255,16 +269,21 @@ def describe_squeal(
     return sheet
 
 
-def _solved(model: SquealModel, friction: float, direction: float) -> SquealCase:
+def _solved(
+    model: SquealModel, engine: str | None, friction: float, direction: float
+) -> SquealCase:
     system = model.system.varied(friction=friction, phi=direction)
     low, high = (2.0 * math.pi * one for one in model.band)
     try:
         steady = equilibrium(system)
-        modes = stability(system, equilibrium=steady, band=(low, high), **model.options)
+        find = nearest if engine is None else nearest_by_slepc
+        modes = complex_modes(system, steady, band=(low, high), engine=find, **model.options)
     except (ParameterError, ConvergenceError) as error:
         if isinstance(error, ParameterError) and error.argument in model.options:
             with at(model.file, "squeal"):
                 raise
+        if isinstance(error, ParameterError) and error.argument == "engine":
+            raise
         return SquealCase(friction, direction, None, None, str(error).removeprefix("system: "))
     return SquealCase(friction, direction, steady, modes, "")
 

@@ -152,8 +152,8 @@ class LinearSystem(Value):
         These are the parameters of `reduce` and `squeal_map`, relative to the system as it is.
 
         Args:
-            friction: factor of all reservoirs C, and so of all forces of friction; of an isotropic
-                law with μ = 1 it is the coefficient of friction.
+            friction: factor above 0 of all reservoirs C, and so of all forces of friction; of an
+                isotropic law with μ = 1 it is the coefficient of friction.
             phi: angle in rad by which the velocities of the surfaces are turned, from e₁ to e₂ and
                 counter-clockwise seen against n; the laws stay where they are.
             speed: factor of these velocities.

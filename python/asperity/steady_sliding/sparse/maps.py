@@ -47,7 +47,8 @@ _SAMPLING = 0.4
 class SquealMap(Result):
     """Eigenvalues s of the modes of steady sliding over one or two parameters.
 
-    Modes are followed from point to point by their shapes, and sorted by their largest growth rate.
+    Modes are followed from point to point by their shapes, and sorted by their largest growth rate;
+    where many contacts open between two points, a mode may go on as another one.
 
     Attributes:
         parameters: values of each parameter, as of `LinearSystem.varied`.
@@ -223,9 +224,9 @@ def squeal_map(
 
     Args:
         system: `LinearSystem` with sparse matrices and a symmetric stiffness.
-        parameters: values of one or two of ``"friction"``, a factor of the reservoirs C, ``"phi"``,
-            the turn of the sliding velocity in rad, and ``"speed"``, a factor of it, as of
-            `LinearSystem.varied`.
+        parameters: rising values of one or two of ``"friction"``, a factor of the reservoirs C
+            that may begin at 0, ``"phi"``, the turn of the sliding velocity in rad, and
+            ``"speed"``, a factor of it, as of `LinearSystem.varied`.
         band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
             a fifth of the highest are left out.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative

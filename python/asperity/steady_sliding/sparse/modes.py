@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,13 +20,21 @@ from asperity.errors import ParameterError
 from asperity.steady_sliding.linearised.field import constant
 from asperity.steady_sliding.linearised.pencil import Complex
 from asperity.steady_sliding.sparse.certificate import Certificate, Circle, certified
-from asperity.steady_sliding.sparse.nearest import Pairs, are_new, nearest, within
-from asperity.steady_sliding.sparse.pencil import SmallMotions
+from asperity.steady_sliding.sparse.nearest import (
+    Pairs,
+    are_new,
+    crowded,
+    divergence,
+    nearest,
+    within,
+)
+from asperity.steady_sliding.sparse.pencil import SmallMotions, SparsePencil
 from asperity.steady_sliding.sparse.shape_files import write_vtk
 from asperity.steady_sliding.sparse.steady_state import residual_of, sparse_equilibrium
 from asperity.steady_sliding.steady_state import Equilibrium
 from asperity.system import LinearSystem, SparseLinearSystem
 
+Engine: TypeAlias = Callable[[SparsePencil, complex, int], tuple[Pairs, float]]
 _SENTENCES = {
     "direction of friction": "the friction force turns with the sliding direction",
     "Stribeck slope": "the friction force falls with the sliding speed",
@@ -55,6 +64,8 @@ class ComplexModes(TableResult):
         sign_is_certain: whether no error of rounding changes the sign of the growth rate.
         circles: where all eigenvalues are searched; ``certificate`` says whether they are found.
         certificate: the count by the argument principle, if it was asked for.
+        beyond: eigenvalues found that grow faster than ``growth`` within the band or, as Im s = 0
+            is divergence whatever the frequency, beside it, in 1/s.
 
     Reference: [WL19] (85)–(88).
     """
@@ -66,7 +77,9 @@ class ComplexModes(TableResult):
     sign_is_certain: NDArray[np.bool_]
     circles: tuple[Circle, ...]
     certificate: Certificate | None
+    beyond: Complex
     small_motions: SmallMotions = field(repr=False)
+    engine: Engine = field(repr=False)
 
     @property
     def frequencies(self) -> Array:
@@ -107,7 +120,7 @@ class ComplexModes(TableResult):
         count = len(self.eigenvalues)
         left = {
             name: float(
-                nearest(pencil, 1j * fastest.imag, count)[0].values.real.max(initial=-np.inf)
+                self.engine(pencil, 1j * fastest.imag, count)[0].values.real.max(initial=-np.inf)
             )
             for name, pencil in self.small_motions.without()
         }
@@ -158,17 +171,23 @@ class ComplexModes(TableResult):
         """Return which modes grow, how exact they are, and whether any is missing."""
         if not self.circles:
             return "Nothing can move: there are no modes."
-        if not len(self.eigenvalues):
-            return "No mode is within the band."
-        lines = [
-            f"{counted(len(self.eigenvalues), 'mode')} from {self.frequencies.min():.6g} to "
-            f"{self.frequencies.max():.6g} Hz, {self._verdict()}; their backward errors are at "
-            f"most {self.backward_errors.max():.1g}."
-        ]
+        lines = ["No mode is within the band."]
+        if len(self.eigenvalues):
+            lines = [
+                f"{counted(len(self.eigenvalues), 'mode')} from {self.frequencies.min():.6g} to "
+                f"{self.frequencies.max():.6g} Hz, {self._verdict()}; their backward errors are at "
+                f"most {self.backward_errors.max():.1g}."
+            ]
         for i in np.flatnonzero(self.unstable):
             lines.append(
                 f"{self.frequencies[i]:.6g} Hz grows with {self.growth_rates[i]:.6g} 1/s, a "
                 f"damping ratio of {self.damping_ratios[i]:.4g}."
+            )
+        if len(self.beyond):
+            s = self.beyond[int(self.beyond.real.argmax())]
+            what = f"{s.imag / (2.0 * np.pi):.6g} Hz" if s.imag else "A motion without oscillation"
+            lines.append(
+                f"{what} grows with {s.real:.6g} 1/s, beyond the growth or the band asked for."
             )
         if not self.sign_is_certain.all():
             number = int((~self.sign_is_certain).sum())
@@ -201,13 +220,14 @@ def complex_modes(
     system: object,
     steady: Equilibrium | None,
     *,
-    near: complex | None,
+    near: complex | None = None,
     band: tuple[float, float] | None,
     growth: float | None,
-    count: int,
-    certify: bool,
+    count: int = 20,
+    certify: bool = False,
+    engine: Engine = nearest,
 ) -> ComplexModes:
-    """Return the modes that `stability` asks for near a point or within a band."""
+    """Return the modes that `stability` asks for near a point or within a band, by an engine."""
     whole = _sparse(system)
     if (near is None) == (band is None):
         raise ParameterError("near", "give either near or band")
@@ -221,7 +241,7 @@ def complex_modes(
     elif not residual_of(whole, steady) <= _BALANCE:
         raise ParameterError("equilibrium", "must be one of this system: its forces do not balance")
     if band is not None:
-        return modes_within(whole, steady, band, growth, count, certify=certify)
+        return modes_within(whole, steady, band, growth, count, certify=certify, engine=engine)
     shift = complex(near) if isinstance(near, complex) else 1j * arrays.number(near, "near")
     if not np.isfinite(shift):
         raise ParameterError("near", "must be finite")
@@ -253,13 +273,17 @@ def modes_near(
     """Return the modes whose eigenvalues are nearest to a point."""
     small = _small_motions(system, steady)
     found, radius = nearest(small.pencil, shift, 2 * count + 10 if certify else count)
+    if len(found.values) < min(count, small.pencil.most):
+        raise crowded(small.pencil, shift, len(found.values), radius)
     distance = np.abs(found.values - shift)
     order = np.argsort(distance)
     if certify and len(order) > count:
         between = 0.5 * (distance[order[count - 1]] + distance[order[count]])
         radius = min(float(between), _CERTIFIED * radius)
     circles = (Circle(shift, radius),) if len(order) else ()
-    return _modes(small, steady, found.taken(order[:count]), found, circles, certify=certify)
+    beyond = found.values[:0]
+    chosen = found.taken(order[:count])
+    return _modes(small, steady, chosen, found, circles, beyond, certify=certify)
 
 
 def modes_within(
@@ -270,6 +294,7 @@ def modes_within(
     count: int,
     *,
     certify: bool,
+    engine: Engine = nearest,
 ) -> ComplexModes:
     """Return the modes with lo ≤ Im s ≤ hi and |Re s| ≤ growth, from as many shifts as it takes."""
     low, high = (arrays.number(end, "band") for end in arrays.pair(band, "band"))
@@ -277,23 +302,40 @@ def modes_within(
         raise ParameterError("band", f"must be 0 ≤ lo < hi in rad/s, got {(low, high)}")
     half = 0.05 * high if growth is None else arrays.positive(growth, "growth")
     small = _small_motions(system, steady)
-    found, circles = _walked(small, low, high, half, count, _CERTIFIED if certify else 0.999)
-    wanted = within(found.values, low, high, half)
-    return _modes(small, steady, found.taken(wanted), found, circles, certify=certify)
+    share = _CERTIFIED if certify else 0.999
+    found, circles = _walked(small, low, high, half, count, share, engine)
+    # Of systems for another engine the factors may be too large here.
+    if circles and engine is nearest:
+        found = found.joined(divergence(small.pencil, found.values))
+    s, sure = found.values, found.sign_is_certain
+    wanted = within(s, low, high, half)
+    real = within(s, 0.0, 0.0, np.inf)
+    grows = (s.real > 0.0) & sure & ~wanted & (real | within(s, low, high, np.inf))
+    beyond = np.where(real, s.real, s)[grows]
+    chosen = found.taken(wanted)
+    return _modes(small, steady, chosen, found, circles, beyond, certify=certify, engine=engine)
 
 
 def _walked(
-    small: SmallMotions, low: float, high: float, half: float, count: int, share: float
+    small: SmallMotions,
+    low: float,
+    high: float,
+    half: float,
+    count: int,
+    share: float,
+    engine: Engine,
 ) -> tuple[Pairs, tuple[Circle, ...]]:
     """Cover |Re s| ≤ half, low ≤ Im s ≤ high by circles about points of the imaginary axis."""
     if not small.pencil.most:
-        return nearest(small.pencil, 0j, count)[0], ()
+        return engine(small.pencil, 0j, count)[0], ()
     found: Pairs | None = None
     circles: list[Circle] = []
     covered, step = low, max(2.0 * half, 0.1 * (high - low))
     for _ in range(_SHIFTS):
         shift = min(covered + 0.5 * step, high)
-        pairs, radius = nearest(small.pencil, 1j * shift, count)
+        pairs, radius = engine(small.pencil, 1j * shift, count)
+        if len(pairs.values) < min(count, small.pencil.most) and radius <= half:
+            raise crowded(small.pencil, 1j * shift, len(pairs.values), radius)
         radius *= share
         if count >= small.pencil.most:
             # These are all there are.
@@ -326,8 +368,10 @@ def _modes(
     pairs: Pairs,
     known: Pairs,
     circles: tuple[Circle, ...],
+    beyond: Complex,
     *,
     certify: bool,
+    engine: Engine = nearest,
 ) -> ComplexModes:
     # Where nothing can move no eigenvalue is missing.
     nothing = Certificate((), pairs.values[:0], True, 0)
@@ -345,5 +389,7 @@ def _modes(
         pairs.sign_is_certain,
         circles,
         certificate,
+        beyond,
         small,
+        engine,
     )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -39,9 +41,18 @@ _ROUGH = 1e-7
 _ASIDE = (1e-4, 3e-3, 3e-2, 0.3)
 # Restarts of Arnoldi's method, which takes few where it converges at all.
 _RESTARTS = 100
+# Relative error of the distance of eigenvalues too many at one distance to be told apart, and the
+# share of it within which there are none.
+_VAGUE, _EMPTY = 0.05, 0.9
+# Halvings, on a scale of logarithms, of the interval of an unknown real eigenvalue.
+_HALVINGS = 8
 # Distance of eigenvalues, relative to them, and cosine of the angle of their modes from which on
 # they may be one that lacks modes, scattered by rounding.
 _CLOSE, _PARALLEL = 0.01, 0.99
+_ADVICE = (
+    "Ask for fewer of them, with a smaller `growth` or a shift nearer to those of interest, or, of "
+    "up to 2000 coordinates, for all of them: without near and band"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +94,8 @@ class Pairs:
 def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, float]:
     """Return eigenvalues nearest to a shift and the radius about it in which they are all found.
 
-    A shift beside an eigenvalue hides the others behind it: it is moved a little.
+    A shift beside an eigenvalue hides the others behind it: it is moved a little. There are fewer
+    than `count` where many others are at one distance, as those of overdamped motions.
 
     Raises:
         ConvergenceError: if pairs do not reach a backward error of 1e-12.
@@ -106,17 +118,16 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
             factors = pencil.factorised(point)
         except SingularMatrixError:
             continue
-        values, modes = _shift_and_invert(pencil, factors, point, count)
+        values, modes, reach = _shift_and_invert(pencil, factors, point, count)
         values, modes = _corrected(pencil, factors, values, modes)
         errors = pencil.backward_errors(values, modes)
         if not (errors <= EXACT).all():
             worst = min(worst, float(errors.max()))
             continue
         pairs = Pairs(values, modes, errors, np.full(len(values), np.nan))
-        doubtful = _doubtful(pencil, values, modes)
-        if doubtful.any():
-            pairs = _with_errors(pencil, factors, point, pairs, doubtful)
-        return pairs, max(float(np.abs(values - point).max()) - abs(point - shift), 0.0)
+        left = partial(_left, pencil, factors, point, len(values))
+        pairs = with_errors(pencil, pairs, left)
+        return pairs, max(reach - abs(point - shift), 0.0)
     if not np.isfinite(worst):
         raise ParameterError(
             "system", "has a pencil that is singular everywhere: a coordinate without stiffness"
@@ -124,7 +135,18 @@ def nearest(pencil: SparsePencil, shift: complex, count: int) -> tuple[Pairs, fl
     raise ConvergenceError(
         f"eigenvalues near {shift:.6g} 1/s were found with a backward error of {worst:.2g} only",
         residual=worst,
-        advice="Move the shift, or ask for fewer of them",
+        advice=_ADVICE,
+    )
+
+
+def crowded(pencil: SparsePencil, shift: complex, found: int, radius: float) -> ConvergenceError:
+    """Return the error that says why no more eigenvalues were found near a shift."""
+    M, C, K = pencil.norms
+    why = ", as of motions that are damped beyond the critical damping" * (C * C > 4.0 * M * K)
+    return ConvergenceError(
+        f"{found or 'none'} of the eigenvalues near {shift:.6g} 1/s can be told apart: too many "
+        f"others are about {radius / _EMPTY:.3g} 1/s away{why}",
+        advice=_ADVICE,
     )
 
 
@@ -140,6 +162,32 @@ def within(
     return (low <= height) & (height <= high) & (np.abs(s.real) <= growth)
 
 
+def divergence(pencil: SparsePencil, known: Complex) -> Pairs:
+    """Return the real and positive eigenvalue that a list lacks, if it lacks an odd number.
+
+    det P(s) of a real s has the sign of det P(∞) as often as an even number of them is above s.
+    """
+    real = known.real[within(known, 0.0, 0.0, np.inf)]
+
+    def sign(s: float) -> float:
+        turned = np.exp(1j * pencil.factorised(s).log_determinant().imag).real
+        return float(np.sign(turned) * np.prod(np.sign(s - real)))
+
+    low, high = _STILL * pencil.fastest, pencil.fastest / _SLOW
+    try:
+        above = sign(high)
+        if sign(low) == above:
+            return _none(pencil)
+        for _ in range(_HALVINGS):
+            middle = np.sqrt(low * high)
+            low, high = (low, middle) if sign(middle) == above else (middle, high)
+        found = nearest(pencil, complex(np.sqrt(low * high)), 2)[0]
+    except SingularMatrixError:
+        return _none(pencil)
+    grows = within(found.values, 0.0, 0.0, np.inf) & (found.values.real > 0.0)
+    return found.taken(grows & are_new(pencil, found.values, known))
+
+
 def approximate(
     pencil: SparsePencil, shift: complex, radius: float, count: int
 ) -> tuple[Complex, Complex]:
@@ -152,9 +200,11 @@ def approximate(
     factors = pencil.factorised(point)
     while True:
         count = min(count, pencil.most)
-        values, modes = _shift_and_invert(pencil, factors, point, count, tolerance=_ROUGH)
-        if count == pencil.most or np.abs(values - point).max() >= radius:
+        values, modes, reach = _shift_and_invert(pencil, factors, point, count, tolerance=_ROUGH)
+        if count == pencil.most or reach >= radius:
             return values, modes
+        if len(values) < count:
+            raise crowded(pencil, shift, len(values), reach)
         count += count // 2 + 1
 
 
@@ -189,14 +239,17 @@ def _shift_and_invert(
     count: int,
     *,
     tolerance: float = 0.0,
-) -> tuple[Complex, Complex]:
+) -> tuple[Complex, Complex, float]:
     """Run Arnoldi's method for (x, sx/ω), in complex numbers throughout.
+
+    Returns:
+        Eigenvalues, modes, and the radius about the shift in which there are no others.
 
     With ω about |σ| both halves have one size. (A − σ)⁻¹ takes (a, b) to (y, (σy + a)/ω) with
     P(σ)y = −ωMb − (C + σM)a.
     """
     from scipy.sparse import csc_array
-    from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
+    from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
     n, unit = pencil.n, max(abs(shift), _SLOW * pencil.fastest) or 1.0
     first = csc_array(pencil.damping + pencil.mass * np.complex128(shift))
@@ -207,20 +260,29 @@ def _shift_and_invert(
         return np.concatenate([y, (shift * y + a) / unit])
 
     if 2 * n <= max(_FEW, count + 1):
-        return _largest(np.stack([inverted(x) for x in np.eye(2 * n)], axis=1), shift, count)
+        values, modes = _largest(
+            np.stack([inverted(x) for x in np.eye(2 * n)], axis=1), shift, count
+        )
+        return values, modes, float(np.abs(values - shift).max())
     operator = LinearOperator((2 * n, 2 * n), matvec=inverted, dtype=np.complex128)
     start = np.cos(np.arange(1.0, 2 * n + 1.0)).astype(np.complex128)
+    options = {"which": "LM", "v0": start, "maxiter": _RESTARTS}
     try:
-        found, vectors = eigs(
-            operator, k=count, which="LM", v0=start, tol=tolerance, maxiter=_RESTARTS
-        )
+        try:
+            found, vectors = eigs(operator, k=count, tol=tolerance, **options)
+            reach = 1.0 / np.abs(found).min()
+        except ArpackNoConvergence as error:
+            found, vectors = error.eigenvalues, error.eigenvectors
+            others = eigs(operator, k=len(found) + 1, tol=_VAGUE, **options)[0]
+            reach = _EMPTY / np.abs(others).min()
+            inside = np.abs(found) * reach >= 1.0
+            found, vectors = found[inside], vectors[:, inside]
     except ArpackError as error:
         raise ConvergenceError(
             f"Arnoldi's method near {shift:.6g} 1/s: {error}",
-            residual=float("nan"),
-            advice="Ask for fewer eigenvalues or move the shift",
+            advice=_ADVICE,
         ) from None
-    return shift + 1.0 / found, vectors[:n]
+    return shift + 1.0 / found, vectors[:n], float(reach)
 
 
 def _largest(inverse: Complex, shift: complex, count: int) -> tuple[Complex, Complex]:
@@ -242,7 +304,7 @@ def _corrected(
     what is of nearer ones grows, so that each pair is kept as it was where that was better.
     """
     modes = modes / np.linalg.norm(modes, axis=0)
-    values = _rayleigh(pencil, values, modes)
+    values = rayleigh(pencil, values, modes)
     errors = pencil.backward_errors(values, modes)
     for _ in range(_CORRECTIONS):
         rough = np.flatnonzero(errors > _GOOD * EXACT)
@@ -251,7 +313,7 @@ def _corrected(
         s, x = values[rough], modes[:, rough]
         x = x - factors.solve(pencil.times(s, x))
         x /= np.linalg.norm(x, axis=0)
-        s = _rayleigh(pencil, s, x)
+        s = rayleigh(pencil, s, x)
         left = pencil.backward_errors(s, x)
         better = left < errors[rough]
         if not better.any():
@@ -261,7 +323,7 @@ def _corrected(
     return values, modes
 
 
-def _rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
+def rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
     """Solve xᴴP(s)x = 0 for s by Newton's method, two steps."""
     for _ in range(2):
         left = modes.conj()
@@ -271,22 +333,24 @@ def _rayleigh(pencil: SparsePencil, values: Complex, modes: Complex) -> Complex:
     return values
 
 
-def _with_errors(
-    pencil: SparsePencil,
-    factors: Factorisation,
-    shift: complex,
-    pairs: Pairs,
-    doubtful: NDArray[np.bool_],
+def with_errors(
+    pencil: SparsePencil, pairs: Pairs, left: Callable[[], tuple[Complex, Complex]]
 ) -> Pairs:
-    """Bound the errors of doubtful eigenvalues by their left eigenvectors.
+    """Bound the errors of doubtful eigenvalues by their left eigenvectors, found by `left`.
 
     The bound is of first order: where the discs of several eigenvalues overlap they may be one that
     rounding has scattered, and each is as uncertain as they are far from each other.
     """
     from scipy.sparse.csgraph import connected_components
 
-    left = _left(pencil, factors, shift, pairs)
-    error = pencil.errors_of(pairs.values, pairs.modes, left)
+    doubtful = _doubtful(pencil, pairs.values, pairs.modes)
+    if not doubtful.any():
+        return pairs
+    values, vectors = left()
+    if len(values) < len(pairs.values):
+        # Where many are at one distance, some may lack a left one, and nothing is known of any.
+        return replace(pairs, error=np.where(doubtful, np.inf, np.nan))
+    error = pencil.errors_of(pairs.values, pairs.modes, _matched(pencil, pairs, values, vectors))
     # Nothing is known of the error of a multiple one, which must not reach all others.
     radius = np.minimum(SAFETY * error, _CLOSE * np.abs(pairs.values))
     distance = np.abs(pairs.values[:, None] - pairs.values)
@@ -298,17 +362,22 @@ def _with_errors(
     return replace(pairs, error=np.where(doubtful, error, np.nan))
 
 
-def _left(pencil: SparsePencil, factors: Factorisation, shift: complex, pairs: Pairs) -> Complex:
-    """Return y with yᵀP(s) = 0 for each eigenvalue, by the same factors."""
+def _left(
+    pencil: SparsePencil, factors: Factorisation, shift: complex, count: int
+) -> tuple[Complex, Complex]:
+    """Return eigenvalues with y, yᵀP(s) = 0, by the same factors."""
+    across, turned = _Transposed(factors), pencil.transposed
+    values, modes, _ = _shift_and_invert(turned, across, shift, count)
+    return _corrected(turned, across, values, modes)
+
+
+def _matched(pencil: SparsePencil, pairs: Pairs, values: Complex, left: Complex) -> Complex:
+    """Return the left eigenvector of each pair."""
     from scipy.optimize import linear_sum_assignment
 
-    across = _Transposed(factors)
-    turned = pencil.transposed
-    values, modes = _shift_and_invert(turned, across, shift, len(pairs.values))
     # Of equal eigenvalues each takes another vector.
     _, order = linear_sum_assignment(np.abs(pairs.values[:, None] - values))
-    left = _corrected(turned, across, pairs.values, modes[:, order])[1]
-    return _biorthogonal(pencil, pairs, left)
+    return _biorthogonal(pencil, pairs, left[:, order])
 
 
 def _biorthogonal(pencil: SparsePencil, pairs: Pairs, left: Complex) -> Complex:

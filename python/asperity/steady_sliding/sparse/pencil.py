@@ -54,7 +54,7 @@ class SparsePencil:
         """Return P(s)."""
         from scipy.sparse import csc_array
 
-        z = np.complex128(s)
+        z = s if isinstance(s, float) else np.complex128(s)
         return csc_array(self.mass * z**2 + self.damping * z + self.stiffness)
 
     @cached_property

@@ -149,7 +149,7 @@ def estimated_errors(
     full, V = system.full, system.basis
     columns = full.columns
     W = columns.tangents
-    C = full.damping - W @ state.turning @ W.T
+    C = full.damping - W @ state.jacobian @ W.T
     left = np.stack([_left_vector(state.at(z)) for z in s], axis=1)
     slopes = 2.0 * s * (state.mass @ shapes) + state.damping @ shapes
     slope = np.sum(left * slopes, axis=0)

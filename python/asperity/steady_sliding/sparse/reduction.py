@@ -37,7 +37,7 @@ _GUESS, _MARGIN = 16, 4
 _GROWTH = 0.2
 # Points of a grid along its shorter and longer parameter at which residuals are examined, or along
 # its only one; rounds of corrections, and the share that a round leaves where it is of use.
-_EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 8, 0.5
+_EXAMINED, _ALONE, _ROUNDS, _SLOW = (5, 9), 13, 10, 0.5
 # Share of the allowed error at points that are examined, as it is larger between them.
 _BETWEEN = 0.5
 # Share of an estimated error that is not known.
@@ -66,8 +66,8 @@ def reduce(
         system: `LinearSystem` with sparse matrices and a symmetric stiffness.
         band: lowest and highest angular frequency in rad/s; modes that grow or decay with more than
             a fifth of the highest are left out.
-        parameters: values of one or two of ``"friction"``, ``"phi"`` and ``"speed"`` between which
-            the reduced system is to be good, as of `LinearSystem.varied`. Default: as it is.
+        parameters: rising values of one or two of ``"friction"``, ``"phi"`` and ``"speed"`` between
+            which the reduced system is to be good, as of `squeal_map`. Default: as it is.
         accuracy: estimated error of growth rates, relative to them, or a thousandth of it relative
             to the frequency.
         sticking: whether contacts will stick: two more static modes of each.
@@ -104,8 +104,12 @@ def checked_parameters(parameters: Mapping[str, ArrayLike]) -> dict[str, Array]:
         made[name] = arrays.constant(np.atleast_1d(values), name, (None,))
         if not len(made[name]):
             raise ParameterError(name, "must hold a value")
-        if name != "phi" and not (made[name] > 0.0).all():
+        if name == "speed" and not (made[name] > 0.0).all():
             raise ParameterError(name, "must be positive")
+        if name == "friction" and not (made[name] >= 0.0).all():
+            raise ParameterError(name, "must not be negative")
+        if not (np.diff(made[name]) > 0.0).all():
+            raise ParameterError(name, "must rise from value to value")
     return made
 
 
@@ -158,9 +162,9 @@ class Reduction:
         """Add the complex modes of a point, and its displacements by friction."""
         # Static modes have the loads of the whole system.
         state = self._loaded.states.at(None, **point)
-        of, columns = self.full.varied(**point), self.full.columns
+        columns = self.full.columns
         closed = np.flatnonzero(columns.unilateral)[state.closed]
-        small = SmallMotions.of(of, state.load, closed)
+        small = SmallMotions(self.full, state.contacts, closed, state.jacobian, 0 * state.jacobian)
         self._extend(np.asarray(small.constraint.Z @ self._modes(small.pencil)), _SMALL)
         friction = np.asarray(columns.tangents @ (state.contacts.unit_force @ state.load))
         self._extend(self.statics.responses(friction[:, None]), _SMALL)
@@ -182,7 +186,8 @@ class Reduction:
             self.sample(_named(grid, place))
             if report is not None:
                 report(done + 1, rounds)
-        left, former = _examined(grid), dict[tuple[float, ...], float]()
+        left, between = _examined(grid)
+        former = dict[tuple[float, ...], float]()
         for done in range(_ROUNDS):
             reduced = self.system
             found = {
@@ -191,6 +196,10 @@ class Reduction:
             self.estimates |= {place: largest for place, (largest, _) in found.items()}
             left = [place for place in left if self.estimates[place] > _BETWEEN]
             if not left:
+                # What is good enough there is checked half-way.
+                left, between = between, []
+                if left:
+                    continue
                 break
             self._extend(np.concatenate([found[place][1] for place in left], axis=1), 1.0)
             worst = max(left, key=lambda place: self.estimates[place])
@@ -251,14 +260,21 @@ class Reduction:
         return columns - self._within @ (self._within.T @ columns)
 
 
-def _examined(grid: Mapping[str, Array]) -> list[tuple[float, ...]]:
-    """Return points of a grid at which residuals are examined, more along the longer parameter."""
+def _examined(
+    grid: Mapping[str, Array],
+) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+    """Return points of a grid at which residuals are examined, and others between them.
+
+    There are more along the longer parameter.
+    """
     sizes = dict.fromkeys(grid, _ALONE)
     if len(grid) == 2:
         short, long = sorted(grid, key=lambda name: len(grid[name]))
         sizes = {short: _EXAMINED[0], long: _EXAMINED[1]}
-    lines = []
+    lines, between = [], []
     for name, values in grid.items():
         at = np.unique(np.linspace(0, len(values) - 1, min(sizes[name], len(values))).astype(int))
         lines.append(values[at].tolist())
-    return list(product(*lines))
+        between.append(values[np.unique((at[1:] + at[:-1]) // 2) if len(at) > 1 else at].tolist())
+    first = list(product(*lines))
+    return first, [place for place in product(*between) if place not in set(first)]

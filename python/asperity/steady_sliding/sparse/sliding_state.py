@@ -36,7 +36,7 @@ class SlidingState:
     load: Array
     """λ_N of all contacts."""
     contacts: SlidingContacts
-    turning: Any
+    jacobian: Any
     """∂λ_T/∂γ of all contacts, sparse."""
     left: Array
     """Yᵀ, shape ``(k, r)``."""
