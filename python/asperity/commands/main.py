@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 from asperity._core import __version__
 from asperity.commands import (
+    compare,
     demo,
     identify,
     identify_paths,
@@ -32,6 +33,7 @@ _VERBS = (
     identify,
     identify_paths,
     law,
+    compare,
     init,
     scenario,
     sliding_stability,
