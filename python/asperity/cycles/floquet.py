@@ -37,10 +37,11 @@ def multipliers(returns: ReturnMap, fixed: Return, tolerance: float) -> Complex:
     derivative, apart = _central(sharp, fixed, _ASIDE)
     if apart > _SIDES:
         step = max(_ASIDE * _SIDES / apart, _SHORTEST)
-        derivative, _ = _central(sharp, fixed, step)
+        derivative, apart = _central(sharp, fixed, step)
     known = np.linalg.eigvals(derivative)
     isolated = np.abs(known - 1.0).min(initial=np.inf) >= _ISOLATED
-    if not isolated or _has_neighbours(returns, fixed, tolerance):
+    # Where the return map has a derivative, its eigenvalues show a continuum.
+    if not isolated or (apart > _SIDES and _has_neighbours(returns, fixed, tolerance)):
         raise NoCycleError(f"periodic orbits form a continuum, of period {fixed.period:.6g} s")
     # Deviations from contacts that stay closed or stick are gone at the next turn.
     whole = np.zeros(len(fixed.state) - 1, dtype=complex)

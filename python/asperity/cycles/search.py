@@ -38,8 +38,12 @@ from asperity.system import RigidBodies
 # The motion is followed for at most so many of the longest times of the linearised system, and for
 # this part of it before a section is chosen.
 _LONGEST, _SETTLING = 200.0, 0.05
+# Tolerance with which it is followed until then: any state on the way to the cycle will do.
+_ROUGH = 1e-6
 # Turns of a section that may make up one period, and the accuracy to which they have to agree.
 _LOOPS, _SAME = SAME_TURN, 1e-6
+# They are looked for where the motion comes this near to its start, between samples.
+_NEAR = 0.1
 # The motion is integrated so much more sharply than the cycle has to close.
 _SHARPER = 0.05
 # Samples of the period that a cycle keeps.
@@ -213,7 +217,12 @@ def _followed(
     q, u = start
     if section is None:
         swing = integrate(
-            system, t_end=_SETTLING * horizon, q0=q, u0=u, progress=later(report, 0.0, horizon)
+            system,
+            t_end=_SETTLING * horizon,
+            q0=q,
+            u0=u,
+            tolerance=_ROUGH,
+            progress=later(report, 0.0, horizon),
         )
         section = middle(second_half(swing))[0]
         q, u = swing.q[-1], swing.u[-1]
@@ -249,9 +258,15 @@ def _found(
 
 def _once_around(returns: ReturnMap, fixed: Return) -> Return:
     """Return the fixed point with its shortest period."""
+    motion = fixed.motion
+    states = np.concatenate([motion.q, motion.u], axis=1)
     for turns in range(_LOOPS, 1, -1):
+        part = fixed.period / turns
+        there = np.array([np.interp(part, motion.t, values) for values in states.T])
+        if returns.defect(fixed.state, there) > _NEAR:
+            continue
         try:
-            image = returns(fixed.state, fixed.period / turns)
+            image = returns(fixed.state, part)
         except NoCycleError:
             continue
         same = returns.defect(fixed.state, image.state) <= _SAME

@@ -18,6 +18,8 @@ from asperity.runs.section import Section
 # Step of difference quotients relative to the scale of the states.
 _FORWARD = 1e-6
 _ITERATIONS = 15
+# Where a step left this share of the defect, the next one goes with the same derivative.
+_CHORD = 1e-2
 # A return is looked for up to so many times the expected period.
 _PATIENCE = 4.0
 
@@ -100,12 +102,15 @@ def fixed_point(
         NoCycleError: if Newton's method does not converge or the motion does not return.
     """
     here, image = state, returns(state, period)
+    before, jacobian = np.inf, np.zeros((0, 0))
     for iteration in range(_ITERATIONS):
         defect = returns.defect(here, image.state)
         if defect <= tolerance:
             return Return(here, image.period, image.motion), iteration
         directions = returns.place(image).tangents(here)
-        jacobian = returns.jacobian(here, image)
+        if defect > _CHORD * before or len(jacobian) != directions.shape[1]:
+            jacobian = returns.jacobian(here, image)
+        before = defect
         matrix = np.eye(len(jacobian)) - jacobian
         if near is not None and (np.linalg.det(matrix) > 0.0) != near._is_positive:
             here, image = image.state, returns(image.state, image.period)
