@@ -14,6 +14,7 @@ from asperity._core import __version__
 from asperity.commands import (
     compare,
     demo,
+    export,
     identify,
     identify_paths,
     info,
@@ -34,6 +35,7 @@ _VERBS = (
     identify_paths,
     law,
     compare,
+    export,
     init,
     scenario,
     sliding_stability,
