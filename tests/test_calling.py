@@ -13,6 +13,7 @@ from samples import public_of
 MODULES = (asp, identify, track, problems, problems.scenes, mechanisms, plot, grading, files)
 
 PAIRS = {
+    "identify.compare_laws": "a law beside another one",
     "FrictionLaw": "a law is the pair (C, D)",
     "FrictionLaw.from_samples": "forces over directions: two columns of one table",
     "critical_rotation": "the pair (C, D)",

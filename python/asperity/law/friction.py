@@ -369,8 +369,8 @@ class FrictionLaw(Questions):
         >>> export = FrictionLaw.associated(Ellipse(0.5, 0.4)).export("mujoco")
         >>> export.parameters["cone"], round(export.force_error, 9)
         ('elliptic', 0.0)
-        >>> print(export.text.splitlines()[2])
-        <option cone="elliptic"/>
+        >>> '<option cone="elliptic"/>' in export.text
+        True
         """
         from asperity.law.export import exported
 

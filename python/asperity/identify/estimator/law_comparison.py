@@ -44,8 +44,8 @@ class CurveDifference(Record):
     """
 
     first: AnyArray
-    second: AnyArray
     _: KW_ONLY
+    second: AnyArray
     half_width: AnyArray
     standard_error: AnyArray
     p_value: Fraction
@@ -148,8 +148,8 @@ def compare_laws(
 
     Differences are taken direction by direction, whatever the models are: x₂(φ) − x₁(φ) of the
     friction coefficient, of the deflection, of the radii of C and D. Their covariance is
-    J₁Σ₁J₁ᵀ + J₂Σ₂J₂ᵀ with the derivatives J by the coordinates of the laws; bands hold the whole
-    curve, by the largest of correlated deviations t with the degrees of freedom of Welch and
+    J₁Σ₁J₁ᵀ + J₂Σ₂J₂ᵀ with the derivatives J by the coordinates of the laws; bands contain the
+    whole curve, by the largest of correlated deviations t with the degrees of freedom of Welch and
     Satterthwaite. Laws are called different where zero leaves the band of λ/λ_N as a vector.
 
     Args:
@@ -330,7 +330,7 @@ def _curve(sides: list[_Side], part: slice, level: float) -> CurveDifference:
     largest = _largest(sides, part)
     return CurveDifference(
         sides[0].values[part],
-        sides[1].values[part],
+        second=sides[1].values[part],
         half_width=largest.quantile(level) * largest.errors,
         standard_error=largest.errors,
         p_value=largest.p_value(sides, part),
