@@ -117,7 +117,7 @@ def test_a_folder_holds_one_result(tmp_path, monkeypatch):
     model.write_text(model.read_text().replace("certify = true", "certify = false"))
     model = str(model)
     fitted, other = str(tmp_path / "fitted.toml"), str(tmp_path / "other.toml")
-    again = shutil.copy(fitted, tmp_path / "again.toml")
+    again = str(shutil.copy(fitted, tmp_path / "again.toml"))
     commands = {
         "simulate": [
             [str(scenario), "--law", fitted],

@@ -135,6 +135,10 @@ def _one(name: str, a: float, *_: float) -> dict[str, Any]:
     return {name: a}
 
 
+def _dart(a: float, *_: float) -> dict[str, Any]:
+    return {"mu": a, "solver": "NsgsFrictionSolver"}
+
+
 def _exudyn(a: float, b: float, angle: float) -> dict[str, Any]:
     zone = {"dryFrictionProportionalZone": 1e-3}
     return {"dryFriction": (a, b), "dryFrictionAngle": angle, **zone}
@@ -155,7 +159,7 @@ _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "abaqus": (_Family(_two, sets=_ellipse),),
     "bullet": tuple(_Family(partial(_bullet, cone)) for cone in (True, False)),
     "cardillo": tuple(_Family(partial(_cardillo, one)) for one in ("Moreau", "BackwardEuler")),
-    "dart": (_Family(partial(_one, "mu"), sizes=1),),
+    "dart": (_Family(_dart, sizes=1), _Family(partial(_one, "mu"), sizes=1)),
     "drake": (_Family(partial(_one, "dynamic_friction"), sizes=1),),
     "exudyn": (_Family(_exudyn, turns=True),),
     "mujoco": tuple(_Family(partial(_mujoco, cone)) for cone in ("elliptic", "pyramidal")),
@@ -248,7 +252,8 @@ def _text(
         said.append(f"The program itself: {deviation}")
     lines = [line for one in said for line in textwrap.wrap(one, 90)]
     head = "".join(f"{known['comment']} {line}{known['close']}\n" for line in lines)
-    return head + known["text"].format(**{k: _Words(v) for k, v in parameters.items()})
+    words = {"solver": "the default one", **parameters}
+    return head + known["text"].format(**{name: _Words(value) for name, value in words.items()})
 
 
 class _Words:

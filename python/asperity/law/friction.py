@@ -391,7 +391,8 @@ class FrictionLaw(Questions):
         ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction of
                         its multibodies, which pybullet uses for every body
         ``cardillo``    mu, anisotropy (two factors), solver (``"Moreau"``, ``"BackwardEuler"``, …)
-        ``dart``        mu, mu2 as in SDF, along and across fdir1
+        ``dart``        mu, mu2 as in SDF, along and across fdir1, or mu and solver
+                        (``"NsgsFrictionSolver"``, ``"FbfFrictionSolver"``)
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
