@@ -548,7 +548,7 @@ def test_every_engine_was_recorded_and_is_documented():
 
 
 def test_mujoco_takes_its_least_coefficient_for_none():
-    skate = like("mujoco", {"friction": (0.8, 0.0), **ELLIPTIC})
+    skate = asp.FrictionLaw.like("mujoco", friction=(0.8, 0.0), cone="elliptic")
     assert skate.reservoir == asp.Ellipse(0.8, 1e-5)
 
 
