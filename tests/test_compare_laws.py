@@ -27,7 +27,7 @@ def specimen(mu, error, degrees=np.inf, **parts):
     )
 
 
-def measured(law, seed, turns=10):
+def measured(law, seed, turns=20):
     """A fit to turns that differ by a factor of their own, as mountings and days do."""
     random = np.random.default_rng(seed)
     phi = np.linspace(0.0, 2.0 * np.pi * turns, 60 * turns, endpoint=False)
@@ -147,7 +147,7 @@ def test_levels_over_many_seeds(law):
 
 @pytest.mark.long
 def test_three_standard_errors_are_found():
-    error = np.sqrt(2.0 * (DRIFT**2 + (NOISE / 0.4) ** 2 / 60.0) / 10.0)
+    error = np.sqrt(2.0 * (DRIFT**2 + (NOISE / 0.4) ** 2 / 60.0) / 20.0)
     law, other = (asp.FrictionLaw.isotropic(0.4 * f) for f in (1.0, 1.0 + 3.0 * error))
     found = called_different(law, other, 2000)
     assert 0.8 <= found <= norm.sf(1.96 - 3.0) + 0.03
