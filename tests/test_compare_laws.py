@@ -10,6 +10,7 @@ import pytest
 from asperity import identify
 from asperity.commands.main import main
 from asperity.identify import IdentifiedLaw, compare_laws
+from asperity.predict.comparison_sheet import describe_comparison
 from scipy.stats import norm, t
 
 MODELS = {"reservoir_model": "circle", "direction_model": "circle"}
@@ -112,6 +113,42 @@ def test_axes_have_no_sense():
         for angle in (0.5 * np.pi - 0.01, -0.5 * np.pi + 0.01)
     ]
     assert compare_laws(*turned).parameters["reservoir.angle"].value == pytest.approx(0.02)
+
+
+def test_axes_keep_their_names_where_a_quarter_turn_swaps_them():
+    """The same law, told by its other axis: the parameters change by nothing, errors go along."""
+    ellipse, direction = asp.Ellipse(0.5, 0.4, angle=0.75), asp.Ellipse(1.5, 1.0, angle=0.75)
+    law = asp.FrictionLaw(ellipse, direction)
+    models = {"reservoir_model": "ellipse", "direction_model": "ellipse"}
+    other = 0.75 - 0.5 * np.pi
+    errors, swapped = np.array([0.01, 0.02, 0.03, 0.04, 0.05]), [1, 0, 2, 3, 4]
+    first, second = (
+        IdentifiedLaw(law, values=values, turns=np.diag(spread**2), **models)
+        for values, spread in (
+            ([0.5, 0.4, 0.75, 1.5, 0.75], errors),
+            ([0.4, 0.5, other, 1.0 / 1.5, other], errors[swapped]),
+        )
+    )
+    found = compare_laws(first, second).parameters.values()
+    assert [one.value for one in found] == pytest.approx(np.zeros(5), abs=1e-12)
+    expected = np.sqrt(2.0) * errors * [0.5, 0.4, 1.0, 1.5, 1.0]
+    assert [one.standard_error for one in found] == pytest.approx(expected)
+
+
+def test_rounding_of_a_collinear_law_is_no_deflection():
+    deflection = compare_laws(specimen(0.3, 0.002), specimen(0.31, 0.002)).deflection
+    assert not deflection.difference.any()
+    assert not deflection.half_width.any()
+
+
+def test_rate_factors_are_left_out(tmp_path):
+    files = tmp_path / "plain.toml", tmp_path / "falling.toml"
+    plain = specimen(0.3, 0.002)
+    plain.save(files[0])
+    falling = plain.law.replace(rate=asp.Stribeck(0.1, ratio=0.5))
+    IdentifiedLaw(falling, values=[0.3], turns=plain.turns, **MODELS).save(files[1])
+    first, second = describe_comparison(files).paths()
+    assert np.array_equal(first[0], second[0])
 
 
 def test_a_common_calibration_is_left_out():

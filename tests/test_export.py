@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+from xml.etree import ElementTree
 
 import asperity as asp
 import numpy as np
@@ -86,6 +88,51 @@ def test_mujoco_reads_its_own_text():
     )
     assert model.pair_friction[0] == pytest.approx([0.5, 0.4, 0.005, 1e-4, 1e-4])
     assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+
+
+def test_ends_of_a_rectangle_whose_sides_slow_down_each_by_itself():
+    export = asp.FrictionLaw.associated(asp.Rectangle(0.4, 0.2)).export("drake")
+    start = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    ends = start**2 / (2.0 * 9.81 * np.array([0.4, 0.2]))
+    ends = ends - 1.52 * start / (2.0 * 9.81 * export.parameters["dynamic_friction"])
+    assert export.end_distance == pytest.approx(np.linalg.norm(ends), rel=1e-4)
+
+
+def test_ends_of_a_slender_law():
+    law = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.005))
+    export = law.export("drake")
+    start = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    motions = [
+        asp.integrate(asp.SlidingPoint(0.018, law=one), t_end=40.0, u0=start)
+        for one in (law, export.law)
+    ]
+    apart = motions[1].q[-1] - motions[0].q[-1]
+    assert export.end_distance == pytest.approx(np.linalg.norm(apart), rel=1e-4)
+
+
+def test_small_coefficients_keep_their_digits():
+    law = asp.FrictionLaw.associated(asp.Ellipse(2e-10, 1e-10, angle=0.3))
+    export = law.export("siconos")
+    assert export.angle_error <= 1e-6
+    _, factor = export.text.split("factor_of_tangential_rows = np.array(")
+    factor = json.loads(factor.strip().removesuffix(")"))
+    assert factor == pytest.approx(export.parameters["H"], rel=1e-8)
+
+
+def test_round_laws_get_no_angle():
+    assert asp.FrictionLaw.isotropic(0.5).export("exudyn").parameters["dryFrictionAngle"] == 0.0
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_texts_can_be_read_whatever_the_name_of_the_file(target, tmp_path, capsys):
+    file = tmp_path / "a---b -- c.toml"
+    TURNED.save(file)
+    assert main(["export", str(file), "--to", target]) == 0
+    text = capsys.readouterr().out
+    if text.startswith("<!--"):
+        ElementTree.fromstring(f'<sdf xmlns:drake="drake.mit.edu">{text}</sdf>')
+    elif text.startswith("# "):
+        ast.parse(text)
 
 
 def test_what_no_program_holds_is_said():

@@ -40,7 +40,7 @@ class ComparisonSheet(TableResult):
 
     Attributes:
         names: of the files, the first one first.
-        laws: likewise.
+        laws: likewise, without rate factors, which are not compared.
         comparisons: of each further law with the first one.
     """
 
@@ -210,7 +210,9 @@ def describe_comparison(
             words = {"first": os.fspath(files[0]), "second": os.fspath(file)}
             raise type(error)(words.get(error.argument, error.argument), error.message) from None
         compared.append(one)
-    sheet = ComparisonSheet(_names(files), tuple(law.law for law in laws), tuple(compared))
+    sheet = ComparisonSheet(
+        _names(files), tuple(law.law.replace(rate=None) for law in laws), tuple(compared)
+    )
     if folder is not None:
         with folder.filled() as place:
             sheet.write(place)

@@ -18,6 +18,7 @@ from asperity.identify.estimator.covariance import level_of
 from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.estimator.result import LawFit
 from asperity.identify.models.coordinates import Estimate
+from asperity.identify.models.structure import PlanarStructure
 from asperity.law import FrictionLaw
 
 CurveName = Literal["coefficient", "deflection", "reservoir", "direction"]
@@ -30,6 +31,8 @@ _STEP = 1e-5
 _DRAWS, _AT_ONCE = 20_000, 4_000
 # Differences between laws that are less than this share of the coefficients are rounding.
 _ROUNDING = 1e-9
+# Digits of deflections in rad that are more than the rounding of a collinear law.
+_DIGITS = 12
 
 
 class CurveDifference(Record):
@@ -93,8 +96,8 @@ class LawComparison(TableResult, Record):
         """Return whether the laws differ, by how much, and in which set."""
         verdict = "The laws differ" if self.differ else "No difference of the laws was found"
         lines = [
-            f"{verdict} (p = {_probability(self.p_value)}, {_probability(self.reservoir.p_value)} "
-            f"for C alone, {_probability(self.direction.p_value)} for D alone)."
+            f"{verdict} (p {_probability(self.p_value)}, p {_probability(self.reservoir.p_value)} "
+            f"for C alone, p {_probability(self.direction.p_value)} for D alone)."
         ]
         level = f"{self.confidence:.0%}"
         for name, curve, scale, unit in (
@@ -113,7 +116,7 @@ class LawComparison(TableResult, Record):
 
     def __repr__(self) -> str:
         word = "different" if self.differ else "no difference found"
-        return f"<LawComparison: {word}, p = {_probability(self.p_value)}>"
+        return f"<LawComparison: {word}, p {_probability(self.p_value)}>"
 
     def _table(self) -> Table:
         words = {
@@ -150,7 +153,8 @@ def compare_laws(
     friction coefficient, of the deflection, of the radii of C and D. Their covariance is
     J₁Σ₁J₁ᵀ + J₂Σ₂J₂ᵀ with the derivatives J by the coordinates of the laws; bands contain the
     whole curve, by the largest of correlated deviations t with the degrees of freedom of Welch and
-    Satterthwaite. Laws are called different where zero leaves the band of λ/λ_N as a vector.
+    Satterthwaite. Laws are called different where zero leaves the band of λ/λ_N as a vector. Rate
+    factors, of which no covariance is known, are left out.
 
     Args:
         first: a fit, a law with its covariance, or the file of one.
@@ -225,7 +229,7 @@ def _curves(law: FrictionLaw) -> Array:
     return np.concatenate(
         [
             np.linalg.norm(force, axis=-1),
-            law.deflection(_PHI),
+            np.round(law.deflection(_PHI), _DIGITS),
             law.reservoir.radius(_PHI),
             radius / radius.mean(),
             *force.T,
@@ -343,14 +347,17 @@ def _parameters(laws: list[IdentifiedLaw], sides: list[_Side], level: float) -> 
 
     if laws[0].coordinates != laws[1].coordinates:
         return {}
-    change = laws[1].values - laws[0].values
-    angle = np.array([unit == "rad" for unit in laws[0].units])
-    # Axes of a set have no sense.
-    change[angle] -= math.pi * np.rint(change[angle] / math.pi)
+    at, turn = _axes_of(*laws)
+    structure = laws[1]._structure
+    change = structure.values(at) - structure.values(laws[0]._at)
+    slopes = [
+        float(one.scale.slope(x)) for x, (_, one) in zip(at, structure.coordinates, strict=True)
+    ]
+    steps = np.diag(laws[0].slopes), np.array(slopes)[:, None] * turn
     variances = np.array(
         [
-            (law.slopes**2) * (root**2).sum(axis=1)
-            for law, side in zip(laws, sides, strict=True)
+            ((step @ root) ** 2).sum(axis=1)
+            for step, side in zip(steps, sides, strict=True)
             for root in side.coordinates
         ]
     )
@@ -364,6 +371,34 @@ def _parameters(laws: list[IdentifiedLaw], sides: list[_Side], level: float) -> 
     }
 
 
+def _axes_of(first: IdentifiedLaw, second: IdentifiedLaw) -> tuple[Array, Array]:
+    """Return coordinates of the second law with its axes named as the nearest of the first law.
+
+    A quarter turn swaps the axes of a set, a half turn changes nothing; second, the derivatives by
+    the coordinates as they were.
+    """
+    structure = second._structure
+    assert isinstance(structure, PlanarStructure)
+
+    def named(at: Array) -> Array:
+        at = at.copy()
+        for _, model, part in structure.models:
+            if model.roundness() is not None:
+                zero = first._at[part.stop - 1]
+                at[part.stop - 1] -= zero
+                at[part] = model.folded(at[part])
+                at[part.stop - 1] += zero
+        return at
+
+    found, steps = named(second._at), np.eye(second._at.size)
+    turn = steps.copy()
+    for k, unit in enumerate(second.units):
+        # The map is linear but for the angles, which move by whole quarter turns.
+        if unit != "rad":
+            turn[:, k] = named(second._at + steps[k]) - found
+    return found, turn
+
+
 def _probability(p: float) -> str:
     least = 1.0 / (1 + _DRAWS)
-    return f"{p:.3g}" if p > least else f"less than {2.0 * least:.1g}"
+    return f"= {p:.3g}" if p > least else f"< {2.0 * least:.1g}"
