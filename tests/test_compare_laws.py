@@ -151,6 +151,18 @@ def test_rate_factors_are_left_out(tmp_path):
     assert np.array_equal(first[0], second[0])
 
 
+def test_files_on_two_drives_keep_their_whole_names(tmp_path, monkeypatch):
+    def refused(paths):
+        raise ValueError("Paths don't have the same drive")
+
+    files = [tmp_path / "new.toml", tmp_path / "worn.toml"]
+    for file in files:
+        specimen(0.3, 0.002).save(file)
+    assert describe_comparison(files).names == ("new.toml", "worn.toml")
+    monkeypatch.setattr("os.path.commonpath", refused)
+    assert describe_comparison(files).names == tuple(file.as_posix() for file in files)
+
+
 def test_a_common_calibration_is_left_out():
     known = {"calibration": np.array([[1e-2]])}
     first, second = specimen(0.3, 0.001, **known), specimen(0.31, 0.001, **known)

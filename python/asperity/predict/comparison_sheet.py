@@ -222,7 +222,11 @@ def describe_comparison(
 def _names(files: Sequence[str | os.PathLike[str]]) -> tuple[str, ...]:
     """Return the files without the folders that they have in common."""
     paths = [Path(os.path.abspath(file)) for file in files]
-    shared = Path(os.path.commonpath([path.parent for path in paths]))
+    try:
+        shared = Path(os.path.commonpath([path.parent for path in paths]))
+    except ValueError:
+        # Drives of Windows have no folder in common.
+        return tuple(path.as_posix() for path in paths)
     return tuple(path.relative_to(shared).as_posix() for path in paths)
 
 
