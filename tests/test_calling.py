@@ -24,6 +24,7 @@ MODULES = (
 )
 
 PAIRS = {
+    "identify.compare_laws": "a law beside another one",
     "FrictionLaw": "a law is the pair (C, D)",
     "FrictionLaw.from_samples": "forces over directions: two columns of one table",
     "critical_rotation": "the pair (C, D)",

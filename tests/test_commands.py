@@ -117,6 +117,7 @@ def test_a_folder_holds_one_result(tmp_path, monkeypatch):
     model.write_text(model.read_text().replace("certify = true", "certify = false"))
     model = str(model)
     fitted, other = str(tmp_path / "fitted.toml"), str(tmp_path / "other.toml")
+    again = str(shutil.copy(fitted, tmp_path / "again.toml"))
     commands = {
         "simulate": [
             [str(scenario), "--law", fitted],
@@ -124,11 +125,12 @@ def test_a_folder_holds_one_result(tmp_path, monkeypatch):
             [str(scenario), "--law", other, "--json"],
         ],
         "law": [[fitted], [other, "--json"]],
+        "compare": [[fitted, again], [fitted, again, fitted, "--json"]],
         "stability": [[fitted], [other, "--json"]],
         "squeal": [[model, "--law", fitted], [model, "--law", other, "--json"]],
     }
-    # Tests of faults write these one after the other; the last two have no such options.
-    elsewhere = {"identify", "identify-paths", "track", "demo", "init"}
+    # Tests of faults write these one after the other; the last three have no such options.
+    elsewhere = {"identify", "identify-paths", "track", "demo", "init", "export"}
     parsers = [verb.add(argparse.ArgumentParser().add_subparsers()) for verb in _VERBS]
     with_out = {one.prog.split()[-1] for one in parsers if "--out" in one.format_usage()}
     assert with_out == {*commands, *elsewhere}

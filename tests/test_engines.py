@@ -432,7 +432,7 @@ REFUSED = [
         "friction: must have a positive third number",
     ),
     ("mujoco", {"friction": (1.0, 1.0), "patch_radius": 0.1}, "condim=3 has not"),
-    ("mujoco", {"friction": (1.0, 0.0)}, "friction: must be positive"),
+    ("mujoco", {"friction": (0.0, 0.0)}, "friction: must be positive"),
     ("mujoco", {"geom_friction": (0.0, 0.1, 0.1)}, "geom_friction: must be positive"),
     ("mujoco", {"friction": (1.0, 1.0), "cone": "round"}, "cone: must be 'pyramidal' or"),
     ("mujoco", {"friction": (1.0, 1.0), "frame": np.eye(3)}, "frame: must have a vertical normal"),
@@ -545,3 +545,22 @@ def test_every_engine_was_recorded_and_is_documented():
     assert {case[1] for case in RECORDED} == set(ENGINES)
     words = asp.FrictionLaw.like.__doc__
     assert all(f"``{engine}``" in words for engine in ENGINES)
+
+
+def test_mujoco_takes_its_least_coefficient_for_none():
+    skate = asp.FrictionLaw.like("mujoco", friction=(0.8, 0.0), cone="elliptic")
+    assert skate.reservoir == asp.Ellipse(0.8, 1e-5)
+
+
+def test_solvers_of_dart_without_a_box_are_isotropic():
+    law = like("dart", {"mu": 0.5, "solver": "FbfFrictionSolver"})
+    assert law.reservoir == asp.Disk(0.5)
+    with pytest.raises(asp.ParameterError, match="mu2: must be mu"):
+        like("dart", {"mu": 0.5, "mu2": 0.4, "solver": "NsgsFrictionSolver"})
+
+
+def test_end_errors_of_mujoco_grow_with_the_ratio_of_its_coefficients():
+    ratios = [(0.5, 0.5), (0.6, 0.4), (0.9, 0.3)]
+    errors = [like("mujoco", {"friction": pair, **ELLIPTIC}).report.end_error for pair in ratios]
+    assert errors == pytest.approx([1.5e-3, 10e-3, 22e-3])
+    assert like("mujoco", {"friction": (0.9, 0.1), **ELLIPTIC}).report.end_error is None

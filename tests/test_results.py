@@ -89,6 +89,7 @@ RESULTS = [
     PROBLEM.solve(),
     asp.compare_path(RUN, RUN),
     FIT,
+    asp.identify.compare_laws(FIT, FIT),
     PATH_FIT,
     PATCH,
     PATCH.compare({"ellipsoid": PATCH.model}),

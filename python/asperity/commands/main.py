@@ -12,7 +12,9 @@ from collections.abc import Sequence
 
 from asperity._core import __version__
 from asperity.commands import (
+    compare,
     demo,
+    export,
     identify,
     identify_paths,
     info,
@@ -32,6 +34,8 @@ _VERBS = (
     identify,
     identify_paths,
     law,
+    compare,
+    export,
     init,
     scenario,
     sliding_stability,

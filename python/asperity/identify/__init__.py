@@ -15,6 +15,9 @@ from asperity.identify.estimator.comparison import Candidate as Candidate
 from asperity.identify.estimator.comparison import Comparison as Comparison
 from asperity.identify.estimator.covariance import Bands as Bands
 from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.estimator.law_comparison import CurveDifference as CurveDifference
+from asperity.identify.estimator.law_comparison import LawComparison as LawComparison
+from asperity.identify.estimator.law_comparison import compare_laws
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.evidence.forces.selection import compare_models
@@ -77,6 +80,7 @@ __all__ = [
     "SupportsFit",
     "VirtualTribometer",
     "average_turns",
+    "compare_laws",
     "compare_models",
     "compare_patches",
     "fit_law",

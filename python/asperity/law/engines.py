@@ -37,6 +37,7 @@ from asperity.sets import (
 from asperity.sets.star import checked_set
 
 CardilloSolver = Literal["Moreau", "BackwardEuler", "DualStormerVerlet", "Rattle"]
+DartSolver = Literal["NsgsFrictionSolver", "FbfFrictionSolver"]
 DrakeApproximation = Literal["lagged", "similar", "tamsi", "sap"]
 
 _HALF, _GRAVITY = 0.5, 9.81
@@ -166,9 +167,17 @@ _CARDILLO: dict[CardilloSolver, float | None] = {
 }
 
 
-def _dart(*, mu: float = 1.0, mu2: float | None = None) -> Translation:
+def _dart(
+    *, mu: float = 1.0, mu2: float | None = None, solver: DartSolver | None = None
+) -> Translation:
     a = arrays.positive(mu, "mu")
     b = a if mu2 is None else arrays.positive(mu2, "mu2")
+    if solver is not None:
+        _word(solver, "solver", ("NsgsFrictionSolver", "FbfFrictionSolver"))
+        if a != b:
+            raise ParameterError("mu2", "must be mu, as these solvers were run with one number")
+        report = _report("dart", "coulomb", end_error=_euler(_STEP))
+        return Translation(Disk(a), Disk(a), report)
     report = _report("dart", "all", end_error=_euler(_STEP) if a == b else None)
     box = Rectangle(a, b)
     return Translation(box, box, report)
@@ -202,7 +211,9 @@ def _drake(
     creep = factor * scale
     report = _report(
         "drake",
-        *(("steps", "ignored") if static > dynamic else ("steps",)),
+        "steps",
+        *(("ignored",) if static > dynamic else ()),
+        *(("lift",) if kind in ("sap", "similar") else ()),
         words={"creep": creep},
         creep=creep,
         end_error=1.2e-6 if extra is None else _euler(step) + extra,
@@ -300,7 +311,11 @@ def _mujoco(
         corners = np.array([[mu[0], 0.0], [0.0, mu[1]], [-mu[0], 0.0], [0.0, -mu[1]]])
         reservoir = Polygon(corners @ arrays.rotation(angle).T)
     creep = _MUJOCO_CREEP[shape] * _HALF * mu[0] * _GRAVITY / ratio
-    error = (1.5e-3 if mu[0] == mu[1] else 2.9e-3) if shape == "elliptic" else 6.3e-3
+    error: float | None = 6.3e-3
+    if shape == "elliptic":
+        unequal = float(mu[:2].max() / mu[:2].min())
+        error = np.interp(unequal, *_MUJOCO_END_ERROR, right=np.nan)
+        error = None if math.isnan(error) else float(error)
     at_rest = known_of("mujoco")["deviation"]["creep" if dimensions == 3 else "torsion"]
     report = _report(
         "mujoco",
@@ -316,6 +331,10 @@ def _mujoco(
 # Speed of creep over the tangential acceleration of the load, in s, with the default solref,
 # solimp and impratio, measured. Under the pyramid it falls with 1/impratio to 2 %.
 _MUJOCO_CREEP = {"elliptic": 9.0e-4, "pyramidal": 1.3127e-3}
+# What MuJoCo takes for zero, its constant mjMINMU.
+_MUJOCO_LEAST = 1e-5
+# Distance of the end points in m over the ratio of the coefficients, the largest over launches.
+_MUJOCO_END_ERROR = [1.0, 1.114, 1.5, 3.0], [1.5e-3, 2.9e-3, 10e-3, 22e-3]
 _CONDIM = {
     1: "1 means contact without friction, which is not a friction law",
     6: "6 has rolling friction, in five directions; a law has one to three",
@@ -339,9 +358,9 @@ def _mujoco_friction(friction: ArrayLike | None, geom_friction: ArrayLike | None
         raise ParameterError(
             "friction", "of a contact or geom_friction of the two geoms must be given, one of them"
         )
-    if values.min() < 0.0 or values[:2].min() <= 0.0:
+    if values.min() < 0.0 or values[:2].max() == 0.0:
         raise ParameterError("friction", f"must be positive, got {values.tolist()}")
-    return values[:3]
+    return np.maximum(values[:3], _MUJOCO_LEAST)
 
 
 def _geoms_of_mujoco(friction: ArrayLike) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,9 @@ from asperity.law.questions import Questions
 from asperity.law.rate import Stribeck
 from asperity.sets import Ball, Disk, Ellipse, Interval, StarSet, WedgeAsperity
 from asperity.sets.star import checked_set, same_dimension
+
+if TYPE_CHECKING:
+    from asperity.law.export import LawExport
 
 # Tolerances of a flow rule's closure and convexity, and of the law that is made of it.
 _EXACT, _RESOLVED = 1e-6, 1e-2
@@ -348,6 +351,31 @@ class FrictionLaw(Questions):
         )
         return cls(*sets, report=report)
 
+    def export(self, to: str) -> LawExport:
+        """Return the law in the words of another program, and what is lost on the way.
+
+        The parameters are those whose law comes nearest in the forces over the direction of
+        sliding, of all laws that the program was found to have, or that its manual states.
+
+        Args:
+            to: ``"abaqus"``, ``"bullet"``, ``"cardillo"``, ``"dart"``, ``"drake"``, ``"exudyn"``,
+                ``"mujoco"``, ``"pinocchio"``, ``"rapier"`` or ``"siconos"``.
+
+        Raises:
+            ParameterError: for a program that is not known.
+            DimensionError: if the law is not planar.
+
+        >>> from asperity import Ellipse, FrictionLaw
+        >>> export = FrictionLaw.associated(Ellipse(0.5, 0.4)).export("mujoco")
+        >>> export.parameters["cone"], round(export.force_error, 9)
+        ('elliptic', 0.0)
+        >>> '<option cone="elliptic"/>' in export.text
+        True
+        """
+        from asperity.law.export import exported
+
+        return exported(self, to)
+
     @classmethod
     def like(cls, engine: str, **parameters: Any) -> FrictionLaw:
         """Make the law that another engine means by its friction parameters.
@@ -363,7 +391,8 @@ class FrictionLaw(Questions):
         ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction of
                         its multibodies, which pybullet uses for every body
         ``cardillo``    mu, anisotropy (two factors), solver (``"Moreau"``, ``"BackwardEuler"``, …)
-        ``dart``        mu, mu2 as in SDF, along and across fdir1
+        ``dart``        mu, mu2 as in SDF, along and across fdir1, or mu and solver
+                        (``"NsgsFrictionSolver"``, ``"FbfFrictionSolver"``)
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone

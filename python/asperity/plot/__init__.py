@@ -8,7 +8,12 @@ new ones, and returns them. The asperity style is applied automatically. Runs ar
 from asperity.plot.cones import plot_cones, plot_projection
 from asperity.plot.direction import plot_deflection, plot_friction_coefficient
 from asperity.plot.fitted_paths import plot_fitted_paths
-from asperity.plot.identification import plot_fitted_forces, plot_fitted_sets, plot_residuals
+from asperity.plot.identification import (
+    plot_fitted_forces,
+    plot_fitted_sets,
+    plot_law_comparison,
+    plot_residuals,
+)
 from asperity.plot.law import plot_law
 from asperity.plot.look import save_figure, style
 from asperity.plot.runs.animations import save_animation
@@ -36,6 +41,7 @@ __all__ = [
     "plot_growth_chart",
     "plot_history",
     "plot_law",
+    "plot_law_comparison",
     "plot_path",
     "plot_phase_portrait",
     "plot_projection",

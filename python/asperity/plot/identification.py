@@ -24,7 +24,8 @@ from asperity.plot.look import (
 from asperity.plot.sets import draw_set
 
 if TYPE_CHECKING:
-    from asperity.identify import Fit
+    from asperity.identify import Fit, LawComparison
+    from asperity.identify.estimator.law_comparison import CurveName
 
 _DIRECTIONS = np.linspace(0.0, 2.0 * np.pi, 721)
 _DEGREES = np.rad2deg(_DIRECTIONS)
@@ -130,6 +131,53 @@ def plot_residuals(fit: Fit, *, ax: Axes | None = None, **kwargs: Any) -> Axes:
         _over_directions(ax, r"mean residual of the coefficient $-\lambda/\lambda_N$")
         ax.legend()
         return ax
+
+
+def plot_law_comparison(
+    comparison: LawComparison,
+    *,
+    ax: Axes | None = None,
+    quantity: CurveName = "coefficient",
+    **kwargs: Any,
+) -> Axes:
+    """Draw by how much a curve of two laws differs over the direction, with its band.
+
+    Where the band leaves zero, the laws differ.
+
+    Args:
+        comparison: what `identify.compare_laws` returns.
+        ax: axes; default new ones.
+        quantity: which curve: the friction coefficient, the deflection in degrees, the radius of C,
+            or that of D relative to its mean.
+        **kwargs: of the line, as for ``Axes.plot``.
+
+    Returns:
+        The axes.
+    """
+    arrays.choice(quantity, "quantity", tuple(_CURVES))
+    curve, name = getattr(comparison, quantity), _CURVES[quantity]
+    scale = np.rad2deg(1.0) if quantity == "deflection" else 1.0
+    degrees, change = np.rad2deg(comparison.phi), scale * curve.difference
+    half = scale * curve.half_width
+    with drawing(ax) as ax:
+        label = f"second less first, {comparison.confidence:.0%} band"
+        look: dict[str, Any] = {"color": BLUE, "label": label, **line_options(kwargs)}
+        (line,) = ax.plot(degrees, change, **look)
+        ax.fill_between(
+            degrees, change - half, change + half, color=line.get_color(), alpha=0.25, linewidth=0.0
+        )
+        ax.axhline(0.0, color=INK, linewidth=0.8)
+        _over_directions(ax, name)
+        ax.legend()
+        return ax
+
+
+_CURVES: dict[CurveName, str] = {
+    "coefficient": "change of the friction coefficient",
+    "deflection": "change of the deflection in degrees",
+    "reservoir": "change of the radius of C",
+    "direction": "change of the radius of D over its mean",
+}
 
 
 def report_figures(fit: Fit) -> dict[str, Figure]:

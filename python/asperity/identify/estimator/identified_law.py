@@ -159,11 +159,18 @@ class IdentifiedLaw(LawFile):
         Raises:
             ParameterError: if no covariance is known.
         """
-        slopes = [
-            float(one.scale.slope(x))
-            for x, (_, one) in zip(self._at, self._structure.coordinates, strict=True)
-        ]
-        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0)) * slopes
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0)) * self.slopes
+
+    @property
+    def slopes(self) -> Array:
+        """Derivatives of the parameters by their `coordinates`, ``(k,)``."""
+        pairs = zip(self._at, self._structure.coordinates, strict=True)
+        return np.array([float(one.scale.slope(x)) for x, (_, one) in pairs])
+
+    def moved(self, steps: ArrayLike) -> FrictionLaw:
+        """Return the law whose `coordinates` are further by these steps, ``(k,)``."""
+        at = self._at + arrays.array(steps, "steps", (len(self.names),))
+        return self.law_of(self._structure.values(at))
 
     def law_of(self, values: ArrayLike) -> FrictionLaw:
         """Return the law of other values of the parameters, with the rate factor of this one.

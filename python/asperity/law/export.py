@@ -1,0 +1,300 @@
+"""The way to other programs: the parameters that come nearest to a law, and what is lost."""
+
+from __future__ import annotations
+
+import math
+import os
+import textwrap
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import asperity._core as _core
+from asperity._base.arrays import Array, unit_vectors
+from asperity._base.storage.files import atomic
+from asperity._base.storage.toml import advice_on
+from asperity._base.value import NonNegative, Number, Record
+from asperity.errors import DimensionError, ParameterError
+from asperity.law import engines
+from asperity.law.engine_report import EngineReport
+from asperity.sets import Ellipse, StarSet
+from asperity.solvers import Auto
+
+if TYPE_CHECKING:
+    from asperity.law.friction import FrictionLaw
+
+_PHI = np.linspace(0.0, 2.0 * math.pi, 180, endpoint=False)
+# Launch of the sliding experiment of docs/engines.md.
+_LAUNCH, _GRAVITY = 1.52 * unit_vectors(np.array(math.radians(58.0))), 9.81
+# Step over the time in which the mean coefficient stops the point, and how many there may be.
+_STEP, _MOST_STEPS = 2e-5, 2_000_000
+
+
+class LawExport(Record):
+    """A law in the words of another program, and what is lost on the way.
+
+    Args:
+        target: name of the program.
+        version: of the program, in which its law was found; of a program that was not run, the page
+            of its manual.
+        text: what to put into its input, complete with comments.
+        law: what the program makes of it.
+        parameters: likewise, in its own words, as `FrictionLaw.like` takes them; empty for programs
+            that were not run.
+        force_error: largest difference of ‖λ‖/λ_N over the direction of sliding.
+        angle_error: largest difference of the direction of λ in rad.
+        end_distance: distance in m of the points where both laws end the sliding experiment of
+            docs/engines.md; what the program does otherwise, `FrictionLaw.report` says.
+    """
+
+    target: str
+    version: str
+    _: KW_ONLY
+    text: str
+    law: Any
+    parameters: Mapping[str, Any]
+    force_error: NonNegative
+    angle_error: Number
+    end_distance: NonNegative
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the text to a file, which is complete or not there; return its path."""
+        with atomic(path) as file:
+            file.write(self.text.encode())
+        return Path(path)
+
+    def __repr__(self) -> str:
+        return (
+            f"<LawExport to {self.target}: force ±{self.force_error:.3g}, "
+            f"{math.degrees(self.angle_error):.3g}°, {1e3 * self.end_distance:.3g} mm>"
+        )
+
+
+@dataclass(frozen=True)
+class _Family:
+    """Laws of a program: its parameters from semi-axes and their angle; a law of its own or none.
+
+    `sizes` is 1 where there is one coefficient; `turns` whether the axes can be turned.
+    """
+
+    parameters: Callable[[float, float, float], dict[str, Any]]
+    sizes: int = 2
+    turns: bool = False
+    sets: Callable[..., tuple[StarSet, StarSet]] | None = None
+
+    def of(
+        self, law: FrictionLaw, target: str, found: Array | Sequence[float]
+    ) -> tuple[dict[str, Any], FrictionLaw]:
+        """Return parameters and their law, which is made from another one."""
+        a, b, angle = self.axes(found)
+        given = self.parameters(a, b, angle)
+        if self.sets is None:
+            reservoir, direction, report, _ = engines.translated(target, given)
+        else:
+            (reservoir, direction), report = self.sets(**given), None
+        return given, law.replace(reservoir=reservoir, direction=direction, report=report)
+
+    def axes(self, found: Array | Sequence[float]) -> tuple[float, float, float]:
+        a = math.exp(found[0])
+        b = math.exp(found[1]) if self.sizes == 2 else a
+        return a, b, float(found[-1]) if self.turns else 0.0
+
+    def starts(self, law: FrictionLaw) -> Iterator[list[float]]:
+        radius = law.reservoir.radius(_PHI)
+        if self.sizes == 1:
+            yield [math.log(radius.mean())]
+            return
+        along = radius[: _PHI.size // 2]
+        # Of a round set the first direction, whatever the rounding.
+        largest = int((along > (1.0 - 1e-9) * along.max()).argmax()) if self.turns else 0
+        quarter = (largest + _PHI.size // 4) % (_PHI.size // 2)
+        sizes = [math.log(along[largest]), math.log(along[quarter])]
+        yield [*sizes, float(_PHI[largest])] if self.turns else sizes
+
+
+def _ellipse(mu_1: float, mu_2: float) -> tuple[StarSet, StarSet]:
+    return Ellipse(mu_1, mu_2), Ellipse(mu_1, mu_2)
+
+
+def _two(a: float, b: float, _: float) -> dict[str, Any]:
+    return {"mu_1": a, "mu_2": b}
+
+
+def _bullet(cone: bool, a: float, b: float, _: float) -> dict[str, Any]:
+    factors = 1.0, b / a, 1.0
+    return {"lateralFriction": a, "anisotropicFriction": factors, "enableConeFriction": cone}
+
+
+def _cardillo(solver: str, a: float, b: float, _: float) -> dict[str, Any]:
+    return {"mu": a, "anisotropy": (1.0, b / a), "solver": solver}
+
+
+def _one(name: str, a: float, *_: float) -> dict[str, Any]:
+    return {name: a}
+
+
+def _dart(a: float, *_: float) -> dict[str, Any]:
+    return {"mu": a, "solver": "NsgsFrictionSolver"}
+
+
+def _exudyn(a: float, b: float, angle: float) -> dict[str, Any]:
+    zone = {"dryFrictionProportionalZone": 1e-3}
+    return {"dryFriction": (a, b), "dryFrictionAngle": angle, **zone}
+
+
+def _mujoco(cone: str, a: float, b: float, _: float) -> dict[str, Any]:
+    return {"friction": (a, b, 0.005, 1e-4, 1e-4), "cone": cone}
+
+
+def _rows(name: str, a: float, b: float, angle: float) -> dict[str, Any]:
+    """Return the factor of the tangential rows whose law is an associated ellipse."""
+    c, s = math.cos(angle), math.sin(angle)
+    return {"mu": 1.0, name: np.diag([a, b]) @ np.array([[c, s], [-s, c]])}
+
+
+# Of each program the laws that it has; the one that comes nearest is taken.
+_FAMILIES: dict[str, tuple[_Family, ...]] = {
+    "abaqus": (_Family(_two, sets=_ellipse),),
+    "bullet": tuple(_Family(partial(_bullet, cone)) for cone in (True, False)),
+    "cardillo": tuple(_Family(partial(_cardillo, one)) for one in ("Moreau", "BackwardEuler")),
+    "dart": (_Family(_dart, sizes=1), _Family(partial(_one, "mu"), sizes=1)),
+    "drake": (_Family(partial(_one, "dynamic_friction"), sizes=1),),
+    "exudyn": (_Family(_exudyn, turns=True),),
+    "mujoco": tuple(_Family(partial(_mujoco, cone)) for cone in ("elliptic", "pyramidal")),
+    "pinocchio": (_Family(partial(_rows, "S"), turns=True),),
+    "rapier": (_Family(partial(_one, "friction"), sizes=1),),
+    "siconos": (_Family(partial(_rows, "H"), turns=True),),
+}
+
+TARGETS = tuple(_FAMILIES)
+"""Programs to which laws can be exported."""
+
+
+@cache
+def _texts(target: str) -> dict[str, str]:
+    """Return template, sign of comments, and what is to be known of a target."""
+    path = Path(__file__).with_name("export.toml")
+    return {"close": "", **tomllib.loads(path.read_text(encoding="utf-8"))[target]}
+
+
+def exported(law: FrictionLaw, target: str, *, notes: Sequence[str] = ()) -> LawExport:
+    """Return a law in the words of another program, see `FrictionLaw.export`.
+
+    Args:
+        law: planar law.
+        target: name of the program.
+        notes: sentences on the law, which go into the text as comments.
+    """
+    from scipy.optimize import least_squares
+
+    if not isinstance(target, str) or target not in _FAMILIES:
+        raise ParameterError("to", f"{target!r} is not known{advice_on(str(target), TARGETS)}")
+    if law.dimension != 2:
+        raise DimensionError("law", f"must be planar, its dimension is {law.dimension}")
+    bare = law.replace(rate=None)
+    force = bare.force(unit_vectors(_PHI))
+    scale = np.abs(force).max()
+    best: tuple[float, dict[str, Any], FrictionLaw] | None = None
+    for family in _FAMILIES[target]:
+
+        def off(found: Array, family: _Family = family) -> Array:
+            other = family.of(bare, target, found)[1]
+            return np.asarray((other.force(unit_vectors(_PHI)) - force).ravel() / scale)
+
+        for start in family.starts(bare):
+            found = least_squares(off, start, x_scale="jac")
+            if best is None or found.cost < best[0]:
+                best = found.cost, *family.of(bare, target, found.x)
+    assert best is not None
+    _, parameters, there = best
+    other = there.force(unit_vectors(_PHI))
+    sizes = np.linalg.norm(force, axis=1), np.linalg.norm(other, axis=1)
+    cross = force[:, 0] * other[:, 1] - force[:, 1] * other[:, 0]
+    angles = np.abs(np.arctan2(cross, (force * other).sum(axis=1)))
+    prices = {
+        "force_error": float(np.abs(sizes[0] - sizes[1]).max()),
+        "angle_error": float(angles.max()),
+        "end_distance": float(np.linalg.norm(_end(bare) - _end(there))),
+    }
+    known = _texts(target)
+    version = known.get("version") or engines.known_of(target)["version"]
+    deviation = there.report.deviation if isinstance(there.report, EngineReport) else ""
+    if law.rate is not None:
+        notes = (*notes, f"The dependence on the speed is left out: {law.rate!r}.")
+    return LawExport(
+        target,
+        version,
+        text=_text(target, version, parameters, prices, notes, deviation),
+        law=there,
+        parameters=parameters,
+        **prices,
+    )
+
+
+def _text(
+    target: str,
+    version: str,
+    parameters: Mapping[str, Any],
+    prices: Mapping[str, float],
+    notes: Sequence[str],
+    deviation: str,
+) -> str:
+    known = _texts(target)
+    said = [
+        *notes,
+        f"For {target}, as found in {version}. {known['note']}",
+        f"Beside the law, forces differ by up to {prices['force_error']:.3g} λ_N and "
+        f"{math.degrees(prices['angle_error']):.3g}°, the end of a path after a "
+        f"launch with {np.linalg.norm(_LAUNCH):.3g} m/s by {1e3 * prices['end_distance']:.3g} mm.",
+    ]
+    if deviation:
+        said.append(f"The program itself: {deviation}")
+    lines = [line for one in said for line in textwrap.wrap(one, 90)]
+    if known["close"]:
+        # Comments of XML hold no two hyphens side by side.
+        lines = [line.replace("--", "- -").replace("--", "- -") for line in lines]
+    head = "".join(f"{known['comment']} {line}{known['close']}\n" for line in lines)
+    words = {"solver": "the default one", **parameters}
+    return head + known["text"].format(**{name: _Words(value) for name, value in words.items()})
+
+
+class _Words:
+    """A number or numbers as a template shows them: {mu}, {friction[0]}, {H:matrix}."""
+
+    def __init__(self, value: Any) -> None:
+        self._value = value
+
+    def __getitem__(self, place: Any) -> _Words:
+        return _Words(np.asarray(self._value)[int(place)])
+
+    def __format__(self, kind: str) -> str:
+        value = self._value
+        if isinstance(value, bool):
+            return str(int(value))
+        if isinstance(value, str):
+            return value
+        if np.ndim(value) == 0:
+            return f"{float(value):.9g}"
+        return f"[{', '.join(f'{_Words(one)}' for one in value)}]"
+
+
+def _end(law: FrictionLaw) -> Array:
+    """Return where a point ends that is launched as in the sliding experiment."""
+    step = _STEP * float(np.linalg.norm(_LAUNCH)) / (_GRAVITY * law.reservoir.radius(_PHI).mean())
+    one, none, rest = np.eye(2), np.zeros((2, 2)), np.zeros(2)
+    contact: dict[str, Any] = dict.fromkeys(("gap", "normal_restitution"), 0.0)
+    contact |= {"law": law._core, "direction": one, "velocity": rest, "normal_force": _GRAVITY}
+    contact |= {"tangential_restitution": 0.0, "normal": None, "name": None}
+    point = _core.LinearSystem(one, none, none, rest, [contact])
+    start = (0.0, 0, None), rest, _LAUNCH, np.zeros((0, 16)), np.zeros((0, 3))
+    run, failure = _core.simulate(
+        point, step, _MOST_STEPS, *start, Auto()._core, 1e-10, _MOST_STEPS, True, True, None
+    )
+    if failure is not None:
+        raise failure
+    return np.asarray(run["end"]["q"])

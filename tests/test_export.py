@@ -1,0 +1,160 @@
+"""Laws that leave: what other programs make of the exported parameters, and what is lost."""
+
+from __future__ import annotations
+
+import ast
+import json
+from xml.etree import ElementTree
+
+import asperity as asp
+import numpy as np
+import pytest
+from asperity.commands.main import main
+from asperity.identify import IdentifiedLaw
+from asperity.law.export import TARGETS
+
+PHI = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+E = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
+GROOVED = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(3.0, 2.0))
+TURNED = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4, angle=0.3))
+LAWS = {"isotropic": asp.FrictionLaw.isotropic(0.5), "grooved": GROOVED, "turned": TURNED}
+# Laws that a program has come back as they were.
+EXACT = {
+    "isotropic": set(TARGETS),
+    "turned": {"siconos", "pinocchio"},
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("target", TARGETS)
+def test_prices_are_those_of_the_law_that_the_program_makes_of_it(target, name):
+    law = LAWS[name]
+    export = law.export(target)
+    there = export.law
+    if export.parameters and target != "abaqus":
+        there = asp.FrictionLaw.like(target, **export.parameters)
+        assert there == export.law
+    force, other = law.force(E), there.force(E)
+    size, there_size = np.linalg.norm(force, axis=1), np.linalg.norm(other, axis=1)
+    assert export.force_error == pytest.approx(np.abs(size - there_size).max(), abs=1e-12)
+    cosine = (force * other).sum(axis=1) / (size * there_size)
+    off = np.arccos(np.clip(cosine, -1.0, 1.0)).max()
+    assert export.angle_error == pytest.approx(off, abs=1e-7)
+    ends = [path_end(one) for one in (law, there)]
+    apart = np.linalg.norm(ends[0] - ends[1])
+    # Steps of the price are a two-thousandth of the time, jumps of the force are of first order.
+    assert export.end_distance == pytest.approx(apart, abs=1e-4)
+    if target in EXACT.get(name, ()):
+        assert export.end_distance <= 1e-9
+        assert max(export.force_error, export.angle_error) <= 1e-9
+
+
+def path_end(law):
+    launch = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    point = asp.SlidingPoint(0.018, law=law.replace(rate=None))
+    return asp.simulate(point, dt=2e-5, t_end=2.0, u0=launch, until_rest=True).q[-1]
+
+
+def test_no_parameters_beside_come_nearer():
+    export = GROOVED.export("mujoco")
+    cost = np.sum((export.law.force(E) - GROOVED.force(E)) ** 2)
+    a, b = export.parameters["friction"][:2]
+    for factor in ((1.01, 1.0), (0.99, 1.0), (1.0, 1.01), (1.0, 0.99)):
+        friction = (a * factor[0], b * factor[1], 0.005, 1e-4, 1e-4)
+        beside = asp.FrictionLaw.like("mujoco", friction=friction, cone="elliptic")
+        assert np.sum((beside.force(E) - GROOVED.force(E)) ** 2) > cost
+
+
+def test_collinear_and_associated_laws_find_the_mode_that_has_them():
+    collinear = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.4))
+    assert collinear.export("bullet").parameters["enableConeFriction"]
+    assert collinear.export("bullet").force_error <= 1e-9
+    assert collinear.export("cardillo").parameters["solver"] == "BackwardEuler"
+    associated = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4))
+    assert associated.export("cardillo").parameters["solver"] == "Moreau"
+    diamond = asp.FrictionLaw.like("mujoco", friction=(0.5, 0.5))
+    assert diamond.export("mujoco").parameters["cone"] == "pyramidal"
+    tensor = asp.FrictionLaw.like("exudyn", dryFriction=(0.9, 0.3), dryFrictionAngle=0.2)
+    assert tensor.export("exudyn").angle_error <= 1e-6
+
+
+def test_mujoco_reads_its_own_text():
+    mujoco = pytest.importorskip("mujoco")
+    export = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4)).export("mujoco")
+    body = export.text.replace("GEOM1", "floor").replace("GEOM2", "ball")
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco>{body}<worldbody><geom name="floor" type="plane" size="1 1 1"/><body><freejoint/>'
+        '<geom name="ball" size="0.1"/></body></worldbody></mujoco>'
+    )
+    assert model.pair_friction[0] == pytest.approx([0.5, 0.4, 0.005, 1e-4, 1e-4])
+    assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+
+
+def test_ends_of_a_rectangle_whose_sides_slow_down_each_by_itself():
+    export = asp.FrictionLaw.associated(asp.Rectangle(0.4, 0.2)).export("drake")
+    start = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    ends = start**2 / (2.0 * 9.81 * np.array([0.4, 0.2]))
+    ends = ends - 1.52 * start / (2.0 * 9.81 * export.parameters["dynamic_friction"])
+    assert export.end_distance == pytest.approx(np.linalg.norm(ends), rel=1e-4)
+
+
+def test_ends_of_a_slender_law():
+    law = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.005))
+    export = law.export("drake")
+    start = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    motions = [
+        asp.integrate(asp.SlidingPoint(0.018, law=one), t_end=40.0, u0=start)
+        for one in (law, export.law)
+    ]
+    apart = motions[1].q[-1] - motions[0].q[-1]
+    assert export.end_distance == pytest.approx(np.linalg.norm(apart), rel=1e-4)
+
+
+def test_small_coefficients_keep_their_digits():
+    law = asp.FrictionLaw.associated(asp.Ellipse(2e-10, 1e-10, angle=0.3))
+    export = law.export("siconos")
+    assert export.angle_error <= 1e-6
+    _, factor = export.text.split("factor_of_tangential_rows = np.array(")
+    factor = json.loads(factor.strip().removesuffix(")"))
+    assert factor == pytest.approx(export.parameters["H"], rel=1e-8)
+
+
+def test_round_laws_get_no_angle():
+    assert asp.FrictionLaw.isotropic(0.5).export("exudyn").parameters["dryFrictionAngle"] == 0.0
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_texts_can_be_read_whatever_the_name_of_the_file(target, tmp_path, capsys):
+    file = tmp_path / "a---b -- c.toml"
+    TURNED.save(file)
+    assert main(["export", str(file), "--to", target]) == 0
+    text = capsys.readouterr().out
+    if text.startswith("<!--"):
+        ElementTree.fromstring(f'<sdf xmlns:drake="drake.mit.edu">{text}</sdf>')
+    elif text.startswith("# "):
+        ast.parse(text)
+
+
+def test_what_no_program_holds_is_said():
+    falling = GROOVED.replace(rate=asp.Stribeck(0.1, ratio=0.8))
+    assert "dependence on the speed is left out" in falling.export("drake").text
+    with pytest.raises(asp.ParameterError, match=r"'mujuco' is not known.*mujoco"):
+        GROOVED.export("mujuco")
+    with pytest.raises(asp.DimensionError, match="planar"):
+        asp.FrictionLaw.isotropic(0.3, dimension=1).export("mujoco")
+
+
+def test_the_command_writes_standard_errors_as_comments(tmp_path, capsys):
+    models = {"reservoir_model": "circle", "direction_model": "circle"}
+    law = asp.FrictionLaw.isotropic(0.3)
+    file = tmp_path / "law.toml"
+    IdentifiedLaw(law, values=[0.3], turns=np.array([[1e-4]]), **models).save(file)
+    assert main(["export", str(file), "--to", "abaqus"]) == 0
+    text = capsys.readouterr().out
+    assert "** reservoir.radius = 0.3 ± 0.003" in text
+    assert text.splitlines()[-2:] == ["*FRICTION, ANISOTROPIC", "0.3, 0.3"]
+    target = tmp_path / "pair.xml"
+    assert main(["export", str(file), "--to", "mujoco", "--out", str(target), "--json"]) == 0
+    assert target.read_text() == json.loads(capsys.readouterr().out)["text"]
+    assert main(["export", str(file), "--to", "abacus"]) == 2
+    assert "--to: 'abacus' is not known" in capsys.readouterr().err
