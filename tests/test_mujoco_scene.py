@@ -495,6 +495,20 @@ def test_a_problem_is_that_of_the_next_step():
     np.testing.assert_allclose(alone.percussion, taken.percussion, atol=1e-15)
 
 
+def test_a_problem_of_a_contact_that_its_own_percussion_opens_has_no_rows():
+    """Of a damper that is stiff for the step: without the contact it ends inside, with it above."""
+    model = model_of(
+        '<geom type="plane" size="1 1 .1"/><body pos="0 0 .10055"><joint name="j" type="slide"'
+        ' axis="0 0 1"/><geom size=".1" mass="1"/></body>',
+        option='gravity="0 0 0"',
+        more='<actuator><general joint="j" biastype="affine" biasprm="0 0 -6000"/></actuator>',
+    )
+    data = mujoco.MjData(model)
+    data.qvel[0] = -1.0
+    problem = Scene(model).problem(data)
+    assert problem.items.size == problem.free_velocity.size == problem.delassus.size == 0
+
+
 def test_contacts_are_those_of_the_last_step():
     model = box()
     data, scene = mujoco.MjData(model), Scene(model)

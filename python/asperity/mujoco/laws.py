@@ -132,9 +132,7 @@ class PairLaws:
         # Pairs of geoms come after those of bodies and win.
         for _, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
             made = self._made(pair, first)
-            reverse = made
-            if made.axes is not None:
-                reverse = replace(made, axes=replace(made.axes, is_reversed=True))
+            reverse = replace(made, axes=made.axes and replace(made.axes, is_reversed=True))
             ones, others = self._geoms(first), self._geoms(second)
             rows.raise_condim(ones | others, 1 + pair.law.dimension)
             for a in ones:

@@ -388,10 +388,9 @@ class Scene:
         while True:
             items = self._reader.items(self._laws, data, rows, near)
             if not items.index.size:
+                self._system = None
                 return items, None, free
             solution, after = self._percussions(data, rows, items, velocity, free)
-            if near.all():
-                return items, solution, after
             late = ~near & (rows.matrix[unilateral] @ after + opening < -_EXACT * fastest)
             if not late.any():
                 return items, solution, after
