@@ -67,7 +67,8 @@ class Scene:
     Args:
         model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
         laws: by pairs of names of geoms or bodies, and ``"default"``: a `FrictionLaw`, whose first
-            axis is that of the first of the pair, or a `PairLaw`. Pairs of geoms win over bodies.
+            axis is that of the first of the pair, or a `PairLaw`. Geoms win over bodies, also where
+            both have the name.
         starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
             model's extent, or ``"project"`` them.
         rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
