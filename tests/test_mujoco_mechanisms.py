@@ -256,6 +256,23 @@ def test_joints_that_contradict_each_other_are_named():
     np.testing.assert_array_equal(data.qpos, 0.0)
 
 
+@pytest.mark.parametrize("anchor", ["0 0 .1", "0 .1 -.1"])
+def test_contacts_do_not_contradict_equalities_that_hold_the_same(anchor):
+    """A box that is held where it touches the floor turns there, and carries its weight once."""
+    model = model_of(
+        '<worldbody><geom type="plane" size="1 1 .1"/><body name="b" pos="0 0 .1"><freejoint/>'
+        '<geom type="box" size=".1 .1 .1" mass="1"/></body>'
+        '<body pos="3 0 1"><joint axis="0 1 0" range="-6 6"/><geom size=".1" pos=".2 0 0"/></body>'
+        f'</worldbody><equality><connect body1="b" anchor="{anchor}"/></equality>'
+    )
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qvel[5] = 1.0
+    scene.simulate(data, t_end=0.1)
+    if anchor == "0 0 .1":
+        assert data.qvel[5] == pytest.approx(1.0, rel=1e-9)
+    assert data.qfrc_constraint[2] == pytest.approx(GRAVITY, rel=1e-6)
+
+
 def test_bodies_that_nothing_moves_do_not_stop_planar_models():
     """Third rows that vanish, as in planar walkers, and normal rows, as in pushers on a table."""
     model = model_of(

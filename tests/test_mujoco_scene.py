@@ -126,6 +126,26 @@ def test_the_order_of_geoms_has_no_effect(count):
     assert np.hypot(*ends[0][:2]) > 0.1
 
 
+@pytest.mark.parametrize("foot", ["<geom {}/>", "<body {}><geom {}/></body>"])
+def test_forces_of_feet_without_names_do_not_depend_on_their_order(foot):
+    """Of feet that hold, whose forces are not unique."""
+    found = []
+    for order in [(0, 1, 2, 3), (2, 0, 3, 1), (3, 2, 1, 0)]:
+        places = [f'pos="{FEET[k][0]} {FEET[k][1]} 0"' for k in order]
+        one = foot.replace("<geom {}", '<geom size=".005" {}')
+        feet = "".join(one.format(place, "") for place in places)
+        model = model_of(
+            f'<geom type="plane" size="1 1 .1"/><body pos="0 0 .005"><freejoint/>{feet}</body>'
+        )
+        data, scene = mujoco.MjData(model), Scene(model)
+        weight = model.body_subtreemass[0] * GRAVITY
+        data.qfrc_applied[:] = 0.5 * weight, 0.2 * weight, 0.0, 0.0, 0.0, 0.002 * weight
+        scene.simulate(data, t_end=0.005)
+        forces = {tuple(c.position[:2].round(3)): c.force / weight for c in scene.contacts(data)}
+        found.append([forces[place] for place in FEET])
+    assert np.ptp(found, axis=0).max() < 1e-9
+
+
 def test_a_tower_of_turned_boxes_keeps_its_points_and_stands():
     world = "".join(
         f'<body pos="0 0 {0.1 + 0.2 * k}" euler="0 0 {20 * k}"><freejoint/>'
@@ -164,6 +184,29 @@ def test_laws_lie_on_what_carries_them():
         slip = axes @ data.qvel[:2]
         expected = axes.T @ law.force(slip, normal_force=0.018 * GRAVITY)
         np.testing.assert_allclose(force, expected, atol=1e-6, err_msg=str((key, value)))
+
+
+def test_an_axis_along_the_normal_leaves_its_place_to_the_next():
+    law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2))
+    normal = np.full(3, 3**-0.5)
+    x, y, z = 0.1 * normal
+    model = model_of(
+        '<geom name="wall" type="plane" size="1 1 .1" zaxis="1 1 1"/>'
+        f'<body pos="{x} {y} {z}"><freejoint/><geom name="ball" size=".1" mass="1"/></body>',
+        option='gravity="-5 -5 -5"',
+    )
+    data = mujoco.MjData(model)
+    data.qvel[:3] = 1.0, -1.0, 0.0
+    scene = Scene(model, {("wall", "ball"): PairLaw(law, axis=(1, 1, 1), carried_by="world")})
+    scene.step(data)
+    first = np.array([0.0, 1.0, 0.0]) - normal[1] * normal
+    axes = np.array(
+        [first / np.linalg.norm(first), np.cross(normal, first) / np.linalg.norm(first)]
+    )
+    force = scene.contacts(data)[0].force
+    slip = axes @ (data.qvel[:3] + np.cross(data.qvel[3:], -0.1 * normal))
+    expected = law.force(slip, normal_force=float(force @ normal))
+    np.testing.assert_allclose(axes @ force, expected, rtol=1e-6)
 
 
 def test_a_law_that_is_not_symmetric_has_the_slip_of_the_second_of_the_pair():
@@ -350,6 +393,12 @@ def test_forces_that_are_not_finite_end_by_name_and_leave_the_state():
     np.testing.assert_array_equal(data.qvel, 0.0)
 
 
+FLOOR_AND_BASE = (
+    '<geom name="floor" type="plane" size="1 1 .1"/><body name="base"/>'
+    '<body><freejoint/><geom name="box" size=".1"/></body>'
+)
+
+
 @pytest.mark.parametrize(
     ("laws", "message"),
     [
@@ -362,11 +411,37 @@ def test_forces_that_are_not_finite_end_by_name_and_leave_the_state():
             "patch_radius",
         ),
         ([HALF_LOAD], "must be a mapping"),
+        ({("floor", "base"): HALF_LOAD}, "body 'base', which has no geoms"),
+        ({("floor", "box"): HALF_LOAD, ("box", "floor"): HALF_LOAD}, "and the reverse"),
     ],
 )
 def test_laws_are_checked(laws, message):
     with pytest.raises(asp.AsperityError, match=message):
-        Scene(box(), laws)
+        Scene(model_of(FLOOR_AND_BASE), laws)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda model: model, "mujoco.MjData"),
+        (lambda model: mujoco.MjData(model_of("<geom size='1'/>")), "of the scene's model"),
+        (lambda model: spoilt(model, "qvel"), "finite qpos and qvel"),
+        (lambda model: spoilt(model, "qpos"), "finite qpos and qvel"),
+    ],
+)
+def test_data_are_checked(change, message):
+    scene, data = Scene(model := box()), change(model)
+    for call in (scene.step, scene.problem, scene.project, lambda d: scene.simulate(d, t_end=1.0)):
+        with pytest.raises(asp.ParameterError, match=message):
+            call(data)
+    with pytest.raises(asp.ParameterError, match=r"mujoco\.MjModel, got 'a\.xml'"):
+        Scene("a.xml")
+
+
+def spoilt(model, name):
+    data = mujoco.MjData(model)
+    getattr(data, name)[1] = np.nan
+    return data
 
 
 def test_inadmissible_starts_are_refused_or_projected_with_a_report():
@@ -394,6 +469,13 @@ def test_a_failure_leaves_the_state_as_it_was():
     np.testing.assert_array_equal(data.qpos, model.qpos0)
     assert data.qvel[5] == 5.0
     assert data.time == 0.0
+    # Also where the start was projected.
+    data.qpos[2] = deep = 0.004
+    with pytest.raises(asp.ConvergenceError):
+        Scene(model, {("floor", "box"): LAWS["extended"]}, starts="project", tolerance=1e-300).step(
+            data
+        )
+    assert data.qpos[2] == deep
 
 
 def test_a_problem_is_that_of_the_next_step():
@@ -411,6 +493,20 @@ def test_a_problem_is_that_of_the_next_step():
     )
     taken = scene.step(data).solution
     np.testing.assert_allclose(alone.percussion, taken.percussion, atol=1e-15)
+
+
+def test_a_problem_of_a_contact_that_its_own_percussion_opens_has_no_rows():
+    """Of a damper that is stiff for the step: without the contact it ends inside, with it above."""
+    model = model_of(
+        '<geom type="plane" size="1 1 .1"/><body pos="0 0 .10055"><joint name="j" type="slide"'
+        ' axis="0 0 1"/><geom size=".1" mass="1"/></body>',
+        option='gravity="0 0 0"',
+        more='<actuator><general joint="j" biastype="affine" biasprm="0 0 -6000"/></actuator>',
+    )
+    data = mujoco.MjData(model)
+    data.qvel[0] = -1.0
+    problem = Scene(model).problem(data)
+    assert problem.items.size == problem.free_velocity.size == problem.delassus.size == 0
 
 
 def test_contacts_are_those_of_the_last_step():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -82,7 +82,7 @@ class Axes:
         if self.carrier is not None:
             kind, number = self.carrier
             axes = (data.geom_xmat if kind == "geom" else data.xmat)[number].reshape(3, 3)
-        for axis in (self.axis, np.roll(self.axis, 1)):
+        for axis in (self.axis, np.eye(3)[(np.abs(self.axis).argmax() + 1) % 3]):
             cos, sin = map(float, frame[3:].reshape(2, 3) @ (axes @ axis))
             length = math.hypot(cos, sin)
             if length > _PARALLEL:
@@ -126,14 +126,14 @@ class PairLaws:
                 continue
             if not (isinstance(key, tuple) and len(key) == 2):
                 raise ParameterError("laws", f"must have pairs of names as keys, got {key!r}")
+            if key[0] != key[1] and key[::-1] in given:
+                raise ParameterError("laws", f"have {key!r} and the reverse: give one of them")
             named.append((sum(name in rows.names for name in key), key, pair))
         # Pairs of geoms come after those of bodies and win.
         for _, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
             made = self._made(pair, first)
-            reverse = made
-            if made.axes is not None:
-                reverse = replace(made, axes=replace(made.axes, is_reversed=True))
-            ones, others = set(self._geoms(first)), set(self._geoms(second))
+            reverse = replace(made, axes=made.axes and replace(made.axes, is_reversed=True))
+            ones, others = self._geoms(first), self._geoms(second)
             rows.raise_condim(ones | others, 1 + pair.law.dimension)
             for a in ones:
                 for b in others:
@@ -178,18 +178,17 @@ class PairLaws:
     def _carrier(self, name: str) -> tuple[str, int]:
         if name in self._rows.names:
             return "geom", self._rows.names.index(name)
-        return "body", self._body(name)
-
-    def _body(self, name: str) -> int:
         mj, model = self._rows.mj, self._rows.user
         number = int(mj.mj_name2id(model, mj.mjtObj.mjOBJ_BODY, str(name)))
         if number < 0:
             raise ParameterError("laws", f"name {name!r}, which no geom or body of the model has")
-        return number
+        return "body", number
 
-    def _geoms(self, name: str) -> Iterator[int]:
-        if name in self._rows.names:
-            yield self._rows.names.index(name)
-            return
-        model, body = self._rows.user, self._body(name)
-        yield from np.flatnonzero(model.geom_bodyid == body).tolist()
+    def _geoms(self, name: str) -> set[int]:
+        kind, number = self._carrier(name)
+        if kind == "geom":
+            return {number}
+        geoms = set(np.flatnonzero(self._rows.user.geom_bodyid == number).tolist())
+        if not geoms:
+            raise ParameterError("laws", f"name body {name!r}, which has no geoms")
+        return geoms

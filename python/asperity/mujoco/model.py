@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._base import extras
+from asperity._base import arrays, extras
 from asperity.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class RowsModel:
 
     def __init__(self, model: mujoco.MjModel, *, ignore_rolling: bool) -> None:
         self.mj = extras.library("mujoco")
-        self.user = model
+        self.user = arrays.of_kind(model, "model", self.mj.MjModel, "a mujoco.MjModel")
         self.model = m = copy.copy(model)
         _refuse(self.mj, m, ignore_rolling)
         disable, enable = self.mj.mjtDisableBit, self.mj.mjtEnableBit
@@ -45,6 +45,7 @@ class RowsModel:
         m.pair_dim[m.pair_dim == _ROLLING] = 4
         m.jnt_margin[:] = _FAR
         m.tendon_margin[:] = _FAR
+        self.buffer = self.mj.MjData(m).nbuffer
         self.dt = float(m.opt.timestep)
         self.detection = 0.0
         self.damping = self.dt * m.dof_damping
@@ -93,6 +94,14 @@ class RowsModel:
             if pair <= geoms:
                 m.pair_dim[number] = max(m.pair_dim[number], dimension)
 
+    def check(self, data: mujoco.MjData) -> None:
+        """Refuse data of another model, and states that are not finite."""
+        arrays.of_kind(data, "data", self.mj.MjData, "a mujoco.MjData")
+        if data.nbuffer != self.buffer:
+            raise ParameterError("data", "must be that of the scene's model, not of another")
+        if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
+            raise ParameterError("data", "must have finite qpos and qvel")
+
     def factor(self, data: mujoco.MjData) -> None:
         """Factor M + h D in place of M, for damping that is implicit."""
         entries = data.M
@@ -133,22 +142,26 @@ class RowsModel:
         m = self.user
 
         def identity(geom: int) -> tuple[object, ...]:
-            place = (m.geom_pos[geom].tolist(), m.geom_quat[geom].tolist())
-            return (self.names[geom], int(m.geom_type[geom]), *place, m.geom_size[geom].tolist())
+            body = m.geom_bodyid[geom]
+            places = (m.body_pos[body], m.body_quat[body], m.geom_pos[geom], m.geom_quat[geom])
+            shape = (int(m.geom_type[geom]), m.geom_size[geom].tolist())
+            return (m.geom(geom).name, m.body(body).name, *shape, *(p.tolist() for p in places))
 
         order = sorted(range(m.ngeom), key=identity)
         return np.argsort(np.array(order, dtype=np.int64))
 
     def _depths(self) -> NDArray[np.float64]:
-        """Return by how much the flat faces of each geom rest in each other, in m.
+        """Return by how much geoms rest in each other, in m.
 
-        MuJoCo finds one point instead of eight where two boxes touch within 1e-9 m.
+        MuJoCo finds one point instead of eight where two boxes touch within 1e-9 m. Equalities are
+        violated by up to 1e-9 of the extent: contacts that they hold must not contradict them.
         """
+        least = 1e-8 * self.user.stat.extent if self.user.neq else 0.0
         types = self.mj.mjtGeom
         flat = np.isin(
             self.user.geom_type, [types.mjGEOM_BOX, types.mjGEOM_MESH, types.mjGEOM_CYLINDER]
         )
-        return np.where(flat, 1e-5 * self.user.geom_rbound, 0.0)
+        return np.maximum(np.where(flat, 1e-5 * self.user.geom_rbound, 0.0), least)
 
 
 def _geom_name(model: mujoco.MjModel, geom: int) -> str:

@@ -23,7 +23,8 @@ _PROJECTIONS = 20
 class Projector:
     """Coordinates ahead of a step, on data of its own.
 
-    A projection is min ‖δ‖_M with g + J δ ≥ 0 for gaps and limits, = 0 for equalities, repeated.
+    A projection is min ‖δ‖_M with g + J δ ≥ 0 for gaps and limits, = 0 for equalities, repeated, of
+    rows that something can move.
     """
 
     def __init__(self, model: RowsModel, *, exact: float, solver: Solver | None) -> None:
@@ -32,7 +33,8 @@ class Projector:
         self._stepper = ContactStepper([], solver=solver)
         self._reader = Reader(model)
         self.rows: Rows
-        self.depth = 0.0
+        self.depth = self._worst = 0.0
+        self._errors: Array
 
     def place(self, data: mujoco.MjData) -> None:
         """Find the rows at the coordinates of `data`."""
@@ -46,14 +48,13 @@ class Projector:
         self._find()
 
     def violations(self, least: float) -> dict[str, float]:
-        """Return by how much rows that something can move are violated, if by more than `least`."""
+        """Return by how much rows are violated, if by more than `least`."""
         ahead, rows, layout = self.data, self.rows, self.rows.layout
-        moves = np.any(rows.matrix, axis=1)
         found: dict[str, float] = {}
         numbers = [*range(ahead.ne), *layout.unilateral.tolist()]
-        sizes = [*np.abs(ahead.efc_pos[: ahead.ne]).tolist(), *(-rows.gaps).tolist()]
+        sizes = [*self._errors.tolist(), *(-rows.gaps).tolist()]
         for k, (row, size) in enumerate(zip(numbers, sizes, strict=True)):
-            if size > least and moves[row]:
+            if size > least:
                 contact = k - ahead.ne - layout.limits
                 pair = layout.pairs[contact] if contact >= 0 else None
                 name = self._model.item_name(ahead, row, pair)
@@ -62,27 +63,18 @@ class Projector:
 
     def settle(self) -> tuple[float, float]:
         """Project the coordinates; return the largest violation before and after."""
-        first = worst = self._worst()
+        first = self._worst
         for _ in range(_PROJECTIONS):
-            if worst <= self._exact:
+            if self._worst <= self._exact:
                 break
-            self._move(worst)
+            self._move()
             self._find()
-            worst = self._worst()
-        return first, worst
+        return first, self._worst
 
     def level(self, velocity: Array) -> Array:
         """Return a velocity without what it has in equalities."""
         ne = self.data.ne
-        inverse, delassus = self._mobility(np.arange(ne))
-        solution = self._stepper.solve(
-            delassus,
-            free_velocity=self.rows.matrix[:ne] @ velocity,
-            items=np.full(ne, JOINT),
-            on_failure="record",
-        )
-        self._stepper.forget()
-        return velocity + solution.percussion @ inverse
+        return velocity + self._least_change(np.arange(ne), self.rows.matrix[:ne] @ velocity)
 
     def energy(self, velocity: Array) -> Array:
         """Return potential and kinetic energy in J."""
@@ -106,46 +98,36 @@ class Projector:
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
         self._mj.mj_makeConstraint(m, ahead)
-        self.rows = self._reader.read(ahead)
-        gaps = self.rows.gaps
-        self.depth = -float(gaps.min()) if gaps.size else 0.0
+        self.rows = rows = self._reader.read(ahead)
+        moves = np.any(rows.matrix, axis=1)
+        rows.gaps[~moves[rows.layout.unilateral]] = np.inf
+        self._errors = np.abs(ahead.efc_pos[: ahead.ne]) * moves[: ahead.ne]
+        self.depth = -float(rows.gaps.min(initial=0.0))
+        self._worst = max(self.depth, float(self._errors.max(initial=0.0)))
 
-    def _worst(self) -> float:
-        """Return the largest violation of rows that something can move."""
-        ne, rows = self.data.ne, self.rows
-        if not ne and self.depth <= self._exact:
-            return max(self.depth, 0.0)
-        errors = np.abs(self.data.efc_pos[:ne])
-        if max(errors.max(initial=0.0), -rows.gaps.min(initial=0.0)) > self._exact:
-            moves = np.any(rows.matrix, axis=1)
-            errors = errors[moves[:ne]]
-            rows.gaps[~moves[rows.layout.unilateral]] = np.inf
-        return max(float(errors.max(initial=0.0)), -float(rows.gaps.min(initial=0.0)))
-
-    def _move(self, worst: float) -> None:
+    def _move(self) -> None:
         """Move to where the linearised rows hold."""
         ne, rows = self.data.ne, self.rows
         # What is as near as the others are violated may close.
-        near = rows.gaps < worst
+        near = rows.gaps < self._worst
         index = np.concatenate((np.arange(ne), rows.layout.unilateral[near]))
         gaps = np.concatenate((self.data.efc_pos[:ne], rows.gaps[near]))
-        inverse, delassus = self._mobility(index)
-        solution = self._stepper.solve(
-            delassus,
-            free_velocity=gaps,
-            items=np.where(np.arange(len(index)) < ne, JOINT, LIMIT),
-            on_failure="record",
-        )
-        self._stepper.forget()
-        change = solution.percussion @ inverse
+        change = self._least_change(index, gaps)
         self._mj.mj_integratePos(self._model.model, self.data.qpos, change, 1.0)
 
-    def _mobility(self, index: NDArray[np.int64]) -> tuple[Array, Array]:
-        """Return M⁻¹Jᵀ, transposed, and J M⁻¹ Jᵀ of some rows."""
+    def _least_change(self, index: NDArray[np.int64], before: Array) -> Array:
+        """Return the least change in M after which rows hold that have these values before."""
         m, ahead = self._model.model, self.data
         self._mj.mj_makeM(m, ahead)
         self._mj.mj_factorM(m, ahead)
         matrix = self.rows.matrix[index]
         inverse = np.empty_like(matrix)
         self._mj.mj_solveM(m, ahead, inverse, matrix)
-        return inverse, matrix @ inverse.T
+        solution = self._stepper.solve(
+            matrix @ inverse.T,
+            free_velocity=before,
+            items=np.where(index < ahead.ne, JOINT, LIMIT),
+            on_failure="record",
+        )
+        self._stepper.forget()
+        return solution.percussion @ inverse

@@ -67,7 +67,8 @@ class Scene:
     Args:
         model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
         laws: by pairs of names of geoms or bodies, and ``"default"``: a `FrictionLaw`, whose first
-            axis is that of the first of the pair, or a `PairLaw`. Pairs of geoms win over bodies.
+            axis is that of the first of the pair, or a `PairLaw`. Geoms win over bodies, also where
+            both have the name.
         starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
             model's extent, or ``"project"`` them.
         rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
@@ -149,19 +150,21 @@ class Scene:
             data: of the model; its state is advanced.
 
         Raises:
-            ParameterError: if the state is inadmissible and `starts` is ``"refuse"``.
+            ParameterError: if the state is not finite, or inadmissible, see `starts`.
             NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
         """
-        if self._left != self._state(data):
-            self._start(data)
-        q, v = data.qpos.copy(), data.qvel.copy()
-        control = self._mj.get_mjcb_control()
-        if control is not None:
-            control(self._rows.user, data)
+        self._rows.check(data)
+        before = data.qpos.copy(), data.qvel.copy()
         try:
+            if self._left != self._state(data):
+                self._start(data)
+            q, v = data.qpos.copy(), data.qvel.copy()
+            control = self._mj.get_mjcb_control()
+            if control is not None:
+                control(self._rows.user, data)
             rows, items, solution, after = self._advance(data, q, v)
         except BaseException:
-            data.qpos[:], data.qvel[:] = q, v
+            data.qpos[:], data.qvel[:] = before
             raise
         self._write(data, v, after, rows, items, solution)
         projected, violation = self._projector.settle()
@@ -191,6 +194,7 @@ class Scene:
             ParameterError: naming the argument, or as `step`.
             NoSolutionError, ConvergenceError: as `step`.
         """
+        self._rows.check(data)
         steps = round((arrays.number(t_end, "t_end") - data.time) / self._dt)
         if steps < 0:
             raise ParameterError("t_end", f"must not be before data.time = {data.time:g}")
@@ -219,6 +223,7 @@ class Scene:
 
         Limits and contacts that stay open are left out.
         """
+        self._rows.check(data)
         trial = self._mj.MjData(self._model)
         self._mj.mj_copyData(trial, self._model, data)
         rows, items, _, _ = self._solve(trial, data.qpos.copy(), data.qvel.copy())
@@ -275,6 +280,7 @@ class Scene:
         Raises:
             NoSolutionError: if they cannot, to 1e-6 of the model's extent.
         """
+        self._rows.check(data)
         ahead = self._projector
         ahead.place(data)
         violations = ahead.violations(_EXACT * self._extent)
@@ -383,10 +389,9 @@ class Scene:
         while True:
             items = self._reader.items(self._laws, data, rows, near)
             if not items.index.size:
+                self._system = None
                 return items, None, free
             solution, after = self._percussions(data, rows, items, velocity, free)
-            if near.all():
-                return items, solution, after
             late = ~near & (rows.matrix[unilateral] @ after + opening < -_EXACT * fastest)
             if not late.any():
                 return items, solution, after
