@@ -38,8 +38,6 @@ from asperity.system import RigidBodies
 # The motion is followed for at most so many of the longest times of the linearised system, and for
 # this part of it before a section is chosen.
 _LONGEST, _SETTLING = 200.0, 0.05
-# Tolerance with which it is followed until then: any state on the way to the cycle will do.
-_ROUGH = 1e-6
 # Turns of a section that may make up one period, and the accuracy to which they have to agree.
 _LOOPS, _SAME = SAME_TURN, 1e-6
 # They are looked for where the motion comes this near to its start, between samples.
@@ -217,12 +215,7 @@ def _followed(
     q, u = start
     if section is None:
         swing = integrate(
-            system,
-            t_end=_SETTLING * horizon,
-            q0=q,
-            u0=u,
-            tolerance=_ROUGH,
-            progress=later(report, 0.0, horizon),
+            system, t_end=_SETTLING * horizon, q0=q, u0=u, progress=later(report, 0.0, horizon)
         )
         section = middle(second_half(swing))[0]
         q, u = swing.q[-1], swing.u[-1]
