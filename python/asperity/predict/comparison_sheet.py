@@ -17,7 +17,7 @@ from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
 from asperity.identify import IdentifiedLaw, LawComparison, compare_laws
-from asperity.identify.estimator.law_comparison import CurveName
+from asperity.identify.estimator.law_comparison import CurveName, probability
 from asperity.law import FrictionLaw
 
 FILES = ("comparison.csv", "comparison.png", "paths.png", "report.html")
@@ -65,8 +65,10 @@ class ComparisonSheet(TableResult):
                 (
                     name,
                     "yes" if one.differ else "not found",
-                    *(f"{p:.3g}" for p in (one.p_value, one.reservoir.p_value)),
-                    f"{one.direction.p_value:.3g}",
+                    *(
+                        probability(p).removeprefix("= ")
+                        for p in (one.p_value, one.reservoir.p_value, one.direction.p_value)
+                    ),
                     f"{mu[np.abs(mu).argmax()]:+.4f}",
                     f"{angle[np.abs(angle).argmax()]:+.2f}°",
                     f"{1e3 * far:.2g} mm",

@@ -224,7 +224,7 @@ class IdentifiedLaw(LawFile):
         random = np.random.default_rng(arrays.count(seed, "seed", least=0))
         known = self.covariances
         factors = [
-            (_root(part), degrees)
+            (root_of(part), degrees)
             for part, degrees in zip(known.parts, known.degrees, strict=True)
             if part is not None
         ]
@@ -416,7 +416,7 @@ def _covariance(given: ArrayLike, name: str, count: int) -> Array:
     return arrays.read_only(part)
 
 
-def _root(covariance: Array) -> Array:
+def root_of(covariance: Array) -> Array:
     """Return L with L Lᵀ the covariance, which may be singular."""
     sizes, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     return vectors * np.sqrt(np.maximum(sizes, 0.0))

@@ -15,7 +15,7 @@ from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult
 from asperity._base.value import AnyArray, Fraction, Record
 from asperity.errors import AsperityError, DimensionError, ParameterError
 from asperity.identify.estimator.covariance import level_of
-from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.estimator.identified_law import IdentifiedLaw, root_of
 from asperity.identify.estimator.result import LawFit
 from asperity.identify.models.coordinates import Estimate
 from asperity.identify.models.structure import PlanarStructure
@@ -96,8 +96,8 @@ class LawComparison(TableResult, Record):
         """Return whether the laws differ, by how much, and in which set."""
         verdict = "The laws differ" if self.differ else "No difference of the laws was found"
         lines = [
-            f"{verdict} (p {_probability(self.p_value)}, p {_probability(self.reservoir.p_value)} "
-            f"for C alone, p {_probability(self.direction.p_value)} for D alone)."
+            f"{verdict} (p {probability(self.p_value)}, p {probability(self.reservoir.p_value)} "
+            f"for C alone, p {probability(self.direction.p_value)} for D alone)."
         ]
         level = f"{self.confidence:.0%}"
         for name, curve, scale, unit in (
@@ -116,7 +116,7 @@ class LawComparison(TableResult, Record):
 
     def __repr__(self) -> str:
         word = "different" if self.differ else "no difference found"
-        return f"<LawComparison: {word}, p {_probability(self.p_value)}>"
+        return f"<LawComparison: {word}, p {probability(self.p_value)}>"
 
     def _table(self) -> Table:
         words = {
@@ -254,7 +254,7 @@ class _Side:
             for k, (part, degrees) in enumerate(zip(known.parts, known.degrees, strict=True))
             if part is not None and not (k == 1 and same_calibration)
         ]
-        roots = tuple(_root(part) for part, _ in kept)
+        roots = tuple(root_of(part) for part, _ in kept)
         values = _curves(law.law)
         slopes = np.column_stack([_slope(law, k, values) for k in range(len(law.values))])
         factors = tuple(slopes @ root for root in roots)
@@ -275,11 +275,6 @@ def _slope(law: IdentifiedLaw, k: int, values: Array) -> Array:
     if up == down:
         raise ParameterError("laws", f"{law.names[k]} can be changed in neither direction")
     return np.asarray((above - below) / (up - down))
-
-
-def _root(covariance: Array) -> Array:
-    sizes, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
-    return np.asarray(vectors * np.sqrt(np.maximum(sizes, 0.0)))
 
 
 @dataclass(frozen=True)
@@ -399,6 +394,7 @@ def _axes_of(first: IdentifiedLaw, second: IdentifiedLaw) -> tuple[Array, Array]
     return found, turn
 
 
-def _probability(p: float) -> str:
+def probability(p: float) -> str:
+    """Return "= p", or "< p" where draws give a bound only."""
     least = 1.0 / (1 + _DRAWS)
     return f"= {p:.3g}" if p > least else f"< {2.0 * least:.1g}"
