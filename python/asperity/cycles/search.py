@@ -40,8 +40,6 @@ from asperity.system import RigidBodies
 _LONGEST, _SETTLING = 200.0, 0.05
 # Turns of a section that may make up one period, and the accuracy to which they have to agree.
 _LOOPS, _SAME = SAME_TURN, 1e-6
-# They are looked for where the motion comes this near to its start, between samples.
-_NEAR = 0.1
 # The motion is integrated so much more sharply than the cycle has to close.
 _SHARPER = 0.05
 # Samples of the period that a cycle keeps.
@@ -251,15 +249,9 @@ def _found(
 
 def _once_around(returns: ReturnMap, fixed: Return) -> Return:
     """Return the fixed point with its shortest period."""
-    motion = fixed.motion
-    states = np.concatenate([motion.q, motion.u], axis=1)
     for turns in range(_LOOPS, 1, -1):
-        part = fixed.period / turns
-        there = np.array([np.interp(part, motion.t, values) for values in states.T])
-        if returns.defect(fixed.state, there) > _NEAR:
-            continue
         try:
-            image = returns(fixed.state, part)
+            image = returns(fixed.state, fixed.period / turns)
         except NoCycleError:
             continue
         same = returns.defect(fixed.state, image.state) <= _SAME

@@ -264,7 +264,7 @@ def _text(
 
 
 class _Words:
-    """A number or numbers as a template shows them: {mu}, {friction[0]}, {H:matrix}."""
+    """A number or numbers as a template shows them: {mu}, {friction[0]}, {H}."""
 
     def __init__(self, value: Any) -> None:
         self._value = value
