@@ -1665,3 +1665,29 @@ def test_the_error_follows_the_tolerance_where_slips_pass_axes_of_superellipses(
         for found, exact in ((motion.q, known.q), (motion.u, known.u)):
             error = np.abs(found[-1] - exact[-1]).max() / np.abs(exact).max()
             assert error <= 20.0 * tolerance
+
+
+@pytest.mark.parametrize(
+    ("light", "angle"), [(1.0, 1e-5), (1e-2, 1.5e-4), (1e-4, 1e-3), (1e-6, 1e-2)]
+)
+def test_slips_that_nearly_agree_with_a_normal_turn_round_without_lifting(light, angle):
+    """The normal leaves the slip 1e-11 to 1e-12 of its mobility, which is no rounding."""
+    slip = np.array([[-1.0], [-1.0]])
+    contacts = [
+        asp.Contact(LINE[1.0], direction=slip, normal_force=1.0),
+        asp.Contact(line(0.01), direction=slip, normal=[0.2, 0.2 * (1.0 - angle)]),
+    ]
+    system = asp.LinearSystem(
+        np.diag([83.5, light]),
+        stiffness=[[198.7, 38.5], [38.5, 137.7]],
+        damping=0.84 * np.eye(2),
+        force=[-19.7, 0.0],
+        contacts=contacts,
+    )
+    motion = asp.integrate(
+        system, t_end=4.0, q0=[0.992, 0.678], u0=[0.678, 0.678], tolerance=1e-8, sample_every=0.01
+    )
+    closed = motion.normal_force[:, 1] > 0.0
+    turns = np.diff(np.sign(motion.u[closed, 0])) != 0
+    assert turns.any()
+    assert np.abs(motion.q[closed] @ contacts[1].normal).max() <= 1e-14

@@ -9,10 +9,10 @@ use crate::integrator::event::contact_problem::problem::{
 };
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS, SlidingForces};
 use crate::integrator::event::outcome::Outcome;
-use crate::integrator::event::resolution::{ROUNDED, ROUNDING, SOLVED, SOLVED_EXACTLY};
+use crate::integrator::event::resolution::{NOTHING, ROUNDED, ROUNDING, SOLVED, SOLVED_EXACTLY};
 use crate::integrator::event::state::{EvaluationError, State};
 use crate::linear::LeastNorm;
-use crate::solver::{DEPENDENT, LIGHT, RANK};
+use crate::solver::{LIGHT, RANK};
 use crate::vectors::{add, largest, norm};
 
 /// Slip acceleration over the load below which the contact problem may miss what friction along the slip can hold.
@@ -455,7 +455,7 @@ fn are_dependent(dynamics: &Dynamics<'_>, rows: &[usize], constraints: &[usize])
     rows.iter().all(|&row| {
         let coupling = DVector::from_fn(constraints.len(), |k, _| mobility(constraints[k], row));
         let own = mobility(row, row);
-        own - coupling.dot(&factors.solve(&coupling)) <= DEPENDENT * own
+        own - coupling.dot(&factors.solve(&coupling)) <= NOTHING * own
     })
 }
 
