@@ -57,6 +57,18 @@ def eccentric_disks(q):
     return np.hypot(ends, q[1] + 0.2 * np.sin(q[2]) - q[4] - 0.2 * np.cos(q[5])) - 0.35
 
 
+def eccentric_pair(height, angle, speed, spin):
+    """Two disks that turn about points off their centres; the upper one flies down."""
+    upper = {"position": (0.0, height), "angle": angle, "velocity": (0.0, -speed)}
+    disks = [
+        asp.PlanarBody(1.0, inertia=0.05, angular_velocity=spin, **upper),
+        asp.PlanarBody(1.0, inertia=0.05, position=(0.1, 0.0), angular_velocity=-0.7 * spin),
+    ]
+    centers = {"center": (0.2, 0.0), "other_center": (0.0, 0.2)}
+    pair = asp.SphereSphere(0, radius=0.2, other=1, other_radius=0.15, law=LINE, **centers)
+    return asp.RigidBodies(disks, pairs=[pair], gravity=(0, 0))
+
+
 def spinning(rng):
     """A system in flight, its start, its accelerations and its least gap over the coordinates."""
     spin = 10 ** rng.uniform(0, 3) * rng.choice([-1, 1])
@@ -69,13 +81,7 @@ def spinning(rng):
         q0, u0 = np.array([phi, height]), np.array([spin, speed])
         return system, q0, u0, np.array([0.0, -GRAVITY]), lambda q: q[1] + 0.5 * np.sin(q[0])
     if kind == 1:
-        disks = [
-            asp.PlanarBody(1.0, inertia=0.05, velocity=(0.0, -abs(speed) - 1.0), **start),
-            asp.PlanarBody(1.0, inertia=0.05, position=(0.1, 0.0), angular_velocity=-0.7 * spin),
-        ]
-        centers = {"center": (0.2, 0.0), "other_center": (0.0, 0.2)}
-        pair = asp.SphereSphere(0, radius=0.2, other=1, other_radius=0.15, law=LINE, **centers)
-        system = asp.RigidBodies(disks, pairs=[pair], gravity=(0, 0))
+        system = eccentric_pair(height, phi, abs(speed) + 1.0, spin)
         return system, system.q0, system.u0, np.zeros(6), eccentric_disks
     body = asp.PlanarBody(1.0, inertia=0.08, velocity=(0.0, speed), **start)
     if kind == 2:
@@ -126,6 +132,26 @@ def test_no_impact_of_a_spinning_body_is_missed(count):
         assert (found is None) == (expected is None), case
         assert found is None or abs(found - expected) < NEGLIGIBLE, case
         assert gap(motion.q.T).min() > -NEGLIGIBLE, case
+
+
+@pytest.mark.parametrize(
+    ("height", "angle", "speed", "spin", "tolerance"),
+    [
+        (0.9055810192666398, 2.2520294212480514, 3.5892321869577906, -35.23785988733988, 1e-8),
+        (0.9304680314373185, 0.21667713072504183, 1.2165013152119202, -47.16513655271601, 1e-9),
+        (2.1926845681536955, 0.5224447957640868, 3.608745567879271, 20.907421174076376, 1e-6),
+    ],
+)
+def test_spinning_disks_lift_off_where_all_that_accelerates_them_cancels(
+    height, angle, speed, spin, tolerance
+):
+    """In flight without gravity, where the normal acceleration is rounding of curvature only."""
+    system = eccentric_pair(height, angle, speed, spin)
+    motion = asp.integrate(system, t_end=0.8, tolerance=tolerance)
+    kinds = [event.kind for event in motion.events]
+    assert kinds[0] is asp.EventKind.IMPACT
+    assert asp.EventKind.OPEN in kinds
+    assert eccentric_disks(motion.q.T).min() > -NEGLIGIBLE
 
 
 class Ball(asp.System):

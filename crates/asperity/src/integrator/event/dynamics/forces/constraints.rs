@@ -5,6 +5,7 @@ use crate::integrator::event::dynamics::Dynamics;
 use crate::integrator::event::dynamics::buffers::Constraints;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::dynamics::forces::sharing::Rate;
+use crate::integrator::event::resolution::{PARTS, ROUNDING};
 use crate::vectors::{add, dot, largest};
 
 impl Dynamics<'_> {
@@ -67,10 +68,16 @@ impl Dynamics<'_> {
         self.sharing = sharing;
     }
 
-    /// The size of what the normal acceleration of a contact is the sum of.
+    /// The size of what the normal acceleration of a contact is the sum of. That of the drift is at least the one of which
+    /// [`PARTS`] is the rounding of its differences: where a spinning body lifts off, its terms cancel.
     pub(crate) fn normal_rate_scale(&self, i: usize) -> f64 {
         let size: f64 = self.row(ROWS * i).iter().map(|w| w.abs()).sum();
-        self.load * size + self.drift[ROWS * i].abs()
+        let drift = if self.constant {
+            0.0
+        } else {
+            ROUNDING / PARTS * self.contacts[i].size / self.stencil.width
+        };
+        self.load * size + self.drift[ROWS * i].abs().max(drift)
     }
 
     fn factor_constraints(&self, Constraints { rows, columns, matrix, .. }: &mut Constraints) {
