@@ -279,10 +279,18 @@ def test_mode_shapes_on_the_mesh(tmp_path):
     wanted = modes.modes[:, 1].copy()
     wanted[10] = 0.0
     np.testing.assert_array_equal(parts[2] + 1j * parts[3], wanted)
+    kinds = [bricks[1:], np.array([[0, 1, 2, 3], [1, 2, 3, 4]])]
+    modes.save_vtk(file, coordinates=coordinates, positions=positions, cells=kinds)
+    lines = file.read_text().splitlines()
+    at = lines.index("CELLS 7 55")
+    read = [list(map(int, line.split()[1:])) for line in lines[at + 1 : at + 8]]
+    assert read == [row for nodes in kinds for row in nodes.tolist()]
+    assert lines[at + 8 : at + 16] == ["CELL_TYPES 7", *["12"] * 5, "10", "10"]
     for name, wrong in (
+        ("cells", [bricks, bricks[:, :7]]),
         ("coordinates", coordinates + 5),
         ("coordinates", coordinates + 0.5),
-        ("cells", bricks[:, :5]),
+        ("cells", bricks[:, :7]),
         ("cells", bricks + 0.5),
     ):
         given = {"coordinates": coordinates, "positions": positions, "cells": bricks, name: wrong}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
@@ -145,7 +145,7 @@ class ComplexModes(TableResult):
         *,
         coordinates: ArrayLike,
         positions: ArrayLike,
-        cells: ArrayLike | None = None,
+        cells: ArrayLike | Sequence[ArrayLike] | None = None,
     ) -> None:
         """Write the shapes for ParaView and meshio, real and imaginary part as two vectors each.
 
@@ -154,8 +154,9 @@ class ComplexModes(TableResult):
             coordinates: numbers of the displacements x, y, z of each node, shape ``(m, 3)``; −1
                 where it is held.
             positions: of the nodes in m, shape ``(m, 3)``.
-            cells: nodes of each tetrahedron, wedge or hexahedron in the order of VTK, counted from
-                0, shape ``(cells, nodes)``. Default: points alone.
+            cells: nodes of each tetrahedron, pyramid, wedge or hexahedron in the order of VTK,
+                counted from 0, shape ``(cells, nodes)``; a list of such arrays where there are
+                several kinds. Default: points alone.
 
         Raises:
             DimensionError, ParameterError: naming the argument.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,8 @@ from asperity._base.storage.files import atomic
 from asperity.errors import DimensionError, ParameterError
 from asperity.steady_sliding.linearised.pencil import Complex
 
-# VTK's number of a cell by its number of nodes: vertex, tetrahedra, wedge and hexahedra.
-_CELLS = {1: 1, 4: 10, 6: 13, 8: 12, 10: 24, 20: 25}
+# VTK's number of a cell by its number of nodes: vertex, tetrahedra, pyramid, wedges and hexahedra.
+_CELLS = {1: 1, 4: 10, 5: 14, 6: 13, 8: 12, 10: 24, 15: 26, 20: 25}
 
 
 def write_vtk(
@@ -25,7 +25,7 @@ def write_vtk(
     names: list[str],
     coordinates: ArrayLike,
     positions: ArrayLike,
-    cells: ArrayLike | None,
+    cells: ArrayLike | Sequence[ArrayLike] | None,
 ) -> None:
     """Write real and imaginary parts of modes as vectors at the nodes."""
     places = arrays.array(positions, "positions", (None, 3))
@@ -34,18 +34,31 @@ def write_vtk(
         raise ParameterError(
             "coordinates", f"must be numbers below {len(modes)}, or −1 where a node is held"
         )
-    listed = arrays.array(np.arange(len(places))[:, None] if cells is None else cells, "cells")
+    blocks = [_block(one, len(places)) for one in _blocks(cells, len(places))]
+    # A row of zeros for coordinates that are held.
+    moved = np.concatenate([modes, np.zeros((1, modes.shape[1]))])[numbers]
+    with atomic(path) as file:
+        for line in _lines(places, blocks, moved, names):
+            file.write(f"{line}\n".encode("ascii"))
+
+
+def _blocks(cells: Any, nodes: int) -> Sequence[ArrayLike]:
+    """Return the cells of each kind; the nodes themselves where there are none."""
+    if cells is None:
+        return [np.arange(nodes)[:, None]]
+    several = isinstance(cells, list | tuple) and all(np.ndim(one) == 2 for one in cells)
+    return cells if several else [cells]
+
+
+def _block(cells: ArrayLike, count: int) -> NDArray[np.intp]:
+    listed = arrays.array(cells, "cells")
     if listed.ndim != 2 or listed.shape[1] not in _CELLS:
         kinds = ", ".join(str(count) for count in _CELLS)
         raise DimensionError("cells", f"must have one of {kinds} nodes each")
     nodes = _whole(listed, "cells")
-    if nodes.max(initial=0) >= len(places) or nodes.min(initial=0) < 0:
-        raise ParameterError("cells", f"must name nodes from 0 to {len(places) - 1}")
-    # A row of zeros for coordinates that are held.
-    moved = np.concatenate([modes, np.zeros((1, modes.shape[1]))])[numbers]
-    with atomic(path) as file:
-        for line in _lines(places, nodes, moved, names):
-            file.write(f"{line}\n".encode("ascii"))
+    if nodes.max(initial=0) >= count or nodes.min(initial=0) < 0:
+        raise ParameterError("cells", f"must name nodes from 0 to {count - 1}")
+    return nodes
 
 
 def _whole(values: Array, argument: str) -> NDArray[np.intp]:
@@ -54,15 +67,19 @@ def _whole(values: Array, argument: str) -> NDArray[np.intp]:
     return values.astype(np.intp)
 
 
-def _lines(places: Array, nodes: NDArray[Any], moved: Complex, names: list[str]) -> Iterator[str]:
-    count, each = nodes.shape
+def _lines(
+    places: Array, blocks: list[NDArray[np.intp]], moved: Complex, names: list[str]
+) -> Iterator[str]:
     yield "# vtk DataFile Version 3.0\nMode shapes by asperity\nASCII\nDATASET UNSTRUCTURED_GRID"
     yield f"POINTS {len(places)} double"
     yield from _rows(places)
-    yield f"CELLS {count} {count * (each + 1)}"
-    yield from (f"{each} {' '.join(map(str, row))}" for row in nodes.tolist())
+    count = sum(map(len, blocks))
+    yield f"CELLS {count} {count + sum(nodes.size for nodes in blocks)}"
+    for nodes in blocks:
+        yield from (f"{len(row)} {' '.join(map(str, row))}" for row in nodes.tolist())
     yield f"CELL_TYPES {count}"
-    yield from [str(_CELLS[each])] * count
+    for nodes in blocks:
+        yield from [str(_CELLS[nodes.shape[1]])] * len(nodes)
     yield f"POINT_DATA {len(places)}"
     for k, name in enumerate(names):
         for part, values in (("real", moved[..., k].real), ("imaginary", moved[..., k].imag)):
