@@ -114,7 +114,7 @@ def run(call):
         ended = "no solution" if holds else "false" if proven else "unsolved"
     elif raised is not None:
         unsolved = isinstance(raised, asp.ConvergenceError) and raised.residual is not None
-        unsolved = unsolved or "were not found" in message
+        unsolved = unsolved or "were not found" in message or "without bound" in message
         ended = "events" if "max_events" in message else "unsolved" if unsolved else "failed"
     return found, ended, message
 

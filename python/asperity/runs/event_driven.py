@@ -71,6 +71,7 @@ _FAILURES = {
         "Friction and normal force enforce each other (Painlevé), but that no percussion satisfies "
         "the laws is not proven: try simulate",
     ),
+    "unbounded": (Status.UNBOUNDED.message, Status.UNBOUNDED.advice),
     "no_solution": (Status.NO_SOLUTION.message, Status.NO_SOLUTION.advice),
 }
 

@@ -57,6 +57,8 @@ pub enum Stagnation {
     NoImpact,
     /// The forces or percussions of the contacts at an event have not been found to the accuracy that is needed.
     Unsolved,
+    /// They grow without bound: there is probably no solution, but that is not proven.
+    Unbounded,
 }
 
 impl Stagnation {
@@ -68,6 +70,7 @@ impl Stagnation {
             Self::Events => "events",
             Self::NoImpact => "no_impact",
             Self::Unsolved => "unsolved",
+            Self::Unbounded => "unbounded",
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::contact::{
     BlockMatrix, ContactProblem, ContactRows, ContactState, Memory, NormalForce, Phase,
 };
 use crate::integrator::event::dynamics::{ContactVariables, Dynamics, ROWS};
-use crate::integrator::event::outcome::Outcome;
+use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::resolution::{NOTHING, SOLVED};
 use crate::integrator::event::state::EvaluationError;
 use crate::integrator::observer::Observer;
@@ -200,6 +200,9 @@ impl Participants {
                         Box::new(Unsolvable { problem, contacts, infeasibility })
                     });
                     Outcome::NoSolution { contact, unsolvable }
+                }
+                Status::Unbounded => {
+                    Outcome::Stagnated { cause: Stagnation::Unbounded, contact: Some(contact) }
                 }
                 _ => Outcome::unsolved(contact),
             };
