@@ -43,8 +43,9 @@ pub(super) struct Assembly {
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
     slip: Vec<f64>,
-    /// The factors of friction by place of all rows, one where it does not depend on it.
+    /// The factors of friction by place of all rows, and whether some contact has one.
     by_place: Vec<f64>,
+    has_maps: bool,
     /// What χ changes by on the way to the next midpoint, row by row, of contacts that stay closed.
     chord: Vec<f64>,
     /// The blocks that a new contact touches.
@@ -61,8 +62,9 @@ pub(super) struct Assembly {
 struct Evaluated {
     rows: Vec<f64>,
     chi: [f64; 4],
-    /// The factor of friction at the place of the contact, which the rows of friction have.
+    /// The factor of friction at the place of the contact, which the rows of friction have, and whether it has a map.
     by_place: f64,
+    has_map: bool,
     /// What they change by on the way to the next midpoint, and whether they do, once that was asked for.
     chord: [f64; 4],
     bends: Option<bool>,
@@ -84,9 +86,9 @@ impl Evaluated {
         self.bends = None;
         let (rows, chi) = (&mut self.rows[..entries], &mut self.chi[..len]);
         let gap = system.rows(at, contact, rows, chi)?;
-        self.by_place = 1.0;
+        (self.by_place, self.has_map) = (1.0, false);
         if let Some((map, place)) = system.friction_place(at, contact) {
-            self.by_place = map.factor(map.region(place), place);
+            (self.by_place, self.has_map) = (map.factor(map.region(place), place), true);
             scale_rows(self.by_place, &system.contacts()[contact], entries / len, rows, chi);
         }
         Ok(gap)
@@ -373,6 +375,7 @@ impl Assembly {
         let Rows { first, len, .. } = self.contacts[place];
         self.chi[first..first + len].copy_from_slice(&self.evaluated.chi[..len]);
         self.by_place[first..first + len].fill(self.evaluated.by_place);
+        self.has_maps |= self.evaluated.has_map;
         let old = &mut self.directions[self.contacts[place].entries()];
         let new = &self.evaluated.rows[..old.len()];
         let changed = *old != *new;
@@ -587,10 +590,10 @@ impl Assembly {
         }
     }
 
-    /// The factors that forces have by the speed and, row by row, by the place.
+    /// The factors that forces have by the speed and, row by row, by the place, if it depends on it.
     #[inline]
-    pub(super) fn factors_of_forces(&self) -> (&Factors, &[f64]) {
-        (&self.factors, &self.by_place)
+    pub(super) fn factors_of_forces(&self) -> (&Factors, Option<&[f64]>) {
+        (&self.factors, self.has_maps.then_some(&self.by_place))
     }
 
     /// Factors of the speed.

@@ -44,14 +44,16 @@ impl Outputs {
         closed: &mut Closed,
         memory: &Memory,
         velocity: &[f64],
-        (factors, by_place): (&Factors, &[f64]),
+        (factors, by_place): (&Factors, Option<&[f64]>),
     ) {
         if closed.settle() {
             self.renew(closed);
         }
         copy(velocity, &mut self.velocity);
         copy(&memory.percussion, &mut self.percussion);
-        copy(by_place, &mut self.by_place);
+        if let Some(by_place) = by_place {
+            copy(by_place, &mut self.by_place);
+        }
         if factors.any() {
             copy(factors.rows(), &mut self.factors);
         }
@@ -68,11 +70,13 @@ impl Outputs {
         for (&contact, rows) in closed.active.iter().zip(closed.problem.contacts()) {
             self.rows[contact] = Some(rows.rows());
         }
-        for list in [&mut self.velocity, &mut self.percussion, &mut self.by_place] {
+        for list in [&mut self.velocity, &mut self.percussion] {
             list.resize(closed.problem.rows(), 0.0);
         }
-        self.factors.clear();
-        self.factors.resize(closed.problem.rows(), 1.0);
+        for list in [&mut self.factors, &mut self.by_place] {
+            list.clear();
+            list.resize(closed.problem.rows(), 1.0);
+        }
     }
 
     /// What a contact with this law did in a step of length `dt`, if it was closed.
