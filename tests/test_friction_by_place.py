@@ -233,6 +233,27 @@ def test_the_map_moves_with_its_plane_and_lies_in_its_axes():
     assert np.allclose(slope.apply(moved, inverse=True)[:2], flat.q[-1, :2], atol=1e-9)
 
 
+def test_a_body_that_flies_over_a_border_lands_with_the_friction_there():
+    """The impact takes φ μ v_N off the speed along the floor, the way after it begins there."""
+    factor = beyond(0.15, 0.0, 0.4)
+    mu, along, up = 0.4 * MU, 1.5, 1.0
+    body = asp.Body.ball(1.0, radius=0.1, velocity=(along, 0.0, up))
+    floor = asp.PointPlane(
+        0,
+        point=(0.0, 0.0, 0.0),
+        plane=asp.Plane(friction_factor=factor),
+        law=asp.FrictionLaw.isotropic(MU),
+    )
+    system = asp.RigidBodies([body], pairs=[floor])
+    landed = along * 2.0 * up / GRAVITY
+    assert landed > 0.15
+    stops = landed + (along - mu * up) ** 2 / (2.0 * GRAVITY * mu)
+    motion = asp.integrate(system, t_end=3.0)
+    assert [event.kind for event in motion.events] == ["impact", "stick"]
+    assert abs(way(motion) - stops) < 1e-9
+    assert abs(way(asp.simulate(system, dt=1e-4, t_end=3.0)) - stops) < 1e-3
+
+
 def test_what_is_not_a_factor_is_refused_by_name():
     square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
     wrong = {
