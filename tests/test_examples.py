@@ -22,6 +22,8 @@ SIZE = re.compile(r"^(SIZE\b.*? = )\d+", re.MULTILINE)
 NEEDS = {
     "errors": ["xarray", "zarr"],
     "film_of_a_disk": ["av", "PIL"],
+    "conveyor_in_mujoco": ["mujoco"],
+    "skid_steer": ["mujoco"],
     "sweep_over_a_grid": ["xarray", "zarr"],
 }
 

@@ -175,6 +175,8 @@ VALUES = [
     SHAKER,
     asp.Sine(1.0, frequency=2.0),
     asp.PlaneMotion(displacement=SHAKER, rotation=SHAKER),
+    asp.FrictionRegions([([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], 0.5)], elsewhere=0.8),
+    asp.FrictionRaster([[1.0, 0.5], [0.3, 0.2]], x1=[0.0, 1.0], x2=[0.0, 2.0]),
     asp.Plane(velocity=asp.Sine([1.0, 0.0], frequency=2.0), spin=SIGNAL, motion=asp.PlaneMotion()),
     asp.Line(motion=asp.PlaneMotion(rotation=SIGNAL)),
     asp.Body.ball(1.0, radius=0.1, force=SHAKER),

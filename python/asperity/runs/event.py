@@ -26,6 +26,8 @@ class EventKind(StrEnum):
     """The motion crosses the section."""
     KINK = "kink"
     """A load or the velocity of a surface jumps, or its rate does, see `Signal`."""
+    BORDER = "border"
+    """A contact crosses a border at which friction jumps, see `FrictionRegions`."""
 
     def __repr__(self) -> str:
         return f"EventKind.{self.name}"

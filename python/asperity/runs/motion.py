@@ -30,6 +30,7 @@ _WITH_CONTACT = {
     EventKind.IMPACT_WITHOUT_COLLISION: "stops slipping by an impact without collision",
     EventKind.SECTION: "crosses the section",
     EventKind.KINK: "has a kink",
+    EventKind.BORDER: "crosses a border of friction",
 }
 _WITHOUT_CONTACT = {
     **dict.fromkeys(EventKind, "something happens"),

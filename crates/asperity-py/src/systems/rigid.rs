@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use asperity::ArgumentError;
-use asperity::system::System;
 use asperity::system::rigid::{
     self, Bodies, Body, Frame, Pair, PlanarBody, Plane, PlaneMotion, Shape, Spring,
 };
+use asperity::system::{Field, FrictionMap, System};
 use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
@@ -76,6 +76,7 @@ fn plane(pair: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Plane> {
         velocity: time_function(&velocity, "velocity", false, raised)?,
         spin: time_function(&item(given, "spin")?, "spin", false, raised)?,
         motion: motion.transpose()?,
+        friction: friction_map(&item(given, "friction_factor")?, raised)?,
         body,
         ..Plane::new(point, normal, place(given, "axis")?)
     })
@@ -118,21 +119,51 @@ fn frame(given: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Frame> {
     if let Ok(axis) = given.extract::<Numbers<'_>>() {
         return Ok(Frame::Body { axis: padded(numbers(&axis, "frame")?, "frame")? });
     }
+    let check = |angle: f64| match angle.is_finite() {
+        true => Ok(angle),
+        false => Err(parameter("frame", &format!("must return a finite angle, returned {angle}"))),
+    };
+    Ok(Frame::Field(field(given, raised, check)))
+}
+
+/// A function of the position in a plane whose values pass a check.
+fn field(
+    given: &Bound<'_, PyAny>,
+    raised: &Raised,
+    check: impl Fn(f64) -> PyResult<f64> + Send + Sync + 'static,
+) -> Field {
     let (function, raised) = (given.clone().unbind(), Arc::clone(raised));
-    Ok(Frame::Field(Arc::new(move |[x1, x2]| {
-        let angle = Python::attach(|py| {
-            let angle: f64 = function.call1(py, (x1, x2))?.extract(py)?;
-            if angle.is_finite() {
-                return Ok(angle);
-            }
-            Err(parameter("frame", &format!("must return a finite angle, returned {angle}")))
-        });
-        angle.unwrap_or_else(|error| {
+    Arc::new(move |[x1, x2]| {
+        let value = Python::attach(|py| check(function.call1(py, (x1, x2))?.extract(py)?));
+        value.unwrap_or_else(|error| {
             // The run ends by what is not a number; the exception says why.
             keep(&raised, error);
             f64::NAN
         })
-    })))
+    })
+}
+
+/// Polygons with factors and the factor elsewhere, nodes with factors, a function or nothing.
+fn friction_map(given: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Option<Arc<FrictionMap>>> {
+    if given.is_none() {
+        return Ok(None);
+    }
+    let map = if let Ok((polygons, elsewhere)) = given.extract::<(Vec<(Vec<[f64; 2]>, f64)>, f64)>()
+    {
+        FrictionMap::regions(polygons, elsewhere)
+    } else if let Ok((x1, x2, factors)) = given.extract::<(Vec<f64>, Vec<f64>, Vec<f64>)>() {
+        FrictionMap::raster([x1, x2], factors)
+    } else {
+        let check = |factor: f64| match factor > 0.0 && factor.is_finite() {
+            true => Ok(factor),
+            false => {
+                let message = format!("must return a positive factor, returned {factor}");
+                Err(parameter("friction_factor", &message))
+            }
+        };
+        Ok(FrictionMap::Function(field(given, raised, check)))
+    };
+    Ok(Some(Arc::new(map.map_err(Failure::from)?)))
 }
 
 fn pair(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Pair> {

@@ -1,5 +1,6 @@
 //! Mechanical systems: what a time step asks of them.
 
+pub(crate) mod friction_map;
 pub(crate) mod linear;
 pub(crate) mod mass;
 mod models;
@@ -15,6 +16,7 @@ use std::ops::Range;
 
 use thiserror::Error as ThisError;
 
+pub use friction_map::{Field, FrictionMap};
 pub use linear::{Contact, LinearSystem};
 pub use models::{mass_on_belt, sliding_point};
 pub use rigid::RigidBodies;
@@ -415,6 +417,17 @@ pub trait System: Debug + Sync {
         _contact: usize,
         _bounds: &MotionBounds,
     ) -> Option<f64> {
+        None
+    }
+
+    /// The map by which the friction of a contact depends on its place, and this place; none by default.
+    ///
+    /// Integrators multiply the friction with the factor there; [`rows`](Self::rows) know nothing of it.
+    fn friction_place(
+        &self,
+        _at: &Configuration<'_>,
+        _contact: usize,
+    ) -> Option<(&FrictionMap, [f64; 2])> {
         None
     }
 

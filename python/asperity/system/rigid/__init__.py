@@ -1,6 +1,7 @@
 """Rigid bodies in the plane and in space, their contacts and springs."""
 
 from asperity.system.rigid.bodies import Body, PlanarBody
+from asperity.system.rigid.friction_maps import FrictionRaster, FrictionRegions
 from asperity.system.rigid.pairs import BoxPlane, PointPlane, SpherePlane, SphereSphere
 from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.rotation import axis_angle
@@ -13,6 +14,8 @@ __all__ = [
     "BodyAxis",
     "BoxPlane",
     "ContactLabel",
+    "FrictionRaster",
+    "FrictionRegions",
     "Line",
     "PlanarBody",
     "Plane",

@@ -12,7 +12,8 @@ from asperity._base.arrays import Array
 from asperity._base.value import Index, Record, Vector2, Vector3, field
 from asperity.errors import ParameterError
 from asperity.system import time_functions
-from asperity.system.rigid import plane_motion, rotation
+from asperity.system.rigid import friction_maps, plane_motion, rotation
+from asperity.system.rigid.friction_maps import FrictionFactor
 from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.rotation import Orientation
 from asperity.system.time_functions import Changing1, Changing2
@@ -38,6 +39,9 @@ class Plane(Record):
         spin: angular velocity of the surface about n in rad/s: a number, or a `Signal` or a
             function of t in s.
         motion: how the plane moves; ``None``: it rests.
+        friction_factor: `FrictionRegions`, a `FrictionRaster` or a smooth function of the position
+            (x₁, x₂) in m from `point` along e₁, e₂: the factor of the friction there, for laws
+            without a rate. It belongs to the plane, not to a belt on it. ``None``: 1 everywhere.
         body: number of the body that the plane is fixed to, in whose axes all the above is then
             given, from its centre of mass; ``None``: fixed to the world.
 
@@ -56,6 +60,7 @@ class Plane(Record):
     velocity: Changing2 = field(default=(0.0, 0.0))
     spin: Changing1 = field(default=0.0)
     motion: Annotated[PlaneMotion | None, plane_motion.of_shapes((3,), (3,))] = None
+    friction_factor: Annotated[FrictionFactor, friction_maps.checked_factor] = None
     body: Index | None = None
     axes: Array = field(init=False)
 
@@ -71,7 +76,8 @@ class Plane(Record):
 
         Args:
             orientation: a ``Rotation`` of SciPy, or a quaternion (w, x, y, z), which is normalised.
-            **options: ``point``, ``velocity``, ``spin``, ``motion``, ``body``, as of `Plane`.
+            **options: ``point``, ``velocity``, ``spin``, ``motion``, ``friction_factor``, ``body``,
+                as of `Plane`.
 
         Raises:
             DimensionError, ParameterError: naming the argument.
@@ -92,6 +98,7 @@ class Plane(Record):
             "velocity": time_functions.core(self.velocity),
             "spin": time_functions.core(self.spin),
             "motion": plane_motion.core_data(self.motion, (np.zeros(3), np.zeros(3))),
+            "friction_factor": friction_maps.core_data(self.friction_factor),
         }
 
 

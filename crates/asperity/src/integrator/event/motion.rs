@@ -25,6 +25,8 @@ pub enum EventKind {
     Section,
     /// A load or the motion of a surface jumps, or its rate does.
     Kink,
+    /// A contact crosses a border at which friction jumps, see [`FrictionMap`](crate::system::FrictionMap).
+    Border,
 }
 
 impl EventKind {
@@ -38,6 +40,7 @@ impl EventKind {
             Self::ImpactWithoutCollision => "impact_without_collision",
             Self::Section => "section",
             Self::Kink => "kink",
+            Self::Border => "border",
         }
     }
 }
@@ -88,9 +91,11 @@ impl Motion {
     /// Appends a state, at which the dynamics have been evaluated.
     pub(crate) fn record(&mut self, dynamics: &mut Dynamics<'_>, state: &State) {
         for contact in &dynamics.contacts {
+            let slip = contact.slip.map(|slip| slip / contact.by_place);
+            let force = contact.force.map(|force| force * contact.by_place);
             self.samples.push_contact(&ContactSample {
-                slip: &contact.slip[..contact.p],
-                force: &contact.force[..contact.p],
+                slip: &slip[..contact.p],
+                force: &force[..contact.p],
                 normal_force: contact.normal_force,
                 phase: contact.mode,
             });
@@ -106,7 +111,8 @@ impl Motion {
         let last = normal_force[first..].iter().zip(force[first * p..].chunks_exact((*p).max(1)));
         for (contact, (normal, force)) in contacts.iter_mut().zip(last) {
             (contact.normal_force, contact.redistributed) = (*normal, false);
-            contact.force[..contact.p].copy_from_slice(&force[..contact.p]);
+            let of_law = force[..contact.p].iter().map(|force| force / contact.by_place);
+            contact.force.iter_mut().zip(of_law).for_each(|(to, force)| *to = force);
         }
     }
 

@@ -11,6 +11,7 @@ use super::outcome::StepError;
 use super::products::Part;
 use super::rated::Factors;
 use crate::contact::{BlockMatrix, Delassus, NormalForce};
+use crate::system::friction_map::scale_rows;
 use crate::system::mass::MassFactors;
 use crate::system::{self, Configuration, Constancy, Midpoint, Step, System, SystemError};
 use crate::vectors::copy;
@@ -42,6 +43,9 @@ pub(super) struct Assembly {
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
     slip: Vec<f64>,
+    /// The factors of friction by place of all rows, and whether some contact has one.
+    by_place: Vec<f64>,
+    has_maps: bool,
     /// What χ changes by on the way to the next midpoint, row by row, of contacts that stay closed.
     chord: Vec<f64>,
     /// The blocks that a new contact touches.
@@ -58,6 +62,9 @@ pub(super) struct Assembly {
 struct Evaluated {
     rows: Vec<f64>,
     chi: [f64; 4],
+    /// The factor of friction at the place of the contact, which the rows of friction have, and whether it has a map.
+    by_place: f64,
+    has_map: bool,
     /// What they change by on the way to the next midpoint, and whether they do, once that was asked for.
     chord: [f64; 4],
     bends: Option<bool>,
@@ -77,7 +84,14 @@ impl Evaluated {
             self.rows.resize(entries, 0.0);
         }
         self.bends = None;
-        system.rows(at, contact, &mut self.rows[..entries], &mut self.chi[..len])
+        let (rows, chi) = (&mut self.rows[..entries], &mut self.chi[..len]);
+        let gap = system.rows(at, contact, rows, chi)?;
+        (self.by_place, self.has_map) = (1.0, false);
+        if let Some((map, place)) = system.friction_place(at, contact) {
+            (self.by_place, self.has_map) = (map.factor(map.region(place), place), true);
+            scale_rows(self.by_place, &system.contacts()[contact], entries / len, rows, chi);
+        }
+        Ok(gap)
     }
 
     /// What the rows of a contact, which were evaluated last, change by; zero where nothing changes.
@@ -97,6 +111,11 @@ impl Evaluated {
                 Some(system.turning().is_some_and(|turning| {
                     turning.chord(midpoint, step, contact, rows, correction)
                 }));
+            let law = &system.contacts()[contact];
+            if law.law().dimension() == 3 {
+                // That of drilling does not follow from its row.
+                correction[law.rows() - 1] *= self.by_place;
+            }
         }
         if self.bends == Some(true) { self.chord } else { [0.0; 4] }
     }
@@ -203,7 +222,7 @@ impl Assembly {
             Part { entries, width }.add_product(velocities, &mut slip[..slip_rows]);
             entries = &entries[velocities.len()..];
         }
-        Ok(slip)
+        Ok(slip.map(|slip| slip / self.evaluated.by_place))
     }
 
     /// The contact problem of a step.
@@ -355,6 +374,8 @@ impl Assembly {
     fn store(&mut self, place: usize) -> bool {
         let Rows { first, len, .. } = self.contacts[place];
         self.chi[first..first + len].copy_from_slice(&self.evaluated.chi[..len]);
+        self.by_place[first..first + len].fill(self.evaluated.by_place);
+        self.has_maps |= self.evaluated.has_map;
         let old = &mut self.directions[self.contacts[place].entries()];
         let new = &self.evaluated.rows[..old.len()];
         let changed = *old != *new;
@@ -498,7 +519,7 @@ impl Assembly {
         for list in [&mut self.directions, &mut self.responses] {
             list.resize(place, 0.0);
         }
-        for list in [&mut self.chi, &mut self.slip, &mut self.chord] {
+        for list in [&mut self.chi, &mut self.slip, &mut self.chord, &mut self.by_place] {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
@@ -567,6 +588,12 @@ impl Assembly {
                 }
             }
         }
+    }
+
+    /// The factors that forces have by the speed and, row by row, by the place, if it depends on it.
+    #[inline]
+    pub(super) fn factors_of_forces(&self) -> (&Factors, Option<&[f64]>) {
+        (&self.factors, self.has_maps.then_some(&self.by_place))
     }
 
     /// Factors of the speed.

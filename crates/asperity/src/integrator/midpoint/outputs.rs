@@ -20,6 +20,8 @@ pub(super) struct Outputs {
     velocity: Vec<f64>,
     percussion: Vec<f64>,
     factors: Vec<f64>,
+    /// The factors of friction by place, by which percussions are too small and velocities too large.
+    by_place: Vec<f64>,
 }
 
 impl Outputs {
@@ -42,13 +44,16 @@ impl Outputs {
         closed: &mut Closed,
         memory: &Memory,
         velocity: &[f64],
-        factors: &Factors,
+        (factors, by_place): (&Factors, Option<&[f64]>),
     ) {
         if closed.settle() {
             self.renew(closed);
         }
         copy(velocity, &mut self.velocity);
         copy(&memory.percussion, &mut self.percussion);
+        if let Some(by_place) = by_place {
+            copy(by_place, &mut self.by_place);
+        }
         if factors.any() {
             copy(factors.rows(), &mut self.factors);
         }
@@ -68,8 +73,10 @@ impl Outputs {
         for list in [&mut self.velocity, &mut self.percussion] {
             list.resize(closed.problem.rows(), 0.0);
         }
-        self.factors.clear();
-        self.factors.resize(closed.problem.rows(), 1.0);
+        for list in [&mut self.factors, &mut self.by_place] {
+            list.clear();
+            list.resize(closed.problem.rows(), 1.0);
+        }
     }
 
     /// What a contact with this law did in a step of length `dt`, if it was closed.
@@ -77,8 +84,8 @@ impl Outputs {
         let rows = self.rows[contact].clone()?;
         let (mut slip, mut force) = ([0.0; 3], [0.0; 3]);
         for (k, row) in (rows.start + law.normal_rows()..rows.end).enumerate() {
-            slip[k] = self.velocity[row];
-            force[k] = self.percussion[row] * self.factors[row] / dt;
+            slip[k] = self.velocity[row] / self.by_place[row];
+            force[k] = self.percussion[row] * self.factors[row] * self.by_place[row] / dt;
         }
         let normal_force = law.normal_force().prescribed();
         let normal_force = normal_force.unwrap_or(self.percussion[rows.start] / dt);

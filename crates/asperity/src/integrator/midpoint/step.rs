@@ -90,7 +90,7 @@ impl Stepper<'_> {
             return Err(error.into());
         }
         let Self { outputs, closed, memory, workspace, assembly, .. } = self;
-        outputs.keep(closed, memory, &workspace.velocity, assembly.factors());
+        outputs.keep(closed, memory, &workspace.velocity, assembly.factors_of_forces());
         self.steps += 1;
         self.check_state()?;
         Ok(report)

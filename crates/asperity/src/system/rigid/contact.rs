@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::pose::{Pose, Poses, Speeds, Twist};
 use super::surface::{Frame, Surface, Timed, tangent};
 use crate::system::Moment;
+use crate::system::friction_map::FrictionMap;
 
 /// A possible contact of a body with another one or with the world.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,8 @@ pub(super) struct Contact {
     pub(super) tangential: usize,
     pub(super) touching: Touching,
     pub(super) frame: Frame,
+    /// The map of its plane, if it has one.
+    pub(super) friction: Option<Arc<FrictionMap>>,
     /// Radius of the patch for drilling friction.
     pub(super) patch: f64,
 }
@@ -124,6 +127,15 @@ impl Contact {
                 (gap, point)
             }
         }
+    }
+
+    /// The contact point in the axes of its plane, from the plane's point.
+    pub(super) fn place(&self, at: Moment, poses: &Poses) -> [f64; 2] {
+        let Touching::Plane { surface, timed, .. } = &self.touching else { return [0.0; 2] };
+        let surface = timed.as_ref().map_or(*surface, |timed| timed.at(surface, at));
+        let surface = poses.second.as_ref().map_or(surface, |pose| surface.at(pose));
+        let away = self.gap(at, poses).1 - surface.point;
+        [away.dot(&surface.e1), away.dot(&surface.e2)]
     }
 
     /// A bound on `|g̈_N|` while it does not overlap, from these poses on for `duration`; none with a plane that moves itself.

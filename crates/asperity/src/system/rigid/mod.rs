@@ -24,4 +24,4 @@ pub use plane_motion::PlaneMotion;
 pub use pose::Pose;
 pub use rigid_bodies::{ContactLabel, Partners, RigidBodies};
 pub use spring::Spring;
-pub use surface::{Field, Frame, Plane};
+pub use surface::{Frame, Plane};

@@ -9,7 +9,7 @@ use super::surface::{Frame, Plane, Surface, Timed, unit};
 use crate::argument::{ArgumentError, below, finite, positive, refuse};
 use crate::contact::NormalForce;
 use crate::law::Law;
-use crate::system::{ContactLaw, TimeFunction};
+use crate::system::{ContactLaw, FrictionMap, TimeFunction};
 
 /// Two surfaces that may touch; bodies are given by their number, places in their axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,7 +144,11 @@ impl Pair {
         if other == Some(body) {
             return refuse("body", "must not touch itself");
         }
-        let frame = self.checked_frame(planar)?;
+        let (frame, friction) = (self.checked_frame(planar)?, self.shape.friction());
+        if friction.is_some() && self.law.rate().is_some() {
+            let message = "must not be given for a law whose friction depends on the speed";
+            return refuse("friction_factor", message);
+        }
         let contact = |touching| Contact {
             body,
             other,
@@ -153,6 +157,7 @@ impl Pair {
             tangential: self.law.dimension(),
             touching,
             frame: frame.clone(),
+            friction: friction.cloned(),
             patch: self.patch_radius.unwrap_or(0.0),
         };
         Ok(self.shape.expand(planar)?.into_iter().map(contact).collect())
@@ -188,6 +193,16 @@ impl Shape {
             Self::PointPlane { plane, .. }
             | Self::SpherePlane { plane, .. }
             | Self::BoxPlane { plane, .. } => Timed::new(plane),
+            Self::SphereSphere { .. } => None,
+        }
+    }
+
+    /// By what factor friction depends on the place on its plane, if it has one and it does.
+    fn friction(&self) -> Option<&Arc<FrictionMap>> {
+        match self {
+            Self::PointPlane { plane, .. }
+            | Self::SpherePlane { plane, .. }
+            | Self::BoxPlane { plane, .. } => plane.friction.as_ref(),
             Self::SphereSphere { .. } => None,
         }
     }

@@ -6,8 +6,8 @@ use super::pose::{Speeds, Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
 use crate::contact::Components;
 use crate::system::{
-    Blocks, Break, Configuration, Constancy, ContactLaw, InitialState, Midpoint, MotionBounds,
-    Rotation, Step, System, SystemError, SystemPart, TimeDependence, Turning,
+    Blocks, Break, Configuration, Constancy, ContactLaw, FrictionMap, InitialState, Midpoint,
+    MotionBounds, Rotation, Step, System, SystemError, SystemPart, TimeDependence, Turning,
 };
 
 /// How far a momentum may be off that of its state, relative to `‖J‖‖Ω‖ + ‖L‖`: the terms of `J Ω` cancel where a slender
@@ -147,6 +147,16 @@ impl System for RigidBodies {
         };
         let poses = contact.poses(|body| self.pose_at(at, body));
         contact.gap_acceleration(&poses, speeds, bounds.duration)
+    }
+
+    fn friction_place(
+        &self,
+        at: &Configuration<'_>,
+        contact: usize,
+    ) -> Option<(&FrictionMap, [f64; 2])> {
+        let contact = &self.contacts[contact];
+        let map = contact.friction.as_deref()?;
+        Some((map, contact.place(at.moment(), &contact.poses(|body| self.pose_at(at, body)))))
     }
 
     fn rows(

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::plane_motion::{PlacedMotion, PlaneMotion};
 use crate::argument::{ArgumentError, finite, refuse};
+use crate::system::friction_map::{Field, FrictionMap};
 use crate::system::rotation::Turn;
 use crate::system::time_function::Extent;
 use crate::system::{Break, Derivative, Moment, TimeFunction};
@@ -29,6 +30,8 @@ pub struct Plane {
     pub spin: TimeFunction<1>,
     /// How the plane moves in the axes in which it is given, if it does.
     pub motion: Option<PlaneMotion>,
+    /// By what factor friction depends on the place, if it does.
+    pub friction: Option<Arc<FrictionMap>>,
     /// The body that the plane is fixed to, in whose axes it is given then.
     pub body: Option<usize>,
 }
@@ -37,7 +40,7 @@ impl Plane {
     /// The plane through `point` with this normal and axis, at rest in the world.
     pub fn new(point: [f64; 3], normal: [f64; 3], axis: [f64; 3]) -> Self {
         let (velocity, spin) = (TimeFunction::ZERO, TimeFunction::ZERO);
-        Self { point, normal, axis, velocity, spin, motion: None, body: None }
+        Self { point, normal, axis, velocity, spin, motion: None, friction: None, body: None }
     }
 
     /// The plane `z = 0` with `e₁` along x.
@@ -66,12 +69,9 @@ pub enum Frame {
     },
     /// Away from the plane's point: across grooves that circle it.
     Polar,
-    /// The angle in rad from the plane's axis, over the position in the plane's axes from its point.
+    /// The angle of `e₁` in rad from the plane's axis, over the position in the plane's axes from its point.
     Field(Field),
 }
-
-/// Angle of `e₁` over the position in the plane.
-pub type Field = Arc<dyn Fn([f64; 2]) -> f64 + Send + Sync>;
 
 impl fmt::Debug for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -95,7 +95,7 @@ impl StepSize {
             }
             // Surfaces that move along their normal give velocities, too.
             let surface = dynamics.chi[ROWS * i].abs();
-            self.scale.u = self.scale.u.max(contact.size).max(surface);
+            self.scale.u = self.scale.u.max(contact.size / contact.by_place).max(surface);
         }
     }
 

@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::integrator::event::state::State;
 use crate::system::mass::MassFactors;
 use crate::system::{
-    Configuration, MotionBounds, Rotation, System, SystemError, derive, full_rows,
+    Configuration, FrictionMap, MotionBounds, Rotation, System, SystemError, derive, full_rows,
 };
 
 /// Angle in rad beyond which the chart is recentred, and the largest turn in a step: θ stays far from a full turn.
@@ -187,6 +187,15 @@ impl<'a> Chart<'a> {
         chi: &mut [f64],
     ) -> Result<f64, SystemError> {
         full_rows(self.system, &self.configuration(t), contact, rows, chi)
+    }
+
+    /// The map of friction on which a contact is, and its place.
+    pub(crate) fn friction_place(
+        &self,
+        t: f64,
+        contact: usize,
+    ) -> Option<(&FrictionMap, [f64; 2])> {
+        self.system.friction_place(&self.configuration(t), contact)
     }
 
     /// Factors the mass matrix for the velocities of the system.

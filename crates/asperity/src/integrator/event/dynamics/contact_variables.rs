@@ -34,6 +34,13 @@ pub(crate) struct ContactVariables {
     pub(crate) sliding: [f64; 3],
     pub(crate) normal_force: f64,
     pub(crate) force: [f64; 3],
+    /// The region of the map of friction in which the contact is, while it is followed there, and its place.
+    pub(crate) region: Option<usize>,
+    pub(crate) place: [f64; 2],
+    /// The factor of friction by place, without which `force` is, and with which `slip` is.
+    pub(crate) by_place: f64,
+    /// A function of the place that is positive outside of the region.
+    pub(crate) outside: f64,
     /// `w_NᵀM⁻¹(w_N + W f)` over `w_NᵀM⁻¹w_N`. Where it vanishes the contact no longer resists normal motions.
     pub(crate) resistance: f64,
     /// `‖|Wᵀ||u| + |χ|‖`: what rounding in the slip is proportional to.
@@ -51,7 +58,15 @@ impl ContactVariables {
     /// An open contact of which nothing has been evaluated.
     pub(crate) fn new(contact: &ContactLaw) -> Self {
         let (p, prescribed) = (contact.law().dimension(), contact.normal_force().prescribed());
-        Self { mode: Phase::Open, p, prescribed, resistance: 1.0, ..Self::default() }
+        Self {
+            mode: Phase::Open,
+            p,
+            prescribed,
+            resistance: 1.0,
+            by_place: 1.0,
+            outside: -1.0,
+            ..Self::default()
+        }
     }
 
     /// What slips are compared with to tell whether they vanish.

@@ -7,6 +7,7 @@ use crate::integrator::event::dynamics::buffers::Stencil;
 use crate::integrator::event::dynamics::contact_variables::{ContactVariables, ROWS};
 use crate::integrator::event::resolution::ROUNDING;
 use crate::integrator::event::state::{EvaluationError, State};
+use crate::system::friction_map::scale_rows;
 use crate::vectors::dot;
 
 /// Width of the stencil over the time scale of the rows, at which truncation of fourth order and rounding are alike.
@@ -57,6 +58,11 @@ impl Dynamics<'_> {
                 let chi = &mut chi[first..1 + contact.p];
                 let rows = &mut self.scratch_rows[..chi.len() * n];
                 self.chart.rows(t + ahead, i, rows, chi)?;
+                if let Some((map, place)) = self.chart.friction_place(t + ahead, i) {
+                    let region = contact.region.unwrap_or_else(|| map.region(place));
+                    let law = &self.system.contacts()[i];
+                    scale_rows(map.factor(region, place), law, n, rows, chi);
+                }
                 for (r, row) in rows.chunks_exact(n).enumerate() {
                     velocities[ROWS * i + first + r][k] = chi[r] + dot(row, u);
                 }

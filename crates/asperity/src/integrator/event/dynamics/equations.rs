@@ -11,6 +11,7 @@ use crate::integrator::event::dynamics::contact_variables::{ContactVariables, RO
 use crate::integrator::event::dynamics::forces::sharing::Sharing;
 use crate::integrator::event::state::EvaluationError;
 use crate::law::Law;
+use crate::system::friction_map::scale_rows;
 use crate::system::mass::MassFactors;
 use crate::system::{System, SystemError};
 use crate::vectors::{dot, largest, norm};
@@ -200,6 +201,16 @@ impl<'a> Dynamics<'a> {
                 let chi = &mut self.chi[ROWS * i + first..ROWS * i + 1 + contact.p];
                 contact.gap =
                     self.chart.rows(t, i, &mut own[first * n..(1 + contact.p) * n], chi)?;
+                if let Some((map, place)) = self.chart.friction_place(t, i) {
+                    if contact.is_free() || contact.region.is_none() {
+                        contact.region = Some(map.region(place));
+                    }
+                    let region = contact.region.unwrap_or_default();
+                    (contact.place, contact.outside) = (place, map.outside(region, place));
+                    contact.by_place = map.factor(region, place);
+                    let (law, rows) = (&self.system.contacts()[i], &mut own[first * n..]);
+                    scale_rows(contact.by_place, law, n, rows, chi);
+                }
             } else if contact.prescribed.is_none() {
                 contact.gap = self.chart.gap(t, i)?;
             }

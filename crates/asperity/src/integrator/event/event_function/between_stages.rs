@@ -5,7 +5,7 @@ use crate::integrator::event::collocation::{STAGES, Tableau, lagrange_at};
 /// Nodes of the polynomials: the start and the stages.
 pub(crate) const NODES: usize = STAGES + 1;
 /// Points of an interval at which the polynomial is evaluated: polynomials of degree five have at most four extrema.
-const POINTS: usize = 8;
+pub(crate) const POINTS: usize = 8;
 /// How far polynomials may leave the range of their values at the nodes, in such ranges: a bound on their Lebesgue constant.
 const LEBESGUE: f64 = 2.0;
 /// Height over the largest value of an event function that may be the error of the polynomial.

@@ -25,6 +25,12 @@ pub(crate) fn contact_event_function(dynamics: &Dynamics<'_>, i: usize) -> f64 {
     }
 }
 
+/// A function that becomes positive where a contact leaves its region of a map of friction.
+pub(crate) fn border_function(dynamics: &Dynamics<'_>, i: usize) -> f64 {
+    let contact = &dynamics.contacts[i];
+    if contact.is_free() { -1.0 } else { contact.outside }
+}
+
 /// How far the friction force of a sticking contact lies outside the reservoir.
 pub(crate) fn excess(dynamics: &Dynamics<'_>, i: usize) -> f64 {
     let contact = &dynamics.contacts[i];

@@ -3,7 +3,8 @@
 use crate::contact::Phase;
 use crate::integrator::event::collocation::{STAGES, Tableau};
 use crate::integrator::event::dynamics::ContactVariables;
-use crate::integrator::event::event_function::between_stages;
+use crate::integrator::event::event_function::NODES;
+use crate::integrator::event::event_function::between_stages::{self, POINTS};
 use crate::integrator::event::event_function::root::Value;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::variables::Integration;
@@ -27,7 +28,7 @@ pub(crate) struct Bracket {
 
 /// An event function that has become positive.
 pub(crate) struct Triggered {
-    /// Number of the contact, or the number of contacts for the section.
+    /// Number of the contact, the number of contacts for the section, or one more than that and the contact for its borders.
     pub(crate) number: usize,
     /// When it was not yet positive, and what it is now.
     pub(crate) low: Value,
@@ -45,6 +46,9 @@ impl Integration<'_> {
             let own = stage * n..(stage + 1) * n;
             let high = c * self.step.h;
             self.evaluate_stage(stage)?;
+            for (places, contact) in self.stage_places.iter_mut().zip(&self.dynamics.contacts) {
+                places[stage + 1] = contact.place;
+            }
             let singular = |c: &ContactVariables| c.mode == Phase::Slip && c.resistance <= 0.0;
             if self.dynamics.contacts.iter().any(singular) {
                 return Ok(Detection::TooLong);
@@ -85,11 +89,39 @@ impl Integration<'_> {
 
     /// Whether there is an event between two values of an event function, the later one at `t`; a section is crossed upwards.
     fn is_event(&self, &Triggered { number, low, high }: &Triggered, t: f64) -> bool {
-        if number < self.memory.len() {
+        if number != self.memory.len() {
             return high > 0.0;
         }
         let after = self.options.section.as_ref().is_some_and(|section| t > section.after);
         high >= 0.0 && low.value < 0.0 && after
+    }
+
+    /// Times in the attempt at which contacts are outside of the region of friction in which they began it, where the lines
+    /// between places a part of a stage apart leave it.
+    fn leaving(&self, stages: usize) -> impl Iterator<Item = f64> {
+        self.stage_places.iter().enumerate().filter_map(move |(i, places)| {
+            let contact = self.dynamics.contacts.get(i).filter(|contact| !contact.is_free())?;
+            let (map, _) = self.dynamics.chart.friction_place(self.state.t, i)?;
+            let region = contact.region?;
+            let at = |x: f64| -> [f64; 2] {
+                std::array::from_fn(|k| {
+                    let values: [f64; NODES] = places.map(|place| place[k]);
+                    between_stages::interpolated(&values[..=stages], x)
+                })
+            };
+            let ends = (1..=stages).flat_map(|node| {
+                let ends = [node - 1, node].map(|k| self.time_of_node(k) / self.step.h);
+                (0..POINTS).map(move |k| {
+                    let width = (ends[1] - ends[0]) / POINTS as f64;
+                    [ends[0] + k as f64 * width, ends[0] + (k + 1) as f64 * width]
+                })
+            });
+            let mut left = ends.filter_map(|[start, end]| {
+                let part = map.leaves(region, at(start), at(end))?;
+                Some((start + part * (end - start)) * self.step.h)
+            });
+            left.next()
+        })
     }
 
     /// The first event function that has become positive within the first stages, and may not be so at any of them.
@@ -98,10 +130,11 @@ impl Integration<'_> {
         let gap = |number: usize| {
             self.dynamics.contacts.get(number).is_some_and(ContactVariables::is_free)
         };
-        let others = self.stage_values.iter().enumerate().filter(|(number, _)| !gap(*number));
+        let smooth = &self.stage_values[..=self.memory.len()];
+        let others = smooth.iter().enumerate().filter(|(number, _)| !gap(*number));
         let hidden =
             others.filter_map(|(_, values)| between_stages::hidden_maximum(&values[..=stages]));
-        let times = closings.iter().map(|closing| closing.high.at);
+        let times = closings.iter().map(|closing| closing.high.at).chain(self.leaving(stages));
         let Some(high) = times.chain(hidden.map(|x| x * self.step.h)).reduce(f64::min) else {
             return Ok(Detection::None);
         };

@@ -7,7 +7,7 @@ use crate::integrator::event::integration::variables::{Ending, Integration, Next
 use crate::integrator::event::motion::EventKind;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::resolution::{NOTHING, shortest_step};
-use crate::integrator::event::state::EvaluationError;
+use crate::integrator::event::state::{EvaluationError, State};
 use crate::vectors::{largest, norm};
 
 /// Slip over the speed of a contact below which rounding may turn its friction force, as it does where *D* is slender.
@@ -35,8 +35,11 @@ impl Integration<'_> {
         Ok(())
     }
 
-    /// The event of a contact, or of the section, at the present state.
+    /// The event of a contact, of the section, or at a border of friction at the present state.
     pub(crate) fn handle_event(&mut self, number: usize) -> Ending {
+        if number > self.memory.len() {
+            return self.cross_border(number - self.memory.len() - 1);
+        }
         if number == self.memory.len() {
             let counts = self.options.section.as_ref().is_some_and(|s| self.state.t > s.after);
             self.event_values[number] = 0.0;
@@ -80,6 +83,28 @@ impl Integration<'_> {
             }
             _ => self.collide(number),
         }
+    }
+
+    /// A contact goes on in the next region of its map of friction.
+    fn cross_border(&mut self, i: usize) -> Ending {
+        self.dynamics.contacts[i].region = None;
+        let State { t, q, u } = &self.state;
+        self.dynamics.kinematics(*t, q, u)?;
+        let map = self.dynamics.chart.friction_place(*t, i);
+        if !map.is_some_and(|(map, _)| map.jumps()) {
+            self.linearised = None;
+            self.reset_event_functions(false);
+            return Ok(None);
+        }
+        self.record_event(Some(i), EventKind::Border, false);
+        self.uncounted += 1;
+        let before = self.modes();
+        for k in 0..self.memory.len() {
+            if self.dynamics.contacts[k].mode != Phase::Open {
+                self.close_contact(k);
+            }
+        }
+        self.decide_modes(&before)
     }
 
     /// Whether a contact separates so fast that its bounce, of height `γ_N²/(2|γ̇_N|)`, is far higher than its overlap.

@@ -4,14 +4,14 @@ use crate::contact::{ContactState, Phase};
 use crate::integrator::event::collocation::{Accuracy, DenseOutput, NewtonGoal, Step, StepSize};
 use crate::integrator::event::contact_problem::{Solving, redundancy};
 use crate::integrator::event::dynamics::{Chart, ContactVariables, Dynamics, ROWS, SlidingForces};
-use crate::integrator::event::event_function::{NODES, contact_event_function};
+use crate::integrator::event::event_function::{NODES, border_function, contact_event_function};
 use crate::integrator::event::motion::{Event, EventKind, Motion};
 use crate::integrator::event::options::Options;
 use crate::integrator::event::outcome::Outcome;
 use crate::integrator::event::resolution::NOTHING;
 use crate::integrator::event::state::{EvaluationError, Scale, State};
 use crate::integrator::observer::Observer;
-use crate::system::{Break, InitialState, MotionBounds, System};
+use crate::system::{Break, Configuration, InitialState, MotionBounds, System};
 use crate::vectors::largest;
 
 /// Why the integration ends here, if it does.
@@ -88,9 +88,12 @@ pub(crate) struct Integration<'a> {
     pub(crate) next_break: Option<Break>,
     /// Events after which the integration does not give up: kinks, and crossings of a section beyond which it goes on.
     pub(crate) uncounted: usize,
-    /// Event functions at the present state, contacts first, then the section; those along the attempt.
+    /// Event functions at the present state, contacts first, then the section, then where some contact has a map of friction
+    /// the borders that contacts cross; those along the attempt.
     pub(crate) event_values: Vec<f64>,
     pub(crate) stage_values: Vec<[f64; NODES]>,
+    /// The places of contacts along the attempt, where some have a map of friction.
+    pub(crate) stage_places: Vec<[[f64; 2]; NODES]>,
     /// Bounds on the motion along the attempt.
     pub(crate) bounds: MotionBounds,
     /// Number of the next sample, what samples are read from, and the last one.
@@ -120,6 +123,9 @@ impl<'a> Integration<'a> {
         let (n, contacts) = (system.dof(), system.contacts().len());
         let (chart, mut state) = Chart::new(system, &start.q, &start.u);
         state.t = options.t_start;
+        let at = Configuration::new(options.t_start, &start.q);
+        let has_map = (0..contacts).any(|i| system.friction_place(&at, i).is_some());
+        let borders = if has_map { contacts } else { 0 };
         let dynamics = Dynamics::new(system, chart, options.t_start..options.t_end);
         Self {
             options,
@@ -143,8 +149,9 @@ impl<'a> Integration<'a> {
             stale: false,
             next_break: None,
             uncounted: 0,
-            event_values: vec![0.0; contacts + 1],
-            stage_values: vec![[0.0; NODES]; contacts + 1],
+            event_values: vec![0.0; contacts + 1 + borders],
+            stage_values: vec![[0.0; NODES]; contacts + 1 + borders],
+            stage_places: vec![[[0.0; 2]; NODES]; borders],
             bounds: MotionBounds::default(),
             samples: 1,
             dense_output: DenseOutput::new(n),
@@ -235,7 +242,8 @@ impl<'a> Integration<'a> {
         self.motion.events.push(Event { time, contact, kind, phase: None, ambiguous });
     }
 
-    /// An event function at the evaluated state: of a contact, or of the section, whose number is that of the contacts.
+    /// An event function at the evaluated state: of a contact, of the section, whose number is that of the contacts, or of the
+    /// borders that a contact crosses.
     pub(crate) fn event_function(&self, number: usize, q: &[f64], u: &[f64]) -> f64 {
         match &self.options.section {
             Some(section) if number == self.memory.len() => {
@@ -243,6 +251,9 @@ impl<'a> Integration<'a> {
                 section.height(&q, &u)
             }
             _ if number == self.memory.len() => -1.0,
+            _ if number > self.memory.len() => {
+                border_function(&self.dynamics, number - self.memory.len() - 1)
+            }
             _ => contact_event_function(&self.dynamics, number),
         }
     }
@@ -252,6 +263,11 @@ impl<'a> Integration<'a> {
     pub(crate) fn reset_event_functions(&mut self, jumped: bool) {
         for contact in 0..self.memory.len() {
             self.event_values[contact] = contact_event_function(&self.dynamics, contact).min(0.0);
+        }
+        for contact in 0..self.stage_places.len() {
+            let value = border_function(&self.dynamics, contact).min(0.0);
+            self.event_values[self.memory.len() + 1 + contact] = value;
+            self.stage_places[contact][0] = self.dynamics.contacts[contact].place;
         }
         if let Some(section) = &self.options.section {
             let (q, u) = self.dynamics.chart.to_system(&self.state.q, &self.state.u);
