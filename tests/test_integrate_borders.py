@@ -1566,7 +1566,7 @@ def test_no_body_goes_through_a_wall_where_percussions_cancel(scale):
         force=(-0.9998594712341624 * scale, -radius),
         contacts=[wall, hinge, pad],
     )
-    with pytest.raises(ConvergenceError, match="were not found"):
+    with pytest.raises(ConvergenceError, match="grow without bound"):
         asp.integrate(system, t_end=4.0, q0=np.zeros(2), u0=np.zeros(2))
 
 
