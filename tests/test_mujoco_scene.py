@@ -377,7 +377,7 @@ def test_contacts_that_do_not_fit_into_the_memory_are_not_dropped_without_a_word
         for k in range(81)
     )
     model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><size memory="700K"/><worldbody>{world}</worldbody></mujoco>'
+        f'<mujoco><size memory="300K"/><worldbody>{world}</worldbody></mujoco>'
     )
     with pytest.raises(asp.ParameterError, match="memory for all contacts"):
         Scene(model).step(mujoco.MjData(model))

@@ -34,7 +34,6 @@ class RowsModel:
         _refuse(self.mj, m, ignore_rolling)
         disable, enable = self.mj.mjtDisableBit, self.mj.mjtEnableBit
         m.opt.cone = self.mj.mjtCone.mjCONE_ELLIPTIC
-        m.opt.jacobian = self.mj.mjtJacobian.mjJAC_DENSE
         m.opt.integrator = self.mj.mjtIntegrator.mjINT_EULER
         # What only MuJoCo's own solver needs.
         m.opt.solver = self.mj.mjtSolver.mjSOL_NEWTON
@@ -62,6 +61,7 @@ class RowsModel:
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
         self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
         self.depth = self._depths()
+        self.is_sparse = bool(self.mj.mj_isSparse(m))
         self.joint_limit = int(self.mj.mjtConstraint.mjCNSTR_LIMIT_JOINT)
 
     def widen(self, detection: float) -> None:

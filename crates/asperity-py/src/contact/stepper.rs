@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use asperity::contact::Phase;
-use asperity::mechanism::{ContactStepper, Rows, StepRows};
+use asperity::mechanism::{ContactStepper, Mobility, Rows, StepRows};
 use asperity::solver::{SolveReport, Stop};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -19,9 +19,9 @@ use crate::interrupt::asked;
 use crate::law::Law;
 
 /// What stands for rows that are those of no contact with friction.
-const FRICTIONLESS: i64 = -1;
-const BILATERAL: i64 = -2;
-const DRY_FRICTION: i64 = -3;
+pub const FRICTIONLESS: i64 = -1;
+pub const BILATERAL: i64 = -2;
+pub const DRY_FRICTION: i64 = -3;
 
 /// A stepper, and buffers for what Python hands over. Threads wait for it without the interpreter, which a step needs to end.
 #[pyclass(frozen, module = "asperity._core")]
@@ -90,7 +90,7 @@ impl Stepper {
             numbers_of.extend(keys.as_array().iter().map(|&key| (key as u64) ^ (1 << 63)));
         }
         let rows = StepRows {
-            delassus: entries,
+            delassus: Mobility::Dense(entries),
             free_velocity,
             items,
             keys: keys.is_some().then_some(&numbers_of[..]),
@@ -101,14 +101,7 @@ impl Stepper {
             stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
             stepper.step(&rows, stop)
         })??;
-        Ok(Step {
-            report,
-            percussion: stepper.percussion().to_vec(),
-            velocity: stepper.velocity().to_vec(),
-            phases: stepper.phases().to_vec(),
-            ambiguous: stepper.ambiguous().to_vec(),
-            mismatch: stepper.mismatch(),
-        })
+        Ok(Step::of(report, stepper))
     }
 
     fn forget(&self, py: Python<'_>) -> Result<(), Failure> {
@@ -122,6 +115,20 @@ impl Stepper {
         let guard =
             self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
         Ok(certified(py, &guard.0.certificate()?)?)
+    }
+}
+
+impl Step {
+    /// The step that a stepper has solved last.
+    pub fn of(report: SolveReport, stepper: &ContactStepper) -> Self {
+        Self {
+            report,
+            percussion: stepper.percussion().to_vec(),
+            velocity: stepper.velocity().to_vec(),
+            phases: stepper.phases().to_vec(),
+            ambiguous: stepper.ambiguous().to_vec(),
+            mismatch: stepper.mismatch(),
+        }
     }
 }
 

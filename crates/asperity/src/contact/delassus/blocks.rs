@@ -289,6 +289,12 @@ impl BlockMatrix {
         &self.values[self.places[k]..self.places[k] + len]
     }
 
+    /// The block of two contacts, if it is kept.
+    pub(crate) fn between(&self, i: usize, j: usize) -> Option<&[f64]> {
+        let k = self.starts[i] + self.neighbours(i).binary_search(&j).ok()?;
+        Some(self.block(k, self.size(i) * self.size(j)))
+    }
+
     /// Blocks of a block row: block column and entries.
     #[inline]
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> {
