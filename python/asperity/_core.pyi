@@ -206,7 +206,7 @@ class Stepper:
     def __new__(cls, laws: Sequence[Law], solver: Solver) -> Stepper: ...
     def step(
         self,
-        delassus: _Array,
+        delassus: Any,
         free_velocity: _Array,
         kinds: NDArray[np.int64],
         bounds: _Array | None,
@@ -282,12 +282,12 @@ class TreeStepper:
     def turn(self, frames: _Array, geoms: _Array, bodies: _Array) -> None: ...
     def move_surfaces(self, velocities: _Array) -> None: ...
     def step(
-        self, free: _Array, before: _Array, time: float, exact: float, tolerance: float
+        self, free: _Array, before: _Array, h: float, exact: float, tolerance: float
     ) -> TreeStep: ...
     def was_from(self, free: _Array, part: float) -> bool: ...
     def pyramids(
         self,
-        forces: _Array,
+        step: TreeStep,
         count: int,
         addresses: _Short,
         dimensions: _Short,
@@ -313,7 +313,7 @@ class TreeStep:
     @property
     def gaps(self) -> _Array: ...
     @property
-    def percussions(self) -> _Array: ...
+    def forces(self) -> _Array: ...
     @property
     def generalised(self) -> _Array: ...
 

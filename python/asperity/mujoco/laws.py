@@ -7,6 +7,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -62,7 +63,7 @@ Laws: TypeAlias = Mapping[Any, FrictionLaw | PairLaw]
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """The direction of e₁ in what carries it: a geom, a body, numbered behind them, or the world."""
+    """The direction of e₁ in what carries it: geoms, bodies numbered behind them, or the world."""
 
     axis: Sequence[float]
     carrier: int | None
@@ -118,13 +119,18 @@ class PairLaws:
                     self._pairs[b, a] = reverse
                     self._pairs[a, b] = made
 
-    def of(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
-        """Return the law of a contact of two geoms with MuJoCo's coefficients."""
-        known = self._pairs.get(pair)
-        if known is None:
-            known = self._default or self._mujoco(pair, friction)
-            self._pairs[pair] = known
-        return known
+    def of_contacts(
+        self, pairs: list[list[int]], friction: Array, numbers: NDArray[np.int64]
+    ) -> list[ContactLaw]:
+        """Return the laws of contacts of two geoms, with MuJoCo's coefficients at these numbers."""
+        found: list[ContactLaw] = []
+        for (one, other), number in zip(pairs, numbers, strict=True):
+            law = self._pairs.get((one, other))
+            if law is None:
+                law = self._default or self._mujoco((one, other), friction[number])
+                self._pairs[one, other] = law
+            found.append(law)
+        return found
 
     def _mujoco(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
         dimension = self._rows.condim(*pair) - 1

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 # Projections converge like Newton's method where they are possible.
 _PROJECTIONS = 20
 _TOLERANCE = 1e-10
+_NONE = np.zeros(0)
 
 
 class Projector:
@@ -98,9 +99,9 @@ class Projector:
         self._mj.mj_collision(m, ahead)
         self._mj.mj_makeConstraint(m, ahead)
         self.depth = self._worst = self.reader.read(ahead)
-        self._errors = np.abs(ahead.efc_pos[: ahead.ne])
+        self._errors = _NONE
         if ahead.ne:
-            self._errors *= self.reader.stepper.moves()
+            self._errors = np.abs(ahead.efc_pos[: ahead.ne]) * self.reader.stepper.moves()
             self._worst = max(self.depth, float(self._errors.max()))
 
     def _move(self) -> None:

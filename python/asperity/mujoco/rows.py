@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 # Keys of contacts begin here, behind those of joints and limits.
 _CONTACTS = 1 << 40
 _POINTS = 1 << 20
+_NONE = np.zeros(0)
 # A direction of which no two corners of a box, or points of a grid, have the same coordinate.
 _PLACE = np.array([1.0, np.sqrt(2.0), np.sqrt(3.0)])
 
@@ -29,8 +30,7 @@ class Layout:
     """What rows there are: those of equalities, dry joints, limits and contacts, in this order.
 
     `unilateral` are the rows of limits and the normal rows of contacts; `contacts` the numbers of
-    contacts in MuJoCo's list, `geoms` their pairs. `which` is the number among `laws` of the law of
-    each contact.
+    contacts in MuJoCo's list, `geoms` their pairs, `laws` what they have.
     """
 
     begin: int
@@ -38,7 +38,6 @@ class Layout:
     unilateral: NDArray[np.int64]
     contacts: NDArray[np.int64]
     geoms: NDArray[np.int32]
-    which: NDArray[np.int64]
     laws: list[ContactLaw]
 
     def pair(self, contact: int) -> tuple[int, int]:
@@ -88,10 +87,9 @@ class Reader:
         else:
             jacobian = jacobian[: data.nefc * model.model.nv]
         stepper = self.stepper
-        depth = stepper.place(
-            *(jacobian, sparsity, data.efc_pos, contacts.dist),
-            *(data.efc_frictionloss, model.dt),
-        )
+        limits = data.efc_pos if counts[2] else _NONE
+        dry = data.efc_frictionloss if counts[1] else _NONE
+        depth = stepper.place(jacobian, sparsity, limits, contacts.dist, dry, model.dt)
         if stepper.has_axes():
             stepper.turn(contacts.frame, data.geom_xmat, data.xmat)
         if model.model.flg_surfacevel and len(self.layout.contacts):
@@ -105,45 +103,33 @@ class Reader:
         address: NDArray[np.int32],
         geoms: NDArray[np.int32],
     ) -> None:
-        model, laws = self._model, self._laws
+        model = self._model
         model.refuse_overflow(data)
         begin, limits = counts[0] + counts[1], counts[2]
         own = np.flatnonzero(address >= 0)
-        limit, pairs = np.arange(begin, begin + limits), geoms[own]
-        is_joint = data.efc_type[limit] == model.joint_limit
-        joints, tendons = data.efc_id[limit[is_joint]], data.efc_id[limit[~is_joint]]
-        rest = np.zeros(limits + len(own))
-        rest[:limits][is_joint] = model.user.jnt_margin[joints]
-        rest[:limits][~is_joint] = model.user.tendon_margin[tendons]
+        pairs = geoms[own]
+        rows = np.empty(limits + len(own), dtype=np.int64)
+        rows[:limits], rows[limits:] = range(begin, begin + limits), address[own]
+        kinds = np.full(len(rows), ContactStepper.FRICTIONLESS, dtype=np.int64)
+        rest, keys, self._stays = np.zeros(len(rows)), np.arange(begin, begin + len(rows)), True
+        if limits and model.have_margins:
+            rest[:limits] = model.limit_margins(data, rows[:limits])
+        found: list[ContactLaw] = []
         if len(own):
             rest[limits:] = data.contact.includemargin[own] - model.detection
             rest[limits:] -= model.depth[pairs].min(axis=1)
-        rows = np.concatenate((limit, address[own]), dtype=np.int64)
-        kinds = np.full(len(rows), ContactStepper.FRICTIONLESS, dtype=np.int64)
-        keys, self._stays = np.arange(begin, begin + len(rows)), True
-        found: list[ContactLaw] = []
-        which = np.zeros(len(own), dtype=np.int64)
-        if laws is not None and len(own):
-            keys[limits:], self._stays = _keys(model, data, own, pairs)
-            codes, some, which = np.unique(
-                pairs[:, 0].astype(np.int64) * model.model.ngeom + pairs[:, 1],
-                return_index=True,
-                return_inverse=True,
-            )
-            friction = data.contact.friction[own[some]]
-            for code, coefficients in zip(codes.tolist(), friction, strict=True):
-                found.append(laws.of(divmod(code, model.model.ngeom), coefficients))
-            kinds[limits:] = np.array([law.number for law in found])[which]
-            if len(laws.laws) > self._known:
-                self._renew()
-        self.layout = Layout(begin, limits, rows, own, pairs, which, found)
+            if self._laws is not None:
+                found = self._laws.of_contacts(pairs.tolist(), data.contact.friction, own)
+                kinds[limits:] = [law.number for law in found]
+                keys[limits:], self._stays = _keys(model, data, own, pairs)
+                if len(self._laws.laws) > self._known:
+                    self._renew()
+        self.layout = Layout(begin, limits, rows, own, pairs, found)
         self.stepper.list(counts, address, geoms, own, rows, kinds, keys, rest)
-        if any(law.axes is not None for law in found):
-            for k, number in enumerate(which.tolist()):
-                law = found[number]
-                if law.axes is not None:
-                    axes = (law.axes.axis, law.axes.carrier, law.axes.is_reversed)
-                    self.stepper.carry(limits + k, *axes, law.radius)
+        for k, law in enumerate(found):
+            if law.axes is not None:
+                axes = (law.axes.axis, law.axes.carrier, law.axes.is_reversed)
+                self.stepper.carry(limits + k, *axes, law.radius)
 
 
 def _keys(

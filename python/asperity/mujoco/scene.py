@@ -143,12 +143,14 @@ class Scene:
             ParameterError: if the state is not finite, or inadmissible, see `starts`.
             NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
         """
-        self._rows.check(data)
-        before = data.qpos.copy(), data.qvel.copy()
+        is_new = self._owner is not data or self._left != self._state(data)
+        if is_new:
+            self._rows.check(data)
+        q, v = before = data.qpos.copy(), data.qvel.copy()
         try:
-            if self._left != self._state(data):
+            if is_new:
                 self._start(data)
-            q, v = data.qpos.copy(), data.qvel.copy()
+                q, v = data.qpos.copy(), data.qvel.copy()
             control = self._mj.get_mjcb_control()
             if control is not None:
                 control(self._rows.user, data)
@@ -243,14 +245,14 @@ class Scene:
         if self._last is None:
             return []
         layout, found, solution, position, frames = self._last
-        contacts, percussion, gaps = [], found.percussions, found.gaps
+        contacts, force, gaps = [], found.forces, found.gaps
         for place, k in enumerate(np.flatnonzero(found.near).tolist()):
             contact, item = k - layout.limits, layout.begin + place
             if contact < 0:
                 continue
             row, number = layout.unilateral[k], layout.contacts[contact]
-            dimension = layout.laws[layout.which[contact]].dimension
-            frame, parts = frames[number].reshape(3, 3), percussion[row : row + 4] / self._dt
+            dimension = layout.laws[contact].dimension
+            frame, parts = frames[number].reshape(3, 3), force[row : row + 4]
             acting = 1 + min(dimension, 2)
             one, other = layout.pair(contact)
             contacts.append(
@@ -338,7 +340,7 @@ class Scene:
         stepper.factor(data.qLD)
         # Forces at the mean velocity, or a tumbling body would gain energy.
         free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
-        settings = (0.5 * self._dt, _EXACT, self._tolerance)
+        settings = (self._dt, _EXACT, self._tolerance)
         found = stepper.step(free, v, *settings)
         if found.step is not None:
             # Percussions are part of it, or stiff joints and stuck feet would lend energy.
@@ -354,13 +356,14 @@ class Scene:
         mj.mj_fwdVelocity(m, data)
         mj.mj_fwdActuation(m, data)
         mj.mj_fwdAcceleration(m, data)
-        free = v + self._dt * data.qacc_smooth
+        free = self._dt * data.qacc_smooth
+        free += v
         if self._rows.is_damped and at is not v:
             # Damping is that of v⁺, MuJoCo's that of the velocity here.
             change = np.empty((1, m.nv))
             mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
             free += change[0]
-        if not math.isfinite(float(free @ free)):
+        if at is not v and not math.isfinite(float(free @ free)):
             raise ParameterError(
                 "data", f"must have finite velocities, forces at {data.time:g} s make them others"
             )
@@ -389,15 +392,11 @@ class Scene:
         solution: StepSolution | None,
     ) -> None:
         """Leave in `data` what MuJoCo would: velocities, activations, time, forces and sensors."""
-        mj, m, h, stepper = self._mj, self._model, self._dt, self._reader.stepper
+        mj, m, h = self._mj, self._model, self._dt
         data.qacc[:] = (after - v) / h
-        self._owner, self._last, force = data, None, None
-        if solution is None:
-            data.qfrc_constraint[:] = 0.0
-        else:
-            contacts = data.contact
-            data.qfrc_constraint[:] = found.generalised / h
-            force = found.percussions / h
+        self._owner, self._last, contacts = data, None, data.contact
+        data.qfrc_constraint[:] = found.generalised
+        if solution is not None:
             self._last = (
                 *(self._reader.layout, found, solution),
                 *(contacts.pos.copy(), contacts.frame.copy()),
@@ -417,10 +416,10 @@ class Scene:
             mj.mj_makeConstraint(m, data)
             m.opt.cone = mj.mjtCone.mjCONE_ELLIPTIC
             contacts = data.contact
-            if force is not None and data.nefc:
-                edges = contacts.efc_address, contacts.dim, contacts.friction
-                force = stepper.pyramids(force, data.nefc, *edges)
-        data.efc_force[:] = 0.0 if force is None else force
+            edges = contacts.efc_address, contacts.dim, contacts.friction
+            data.efc_force[:] = self._reader.stepper.pyramids(found, data.nefc, *edges)
+        else:
+            data.efc_force[:] = 0.0 if solution is None else found.forces
         mj.mj_fwdVelocity(m, data)
         if m.nsensor:
             for sense in (mj.mj_sensorPos, mj.mj_sensorVel, mj.mj_sensorAcc):

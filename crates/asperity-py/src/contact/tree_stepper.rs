@@ -47,7 +47,7 @@ pub struct TreeStep {
     velocity: Vec<f64>,
     near: Vec<bool>,
     gaps: Vec<f64>,
-    percussions: Vec<f64>,
+    forces: Vec<f64>,
     generalised: Vec<f64>,
 }
 
@@ -208,13 +208,13 @@ impl TreeStepper {
         }
     }
 
-    /// Solves a step from the velocities without percussions and those before.
+    /// Solves a step from the velocities without percussions and those before, with gaps that close in half of it.
     fn step(
         &mut self,
         py: Python<'_>,
         free: Numbers<'_>,
         before: Numbers<'_>,
-        time: f64,
+        h: f64,
         exact: f64,
         tolerance: f64,
     ) -> Result<TreeStep, Failure> {
@@ -222,19 +222,19 @@ impl TreeStepper {
         let stepper = &mut self.stepper;
         let report = asked(py, |cancelled| {
             let stop = Stop::at(tolerance).unless(cancelled);
-            stepper.step(free, before, Closing { time, exact, stop })
+            stepper.step(free, before, Closing { time: 0.5 * h, exact, stop })
         })??;
         let step = report.map(|report| Py::new(py, Step::of(report, stepper.stepper())));
         let step = step.transpose()?;
-        let percussions =
-            if step.is_some() { self.stepper.percussions() } else { Vec::new() };
+        let mut forces = if step.is_some() { self.stepper.percussions() } else { Vec::new() };
+        forces.iter_mut().for_each(|force| *force /= h);
         Ok(TreeStep {
             step,
             velocity: self.stepper.velocity().to_vec(),
             near: self.stepper.near().to_vec(),
             gaps: self.stepper.gaps().to_vec(),
-            generalised: self.stepper.generalised(&percussions),
-            percussions,
+            generalised: self.stepper.generalised(&forces),
+            forces,
         })
     }
 
@@ -247,21 +247,25 @@ impl TreeStepper {
     fn pyramids<'py>(
         &self,
         py: Python<'py>,
-        forces: Numbers<'_>,
+        step: &TreeStep,
         count: usize,
         addresses: Short<'_>,
         dimensions: Short<'_>,
         friction: Points<'_>,
     ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
-        let forces = numbers(&forces, "forces")?;
+        let forces = &step.forces;
         let (equalities, joints, limits) = self.identity.counts;
         let begin = equalities + joints + limits;
         let mut edges = vec![0.0; count];
+        if forces.is_empty() {
+            return Ok(array(py, edges));
+        }
         edges[..begin].copy_from_slice(&forces[..begin]);
         for (&contact, first) in self.contacts.iter().zip(self.stepper.rows().skip(limits)) {
             let size = dimensions.as_array()[contact] as usize;
             let place = addresses.as_array()[contact] as usize;
-            let own = &mut edges[place..place + (2 * size - 2).max(1)];
+            let edges = edges.get_mut(place..place + (2 * size - 2).max(1));
+            let Some(own) = edges else { continue };
             let friction = friction.as_array();
             let friction = friction.row(contact).into_iter().copied();
             pyramid_edges(&forces[first..first + size], friction, own);
@@ -353,13 +357,13 @@ impl TreeStep {
         array(py, self.gaps.clone())
     }
 
-    /// Of all rows of the engine; none if nothing takes part.
+    /// Percussions of all rows of the engine over the step; none if nothing takes part.
     #[getter]
-    fn percussions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        array(py, self.percussions.clone())
+    fn forces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        array(py, self.forces.clone())
     }
 
-    /// `W P`.
+    /// `W P` over the step.
     #[getter]
     fn generalised<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         array(py, self.generalised.clone())

@@ -199,7 +199,11 @@ impl Arranged {
                 for place in 0..count {
                     for k in 0..blocks.neighbours(place).len() {
                         let (other, block) = blocks.block_mut(place, k);
-                        own.products(rows(place), rows(other), block);
+                        if other >= place {
+                            own.products(rows(place), rows(other), block);
+                        } else {
+                            blocks.mirror(place, k);
+                        }
                     }
                 }
             }

@@ -33,6 +33,8 @@ pub(super) struct Member {
     pub(super) dimension: usize,
     pub(super) friction: Friction,
     pub(super) freedom: Freedom,
+    /// Whether joints influence it.
+    pub(super) is_held: bool,
 }
 
 impl Member {
@@ -97,7 +99,6 @@ impl Layout {
     /// Finds which contacts influence each other, among joints.
     pub(super) fn connect(&mut self, step: &Arranged, joints: &Joints) {
         let Self { members, rows, sizes, neighbours, starts, contacts, held } = self;
-        let is_held = |member: &Member| step.rows(member.place).any(|row| joints.influence(row));
         contacts.clear();
         contacts.resize(step.items.len(), None);
         starts.clear();
@@ -107,7 +108,7 @@ impl Layout {
             contacts[member.place] = Some(i);
             starts.push(start);
             start += size;
-            if is_held(member) {
+            if member.is_held {
                 held.push(i);
             }
         }
@@ -117,12 +118,15 @@ impl Layout {
         for (i, (member, list)) in members.iter().zip(&mut *neighbours).enumerate() {
             list.clear();
             list.extend(step.mobility.neighbours(member.place).iter().filter_map(|&k| contacts[k]));
-            if is_held(member) {
+            if member.is_held {
                 list.extend(&*held);
                 list.sort_unstable();
                 list.dedup();
             }
             list.retain(|&j| {
+                if let Some(block) = unchanged(step, member, &members[j]) {
+                    return block.iter().any(|&value| value != 0.0);
+                }
                 let entry = entries(step, joints, member, &members[j]);
                 let own = &rows[starts[i]..starts[i] + sizes[i]];
                 let other = &rows[starts[j]..starts[j] + sizes[j]];
@@ -156,6 +160,10 @@ impl Layout {
                 let (row, j) = (blocks.offsets()[i], blocks.neighbours(i)[k]);
                 let (column, width) = (blocks.offsets()[j], blocks.size(j));
                 let (_, block) = blocks.block_mut(i, k);
+                if let Some(own) = unchanged(step, member, &self.members[j]) {
+                    block.copy_from_slice(own);
+                    continue;
+                }
                 let entry = entries(step, joints, member, &self.members[j]);
                 for (at, value) in block.iter_mut().enumerate() {
                     let (a, b) = (row + at / width, column + at % width);
@@ -175,6 +183,15 @@ impl Layout {
             }
         }
     }
+}
+
+/// The block of the mechanism between two contacts, where it is that of the problem, too.
+fn unchanged<'a>(step: &'a Arranged, one: &Member, other: &Member) -> Option<&'a [f64]> {
+    let keeps = |member: &Member| {
+        let is_plain = member.friction != Friction::Frictionless && member.freedom == Freedom::All;
+        is_plain && !member.is_held
+    };
+    if keeps(one) && keeps(other) { step.mobility.between(one.place, other.place) } else { None }
 }
 
 /// Entries of the mechanism between rows of two contacts, with joints eliminated.

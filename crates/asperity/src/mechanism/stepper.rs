@@ -230,7 +230,8 @@ impl ContactStepper {
                     layout.clear();
                     earlier.clear();
                 })?;
-            layout.add(Member { place, first, dimension, friction, freedom });
+            let is_held = arranged.rows(place).any(|row| joints.influence(row));
+            layout.add(Member { place, first, dimension, friction, freedom, is_held });
         }
         layout.connect(arranged, joints);
         Ok(())

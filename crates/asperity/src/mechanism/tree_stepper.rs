@@ -3,7 +3,7 @@
 use super::arranged::{Mobility, Rows, StepRows};
 use super::stepper::ContactStepper;
 use super::trees::{TreeFactor, TreeRows};
-use crate::argument::{ArgumentError, length, refuse};
+use crate::argument::{ArgumentError, finite, length, refuse};
 use crate::law::Law;
 use crate::solver::{SolveReport, Solver, Stop};
 
@@ -285,7 +285,7 @@ impl TreeStepper {
     ///
     /// # Errors
     ///
-    /// [`ArgumentError`] as [`ContactStepper::step`], or if velocities are not as many as those of the trees.
+    /// [`ArgumentError`] as [`ContactStepper::step`], or if velocities are not finite, or not as many as those of the trees.
     pub fn step(
         &mut self,
         free: &[f64],
@@ -294,6 +294,7 @@ impl TreeStepper {
     ) -> Result<Option<SolveReport>, ArgumentError> {
         length("free_velocity", self.factor.velocities(), free.len())?;
         length("velocity", self.factor.velocities(), before.len())?;
+        finite("free_velocity", free)?;
         let Closing { time, exact, stop } = closing;
         let opening = |gap: f64| gap.max(0.0) / time;
         let approach = |this: &Self, k: usize, velocity: &[f64]| {

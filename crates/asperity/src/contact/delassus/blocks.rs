@@ -313,6 +313,18 @@ impl BlockMatrix {
         (j, &mut self.values[self.places[k]..self.places[k] + len])
     }
 
+    /// Makes the `k`-th block of a block row the transpose of that of the same contacts in the other order, if this is kept.
+    pub(crate) fn mirror(&mut self, i: usize, k: usize) {
+        let own = self.starts[i] + k;
+        let j = self.columns[own];
+        let Ok(other) = self.neighbours(j).binary_search(&i) else { return };
+        let (rows, columns) = (self.size(i), self.size(j));
+        let (place, from) = (self.places[own], self.places[self.starts[j] + other]);
+        for at in 0..rows * columns {
+            self.values[place + at] = self.values[from + at % columns * rows + at / columns];
+        }
+    }
+
     /// The diagonal block of a contact.
     #[inline]
     pub fn diagonal(&self, i: usize) -> &[f64] {
