@@ -231,6 +231,19 @@ def test_redundant_joints_share_and_contradicting_ones_end():
         stepper.solve(opposed, free_velocity=[-2.0, 1.0], items=[JOINT, JOINT])
 
 
+@pytest.mark.parametrize("change", 10.0 ** np.arange(-9.0, -2.0, 0.5))
+def test_joints_that_almost_repeat_each_other_hold(change):
+    rng = np.random.default_rng(17)
+    for _ in range(20):
+        rows = rng.normal(size=(7, 8))
+        rows[3] = rows[0] + change * rng.normal(size=8)
+        free = rows @ rng.normal(size=8)
+        step = ContactStepper(LAWS).solve(
+            rows / rng.uniform(0.1, 10.0, 8) @ rows.T, free_velocity=free, items=[JOINT] * 4 + [0]
+        )
+        assert np.abs(step.velocity[:4]).max() < 1e-6 * np.abs(free[:4]).max()
+
+
 def test_fast_rows_elsewhere_hide_nothing():
     with pytest.raises(NoSolutionError, match=r"item 0, where 0\.5 m/s are left"):
         ContactStepper(LAWS[0]).solve(

@@ -375,8 +375,10 @@ class Scene:
             return 0.0
         ahead = self._projector.reader
         layout, gaps = ahead.layout, ahead.stepper.gaps()
-        pairs = layout.pairs()
         inside = np.flatnonzero(gaps[layout.limits :] < -_EXACT * self._extent).tolist()
+        if not inside:
+            return 0.0
+        pairs = layout.pairs()
         known, deep = Counter(self._reader.layout.pairs()), Counter(pairs[i] for i in inside)
         missed = [i for i in inside if deep[pairs[i]] > known[pairs[i]]]
         new = layout.limits + np.array(missed, dtype=np.int64)

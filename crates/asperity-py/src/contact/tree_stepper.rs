@@ -194,7 +194,8 @@ impl TreeStepper {
                 std::array::from_fn(|i| row[i])
             });
             let frame = frames.row(self.contacts[number - limits]);
-            self.stepper.turn(*number, axis.turn(&rotation, &std::array::from_fn(|i| frame[3 + i])));
+            self.stepper
+                .turn(*number, axis.turn(&rotation, &std::array::from_fn(|i| frame[3 + i])));
         }
         Ok(())
     }
@@ -327,8 +328,7 @@ impl TreeStepper {
             Rows::DryFriction(_) => DRY_FRICTION,
         };
         let bound = |rows: &Rows| if let Rows::DryFriction(bound) = *rows { bound } else { 0.0 };
-        let (kinds, bounds) =
-            (items.iter().map(kind).collect(), items.iter().map(bound).collect());
+        let (kinds, bounds) = (items.iter().map(kind).collect(), items.iter().map(bound).collect());
         (self.stepper.delassus(), free.to_vec(), kinds, bounds, keys.to_vec())
     }
 }

@@ -177,7 +177,9 @@ impl Arranged {
                     let (columns, values) = matrix.row(row);
                     for (&column, &value) in columns.iter().zip(values) {
                         let (other, at) = places[column];
-                        let Ok(k) = blocks.neighbours(place).binary_search(&other) else { continue };
+                        let Ok(k) = blocks.neighbours(place).binary_search(&other) else {
+                            continue;
+                        };
                         blocks.block_mut(place, k).1[offset * sizes[other] + at] = value;
                     }
                 }

@@ -38,11 +38,13 @@ impl Joints {
         if count == 0 {
             return;
         }
-        let g = |a: usize, b: usize| step.mobility.between(joints[a], joints[b]).map_or(0.0, |g| g[0]);
+        let g =
+            |a: usize, b: usize| step.mobility.between(joints[a], joints[b]).map_or(0.0, |g| g[0]);
         let scale = |a: usize| if g(a, a) > 0.0 { g(a, a).sqrt().recip() } else { 0.0 };
         let scaled = DMatrix::from_fn(count, count, |a, b| scale(a) * g(a, b) * scale(b));
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(scaled);
-        let least = ROUNDED * count as f64;
+        // What rows that almost repeat each other leave of velocities is their root.
+        let least = (0.1 * DRIFT).powi(2) * count as f64;
         let kept: Vec<usize> = (0..count).filter(|&k| eigenvalues[k] > least).collect();
         self.basis = DMatrix::from_fn(kept.len(), count, |k, a| {
             eigenvectors[(a, kept[k])] * scale(a) / eigenvalues[kept[k]].sqrt()

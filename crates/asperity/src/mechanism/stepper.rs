@@ -223,7 +223,8 @@ impl ContactStepper {
                 let before = arranged.own(place, a, b);
                 (before, before - joints.entry(first + a, first + b))
             };
-            let velocity = |a: usize| arranged.free_velocity[first + a] - joints.velocity(first + a);
+            let velocity =
+                |a: usize| arranged.free_velocity[first + a] - joints.velocity(first + a);
             let item = arranged.order[place];
             let freedom =
                 freedom::of_contact(item, dimension, own, velocity).inspect_err(|_| {

@@ -86,13 +86,13 @@ impl Axis {
     /// The axes `e₁`, which is the axis projected on the surface, and `e₂`, with a rotation matrix of what carries the axis and the
     /// tangents of the engine, row by row. Where the axis is parallel to the normal, the next one takes its place.
     pub fn turn(&self, rotation: &[f64; 9], tangents: &[f64; 6]) -> Turn {
-        let largest = (0..3).fold(0, |most, k| {
-            if self.axis[k].abs() > self.axis[most].abs() { k } else { most }
-        });
+        let largest = (0..3)
+            .fold(0, |most, k| if self.axis[k].abs() > self.axis[most].abs() { k } else { most });
         let mut next = [0.0; 3];
         next[(largest + 1) % 3] = 1.0;
         let along = |axis: &[f64; 3]| {
-            let turned: [f64; 3] = [0, 1, 2].map(|i| (0..3).map(|j| rotation[3 * i + j] * axis[j]).sum());
+            let turned: [f64; 3] =
+                [0, 1, 2].map(|i| (0..3).map(|j| rotation[3 * i + j] * axis[j]).sum());
             [0, 3].map(|t| (0..3).map(|i| tangents[t + i] * turned[i]).sum::<f64>())
         };
         let mut direction = along(&self.axis);
@@ -420,7 +420,8 @@ impl TreeStepper {
         directions.clear(factor);
         for row in &*rows {
             let term = |k: usize| {
-                let scaled = move |&(column, value): &(usize, f64)| (column, row.weights[k] * value);
+                let scaled =
+                    move |&(column, value): &(usize, f64)| (column, row.weights[k] * value);
                 jacobian.row(row.rows[k]).iter().map(scaled)
             };
             directions.push(factor, term(0).chain(term(1)));
@@ -430,7 +431,8 @@ impl TreeStepper {
 
     /// Whether the last step was one from these velocities without percussions, up to a part of the largest of them.
     pub fn was_from(&self, free: &[f64], part: f64) -> bool {
-        let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+        let largest =
+            |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
         let change = largest(&mut free.iter().zip(&self.given).map(|(new, old)| new - old));
         change <= part * largest(&mut free.iter().copied())
     }
