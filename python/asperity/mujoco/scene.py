@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact import StepSolution
@@ -24,6 +23,8 @@ from asperity.status import Phase, Status
 
 if TYPE_CHECKING:
     import mujoco
+
+    import asperity._core as _core
 
 # Parts of the model's extent: violations up to the first stay, starts with more than the second are
 # refused.
