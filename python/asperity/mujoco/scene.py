@@ -341,13 +341,23 @@ class Scene:
         stepper.factor(data.qLD)
         # Forces at the mean velocity, or a tumbling body would gain energy.
         free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
-        settings = (self._dt, _EXACT, self._tolerance)
-        found = stepper.step(free, v, *settings)
+        found = self._percussions(data, free, v)
         if found.step is not None:
             # Percussions are part of it, or stiff joints and stuck feet would lend energy.
             again = self._free(data, v, 0.5 * (v + found.velocity))
             if not stepper.was_from(again, self._tolerance):
-                found = stepper.step(again, v, *settings)
+                found = self._percussions(data, again, v)
+        return found
+
+    def _percussions(self, data: mujoco.MjData, free: Array, v: Array) -> _core.TreeStep:
+        """Solve the step from the velocities without percussions."""
+        stepper, settings = self._reader.stepper, (self._dt, _EXACT, self._tolerance)
+        found = stepper.step(free, v, *settings)
+        if data.ne and found.step is not None and found.step.status != Status.CONVERGED.value:
+            # Anchors that move by what their paths curve may jam contacts: they rest then.
+            rests = stepper.step(free, np.zeros_like(v), *settings)
+            if rests.step is None or rests.step.status == Status.CONVERGED.value:
+                return rests
         return found
 
     def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
