@@ -40,7 +40,7 @@ PARTS = {
     "track": ["film", "image", "following"],
 }
 MAY_CALL_THE_CORE = {"sets", "law", "solvers", "contact", "system", "runs"}
-MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "ensemble", "commands"}
+MAY_CALL_THE_CORE |= {"steady_sliding", "cycles", "ensemble", "mujoco", "commands"}
 MODULES = [path for path in PACKAGE.rglob("*.py") if path.name not in ("__main__.py",)]
 
 

@@ -273,6 +273,23 @@ def test_contacts_do_not_contradict_equalities_that_hold_the_same(anchor):
     assert data.qfrc_constraint[2] == pytest.approx(GRAVITY, rel=1e-6)
 
 
+def test_a_box_jams_between_its_anchor_and_the_floor():
+    """Lines from corners to the anchor are within the friction cone."""
+    anchor = np.array([0.09616706775524603, 0.03710839689613893, 0.1])
+    model = model_of(
+        '<worldbody><geom type="plane" size="1 1 .1" friction="1"/><body name="b" pos="0 0 .1">'
+        '<freejoint/><geom type="box" size=".1 .1 .1" mass="1" friction="1"/></body></worldbody>'
+        f'<equality><connect body1="b" anchor="{anchor[0]} {anchor[1]} {anchor[2]}"/></equality>'
+    )
+    assert np.hypot(*(anchor[:2] - [0.1, -0.1])) < 1.0 * (anchor[2] + 0.1)
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qvel[5] = -0.6664714561253771
+    run = scene.simulate(data, t_end=0.1)
+    assert run.worst_residual < 1e-9
+    assert np.abs(data.qvel).max() < 1e-12
+    assert np.abs(data.qpos[3:] - [1.0, 0.0, 0.0, 0.0]).max() < 1e-3
+
+
 def test_bodies_that_nothing_moves_do_not_stop_planar_models():
     """Third rows that vanish, as in planar walkers, and normal rows, as in pushers on a table."""
     model = model_of(

@@ -377,7 +377,7 @@ def test_contacts_that_do_not_fit_into_the_memory_are_not_dropped_without_a_word
         for k in range(81)
     )
     model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><size memory="700K"/><worldbody>{world}</worldbody></mujoco>'
+        f'<mujoco><size memory="300K"/><worldbody>{world}</worldbody></mujoco>'
     )
     with pytest.raises(asp.ParameterError, match="memory for all contacts"):
         Scene(model).step(mujoco.MjData(model))
@@ -493,6 +493,50 @@ def test_a_problem_is_that_of_the_next_step():
     )
     taken = scene.step(data).solution
     np.testing.assert_allclose(alone.percussion, taken.percussion, atol=1e-15)
+
+
+def test_sparse_jacobians_have_the_motion_of_dense_ones():
+    """Of towers, which meet no others, beside an arm on a rail that is dragged over the floor."""
+    boxes = "".join(
+        f'<body pos="{i} 0 {0.1 + 0.2 * k}" euler="0 0 {25 * k}"><freejoint/>'
+        '<geom type="box" size=".1 .1 .1"/></body>'
+        for i in range(5)
+        for k in range(2)
+    )
+    arm = """<body pos="0 2 .3"><joint type="slide" axis="1 0 0" damping=".3"/>
+        <geom type="sphere" size=".05" contype="0" conaffinity="0"/>
+        <body><joint axis="0 1 0" range="-30 30" limited="true"/><joint axis="1 0 0"/>
+        <geom name="finger" type="capsule" fromto="0 0 0 0 0 -.25" size=".05"/></body></body>"""
+    law = asp.FrictionLaw.associated(asp.Ellipse(0.6, 0.2))
+    laws = {("floor", "finger"): PairLaw(law, axis=(1.0, 1.0, 0.0), carried_by="world")}
+    runs = []
+    for jacobian in ("dense", "sparse"):
+        world = '<geom name="floor" type="plane" size="5 5 .1"/>' + boxes + arm
+        model = model_of(world, option=f'jacobian="{jacobian}"')
+        data, scene = mujoco.MjData(model), Scene(model, laws, starts="project")
+        data.qvel[:] = 0.3 * np.sin(np.arange(model.nv))
+        for _ in range(30):
+            scene.step(data)
+        problem = scene.problem(data)
+        # At the midpoint, by matrices that are not sparse; turns of tangents leave the traces.
+        middle = mujoco.MjData(scene._model)
+        middle.qpos[:] = data.qpos
+        mujoco.mj_integratePos(model, middle.qpos, data.qvel, 0.5 * scene.dt)
+        mujoco.mj_fwdPosition(scene._model, middle)
+        mass, rows = np.empty((model.nv, model.nv)), np.empty((model.nv, middle.nefc))
+        mujoco.mj_fullM(model, middle, mass)
+        mass += scene.dt * np.diag(model.dof_damping)
+        for unit, own in zip(np.eye(model.nv), rows, strict=True):
+            mujoco.mj_mulJacVec(scene._model, middle, own, unit)
+        diagonal = np.einsum("ij,ij->j", rows, np.linalg.solve(mass, rows))
+        traces = [diagonal[row : row + 3].sum() for row in middle.contact.efc_address]
+        assert (problem.items >= 0).all()
+        for own in np.diag(problem.delassus).reshape(-1, 3).sum(axis=1):
+            assert np.abs(traces - own).min() < 1e-9 * own
+        runs.append((np.concatenate((data.qpos, data.qvel)), problem.delassus))
+    assert len(runs[0][1]) > 50
+    np.testing.assert_allclose(runs[1][0], runs[0][0], atol=1e-9)
+    np.testing.assert_allclose(runs[1][1], runs[0][1], atol=1e-7)
 
 
 def test_a_problem_of_a_contact_that_its_own_percussion_opens_has_no_rows():

@@ -20,6 +20,8 @@ from asperity import (
     Status,
 )
 from profiles import counts
+from scipy.linalg import block_diag
+from scipy.sparse import coo_array, csc_array, csr_array
 
 FREE, JOINT, DRY = (
     ContactStepper.FRICTIONLESS,
@@ -229,6 +231,19 @@ def test_redundant_joints_share_and_contradicting_ones_end():
         stepper.solve(opposed, free_velocity=[-2.0, 1.0], items=[JOINT, JOINT])
 
 
+@pytest.mark.parametrize("change", 10.0 ** np.arange(-9.0, -2.0, 0.5))
+def test_joints_that_almost_repeat_each_other_hold(change):
+    rng = np.random.default_rng(17)
+    for _ in range(20):
+        rows = rng.normal(size=(7, 8))
+        rows[3] = rows[0] + change * rng.normal(size=8)
+        free = rows @ rng.normal(size=8)
+        step = ContactStepper(LAWS).solve(
+            rows / rng.uniform(0.1, 10.0, 8) @ rows.T, free_velocity=free, items=[JOINT] * 4 + [0]
+        )
+        assert np.abs(step.velocity[:4]).max() < 1e-6 * np.abs(free[:4]).max()
+
+
 def test_fast_rows_elsewhere_hide_nothing():
     with pytest.raises(NoSolutionError, match=r"item 0, where 0\.5 m/s are left"):
         ContactStepper(LAWS[0]).solve(
@@ -390,3 +405,74 @@ def test_copies():
     assert not same.velocity.flags.writeable
     with pytest.raises(AttributeError, match="immutable"):
         step.percussion = 0.0
+
+
+def several(rng, count=4):
+    """Random mechanisms that do not meet, all their rows in one list, and keys of their items."""
+    parts = [mechanism(rng) for _ in range(count)]
+    items = [item for own, *_ in parts for item in own]
+    delassus = block_diag(*(own[1] for own in parts))
+    free, bounds = (np.concatenate([own[k] for own in parts]) for k in (2, 3))
+    return parts, items, delassus, free, bounds, rng.permutation(len(items))
+
+
+def test_sparse_matrices_have_the_steps_of_dense_ones():
+    rng = np.random.default_rng(11)
+    one, two = ContactStepper(LAWS), ContactStepper(LAWS)
+    for number in range(30):
+        _, items, delassus, free, bounds, keys = several(rng)
+        starts = row_starts(items)
+        order = rng.permutation(len(items))
+        rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in order])
+        sparse = (coo_array, csc_array, csr_array)[number % 3](delassus[np.ix_(rows, rows)])
+        for _ in range(2):  # From the percussions of the step before, too.
+            options = {"free_velocity": free, "items": items, "bounds": bounds, "keys": keys}
+            dense = one.solve(delassus, on_failure="record", **options)
+            other = two.solve(
+                sparse,
+                free_velocity=free[rows],
+                items=np.array(items)[order],
+                bounds=bounds[order],
+                keys=keys[order],
+                on_failure="record",
+            )
+            np.testing.assert_array_equal(other.percussion, dense.percussion[rows])
+            np.testing.assert_array_equal(other.velocity, dense.velocity[rows])
+            np.testing.assert_array_equal(other.phase, dense.phase[order])
+            assert (other.status, other.iterations) == (dense.status, dense.iterations)
+            free = 0.9 * free
+
+
+def test_mechanisms_that_do_not_meet_move_as_each_alone():
+    rng = np.random.default_rng(12)
+    for _ in range(20):
+        parts, items, delassus, free, bounds, _ = several(rng)
+        together = ContactStepper(LAWS, tolerance=1e-12).solve(
+            csr_array(delassus), free_velocity=free, items=items, bounds=bounds, on_failure="record"
+        )
+        first = 0
+        for own_items, own, own_free, own_bounds in parts:
+            alone = ContactStepper(LAWS, tolerance=1e-12).solve(
+                own,
+                free_velocity=own_free,
+                items=own_items,
+                bounds=own_bounds,
+                on_failure="record",
+            )
+            past = first + len(own_free)
+            scale = np.abs(alone.velocity).max() + np.abs(own_free).max()
+            if alone.converged:
+                np.testing.assert_allclose(
+                    together.velocity[first:past], alone.velocity, atol=1e-8 * scale
+                )
+            first = past
+
+
+@pytest.mark.parametrize(
+    ("delassus", "message"),
+    [(csr_array(np.eye(2)), "delassus"), (csr_array(np.diag([1.0, np.nan, 1.0])), "finite")],
+)
+def test_what_is_wrong_with_sparse_matrices_is_named(delassus, message):
+    with pytest.raises(ParameterError, match=message) as error:
+        ContactStepper(LAWS).solve(delassus, free_velocity=np.zeros(3), items=[0])
+    assert error.value.argument == "delassus"

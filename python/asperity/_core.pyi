@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Array: TypeAlias = NDArray[np.float64]
+_Short: TypeAlias = NDArray[np.int32]
 # Row starts, columns and values of a CSR matrix.
 _Indices: TypeAlias = NDArray[np.int64]
 _Triple: TypeAlias = tuple[_Indices, _Indices, _Array]
@@ -34,6 +35,8 @@ __all__ = [
     "Solver",
     "Step",
     "Stepper",
+    "TreeStep",
+    "TreeStepper",
     "__version__",
     "advance",
     "build_profile",
@@ -203,7 +206,7 @@ class Stepper:
     def __new__(cls, laws: Sequence[Law], solver: Solver) -> Stepper: ...
     def step(
         self,
-        delassus: _Array,
+        delassus: Any,
         free_velocity: _Array,
         kinds: NDArray[np.int64],
         bounds: _Array | None,
@@ -234,6 +237,85 @@ class Step:
     def iterations(self) -> int: ...
     @property
     def worst_item(self) -> int: ...
+
+@final
+class TreeStepper:
+    def __new__(
+        cls,
+        laws: Sequence[Law],
+        solver: Solver,
+        starts: NDArray[np.int64],
+        ancestors: NDArray[np.int64],
+        trees: NDArray[np.int64],
+    ) -> TreeStepper: ...
+    def is_listed(self, counts: tuple[int, int, int], addresses: _Short, geoms: _Short) -> bool: ...
+    def list(
+        self,
+        counts: tuple[int, int, int],
+        addresses: _Short,
+        geoms: _Short,
+        contacts: NDArray[np.int64],
+        rows: NDArray[np.int64],
+        kinds: NDArray[np.int64],
+        keys: NDArray[np.int64],
+        rest: _Array,
+    ) -> None: ...
+    def carry(
+        self,
+        number: int,
+        axis: Sequence[float],
+        carrier: int | None,
+        is_reversed: bool,
+        radius: float,
+    ) -> None: ...
+    def has_axes(self) -> bool: ...
+    def place(
+        self,
+        jacobian: _Array,
+        sparsity: tuple[_Short, _Short, _Short] | None,
+        positions: _Array,
+        distances: _Array,
+        dry: _Array,
+        h: float,
+    ) -> float: ...
+    def factor(self, values: _Array) -> None: ...
+    def turn(self, frames: _Array, geoms: _Array, bodies: _Array) -> None: ...
+    def move_surfaces(self, velocities: _Array) -> None: ...
+    def step(
+        self, free: _Array, before: _Array, h: float, exact: float, tolerance: float
+    ) -> TreeStep: ...
+    def was_from(self, free: _Array, part: float) -> bool: ...
+    def pyramids(
+        self,
+        step: TreeStep,
+        count: int,
+        addresses: _Short,
+        dimensions: _Short,
+        friction: _Array,
+    ) -> _Array: ...
+    def least_change(self, rows: NDArray[np.int64], before: _Array, tolerance: float) -> _Array: ...
+    def forget(self) -> None: ...
+    def gaps(self) -> _Array: ...
+    def row_velocities(self, rows: NDArray[np.int64], velocities: _Array) -> _Array: ...
+    def moves(self) -> NDArray[np.bool_]: ...
+    def problem(
+        self,
+    ) -> tuple[Sequence[float], Sequence[float], Sequence[int], Sequence[float], Sequence[int]]: ...
+
+@final
+class TreeStep:
+    @property
+    def step(self) -> Step | None: ...
+    @property
+    def velocity(self) -> _Array: ...
+    @property
+    def near(self) -> NDArray[np.bool_]: ...
+    @property
+    def gaps(self) -> _Array: ...
+    @property
+    def forces(self) -> _Array: ...
+    @property
+    def generalised(self) -> _Array: ...
 
 @final
 class LinearSystem:

@@ -23,6 +23,8 @@ mod _core {
     #[pymodule_export]
     use crate::contact::stepper::{Step, Stepper};
     #[pymodule_export]
+    use crate::contact::tree_stepper::{TreeStep, TreeStepper};
+    #[pymodule_export]
     use crate::law::{Law, flow_law};
     #[pymodule_export]
     use crate::runs::event::integrate;

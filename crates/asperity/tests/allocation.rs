@@ -4,7 +4,7 @@
 use asperity::contact::{ContactProblem, ContactState, Memory, NormalForce};
 use asperity::event;
 use asperity::law::{Fall, FrictionLaw, Law, Stribeck};
-use asperity::mechanism::{ContactStepper, Rows, StepRows};
+use asperity::mechanism::{ContactStepper, Mobility, Rows, StepRows};
 use asperity::set::{Convex, CoulombContensou, Ellipse, Ellipsoid, Pressure, Vector};
 use asperity::solver::{Measure, Solver, Status, Stop, Workspace};
 use asperity::stepper::{State, Stepper};
@@ -176,7 +176,7 @@ fn allocations_of_a_mechanism() -> usize {
     let mut step = || {
         speed += 0.01;
         let rows = StepRows {
-            delassus: &delassus,
+            delassus: Mobility::Dense(&delassus),
             free_velocity: &[-1.0, speed, 0.3, -0.5, 0.1, speed, -0.2, 0.4],
             items: &items,
             keys: Some(&[9, 3, 7, 5]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property, partial
 from types import SimpleNamespace
-from typing import Any, ClassVar, NoReturn, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,10 +14,14 @@ import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact.certificate import Certificate
+from asperity.contact.operator import for_core, sparse
 from asperity.errors import ConvergenceError, DimensionError, NoSolutionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
+
+if TYPE_CHECKING:
+    from scipy.sparse import sparray, spmatrix
 
 _PARTS = (
     *("percussion", "velocity", "phase", "ambiguous_items"),
@@ -195,7 +199,7 @@ class ContactStepper:
 
     def solve(
         self,
-        delassus: ArrayLike,
+        delassus: ArrayLike | sparray | spmatrix,
         *,
         free_velocity: ArrayLike,
         items: ArrayLike,
@@ -207,7 +211,8 @@ class ContactStepper:
         """Solve a step.
 
         Args:
-            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``.
+            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``; any sparse array or
+                matrix of SciPy, which costs what its entries cost.
             free_velocity: b in m/s, with e∘γ_B added where there is restitution and γ where a joint
                 is driven at −γ; shape ``(rows,)``.
             items: what the rows are, see the class; integers, shape ``(items,)``.
@@ -226,7 +231,7 @@ class ContactStepper:
         arrays.choice(on_failure, "on_failure", ("raise", "record"))
         kinds = _integers(items, "items")
         step = self._stepper.step(
-            _floats(delassus, "delassus", 2),
+            _entries(delassus),
             _floats(free_velocity, "free_velocity", 1),
             kinds,
             None if bounds is None else _bounds(bounds, kinds),
@@ -265,6 +270,13 @@ def _floats(values: ArrayLike, argument: str, dimensions: int) -> Array:
     ):
         return values
     return np.ascontiguousarray(arrays.array(values, argument, (None,) * dimensions))
+
+
+def _entries(delassus: Any) -> Any:
+    """Return all numbers, or row starts, columns and values of a sparse matrix."""
+    if hasattr(delassus, "tocsr"):
+        return for_core(sparse(delassus, "delassus", (None, None)), None, None)
+    return _floats(delassus, "delassus", 2)
 
 
 def _integers(values: ArrayLike, argument: str) -> NDArray[np.int64]:

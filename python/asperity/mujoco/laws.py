@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -17,13 +17,6 @@ from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.mujoco.model import RowsModel
 from asperity.sets import Disk, Ellipse, Ellipsoid
-
-if TYPE_CHECKING:
-    import mujoco
-
-
-# Sine of the angle to the normal below which an axis has no direction on the surface.
-_PARALLEL = 1e-6
 
 
 class PairLaw(Record):
@@ -70,25 +63,11 @@ Laws: TypeAlias = Mapping[Any, FrictionLaw | PairLaw]
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """The direction of e₁: an axis of a geom or body, or of the world."""
+    """The direction of e₁ in what carries it: geoms, bodies numbered behind them, or the world."""
 
-    axis: Array
-    carrier: tuple[str, int] | None
+    axis: Sequence[float]
+    carrier: int | None
     is_reversed: bool = False
-
-    def turn(self, data: mujoco.MjData, frame: Array) -> tuple[float, float, float, float]:
-        """Return the rows of e₁ and e₂ in MuJoCo's tangents, with the sign of the slip."""
-        axes = np.eye(3)
-        if self.carrier is not None:
-            kind, number = self.carrier
-            axes = (data.geom_xmat if kind == "geom" else data.xmat)[number].reshape(3, 3)
-        for axis in (self.axis, np.eye(3)[(np.abs(self.axis).argmax() + 1) % 3]):
-            cos, sin = map(float, frame[3:].reshape(2, 3) @ (axes @ axis))
-            length = math.hypot(cos, sin)
-            if length > _PARALLEL:
-                break
-        cos, sin = cos / length, sin / length
-        return (-cos, -sin, -sin, cos) if self.is_reversed else (cos, sin, -sin, cos)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,13 +119,18 @@ class PairLaws:
                     self._pairs[b, a] = reverse
                     self._pairs[a, b] = made
 
-    def of(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
-        """Return the law of a contact of two geoms with MuJoCo's coefficients."""
-        known = self._pairs.get(pair)
-        if known is None:
-            known = self._default or self._mujoco(pair, friction)
-            self._pairs[pair] = known
-        return known
+    def of_contacts(
+        self, pairs: list[list[int]], friction: Array, numbers: NDArray[np.int64]
+    ) -> list[ContactLaw]:
+        """Return the laws of contacts of two geoms, with MuJoCo's coefficients at these numbers."""
+        found: list[ContactLaw] = []
+        for (one, other), number in zip(pairs, numbers, strict=True):
+            law = self._pairs.get((one, other))
+            if law is None:
+                law = self._default or self._mujoco((one, other), friction[number])
+                self._pairs[one, other] = law
+            found.append(law)
+        return found
 
     def _mujoco(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
         dimension = self._rows.condim(*pair) - 1
@@ -169,8 +153,11 @@ class PairLaws:
         name = first if pair.carried_by is None else pair.carried_by
         self.laws.append(pair.law)
         number, radius = len(self.laws) - 1, pair.patch_radius or 1.0
-        carrier = None if name == "world" else self._carrier(name)
-        axes = Axes(pair.axis / np.linalg.norm(pair.axis), carrier)
+        carrier = None
+        if name != "world":
+            kind, carrier = self._carrier(name)
+            carrier += self._rows.user.ngeom if kind == "body" else 0
+        axes = Axes((pair.axis / np.linalg.norm(pair.axis)).tolist(), carrier)
         if isinstance(pair.law.reservoir, Disk) and isinstance(pair.law.direction, Disk):
             return ContactLaw(number, pair.law.dimension)
         return ContactLaw(number, pair.law.dimension, axes, radius)

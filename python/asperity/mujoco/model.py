@@ -34,7 +34,6 @@ class RowsModel:
         _refuse(self.mj, m, ignore_rolling)
         disable, enable = self.mj.mjtDisableBit, self.mj.mjtEnableBit
         m.opt.cone = self.mj.mjtCone.mjCONE_ELLIPTIC
-        m.opt.jacobian = self.mj.mjtJacobian.mjJAC_DENSE
         m.opt.integrator = self.mj.mjtIntegrator.mjINT_EULER
         # What only MuJoCo's own solver needs.
         m.opt.solver = self.mj.mjtSolver.mjSOL_NEWTON
@@ -53,6 +52,8 @@ class RowsModel:
             self.damping[:] = 0.0
         self.is_damped = bool(self.damping.any())
         self._diagonal = m.M_rowadr + m.M_rownnz - 1
+        kinds = self.mj.mjtWarning
+        self._full = int(kinds.mjWARN_CONTACTFULL), int(kinds.mjWARN_CNSTRFULL)
         self._pairs = {
             frozenset((int(a), int(b))): k
             for k, (a, b) in enumerate(zip(m.pair_geom1, m.pair_geom2, strict=True))
@@ -62,6 +63,8 @@ class RowsModel:
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
         self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
         self.depth = self._depths()
+        self.have_margins = bool(model.jnt_margin.any() or model.tendon_margin.any())
+        self.is_sparse = bool(self.mj.mj_isSparse(m))
         self.joint_limit = int(self.mj.mjtConstraint.mjCNSTR_LIMIT_JOINT)
 
     def widen(self, detection: float) -> None:
@@ -102,6 +105,15 @@ class RowsModel:
         if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
             raise ParameterError("data", "must have finite qpos and qvel")
 
+    def limit_margins(self, data: mujoco.MjData, rows: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the distances at which the user's model has the limits of these rows rest."""
+        is_joint = data.efc_type[rows] == self.joint_limit
+        number = data.efc_id[rows]
+        margins = np.empty(len(rows))
+        margins[is_joint] = self.user.jnt_margin[number[is_joint]]
+        margins[~is_joint] = self.user.tendon_margin[number[~is_joint]]
+        return margins
+
     def factor(self, data: mujoco.MjData) -> None:
         """Factor M + h D in place of M, for damping that is implicit."""
         entries = data.M
@@ -112,9 +124,8 @@ class RowsModel:
 
     def refuse_overflow(self, data: mujoco.MjData) -> None:
         """Refuse data without the memory for all contacts nearby, some of which MuJoCo drops."""
-        kinds = self.mj.mjtWarning
-        for kind in (kinds.mjWARN_CONTACTFULL, kinds.mjWARN_CNSTRFULL):
-            if data.warning[int(kind)].number:
+        for kind in self._full:
+            if data.warning[kind].number:
                 raise ParameterError(
                     "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
                 )

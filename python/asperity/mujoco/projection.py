@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
-from asperity.contact import ContactStepper
 from asperity.mujoco.model import RowsModel
-from asperity.mujoco.rows import JOINT, LIMIT, Reader, Rows
+from asperity.mujoco.rows import Reader
 from asperity.solvers import Solver
 
 if TYPE_CHECKING:
@@ -18,6 +17,8 @@ if TYPE_CHECKING:
 
 # Projections converge like Newton's method where they are possible.
 _PROJECTIONS = 20
+_TOLERANCE = 1e-10
+_NONE = np.zeros(0)
 
 
 class Projector:
@@ -30,9 +31,7 @@ class Projector:
     def __init__(self, model: RowsModel, *, exact: float, solver: Solver | None) -> None:
         self._model, self._mj, self._exact = model, model.mj, exact
         self.data = model.mj.MjData(model.model)
-        self._stepper = ContactStepper([], solver=solver)
-        self._reader = Reader(model)
-        self.rows: Rows
+        self.reader = Reader(model, None, solver)
         self.depth = self._worst = 0.0
         self._errors: Array
 
@@ -49,14 +48,14 @@ class Projector:
 
     def violations(self, least: float) -> dict[str, float]:
         """Return by how much rows are violated, if by more than `least`."""
-        ahead, rows, layout = self.data, self.rows, self.rows.layout
+        ahead, layout = self.data, self.reader.layout
         found: dict[str, float] = {}
         numbers = [*range(ahead.ne), *layout.unilateral.tolist()]
-        sizes = [*self._errors.tolist(), *(-rows.gaps).tolist()]
+        sizes = [*self._errors.tolist(), *(-self.reader.stepper.gaps()).tolist()]
         for k, (row, size) in enumerate(zip(numbers, sizes, strict=True)):
             if size > least:
                 contact = k - ahead.ne - layout.limits
-                pair = layout.pairs[contact] if contact >= 0 else None
+                pair = layout.pair(contact) if contact >= 0 else None
                 name = self._model.item_name(ahead, row, pair)
                 found[name] = max(size, found.get(name, 0.0))
         return found
@@ -73,8 +72,9 @@ class Projector:
 
     def level(self, velocity: Array) -> Array:
         """Return a velocity without what it has in equalities."""
-        ne = self.data.ne
-        return velocity + self._least_change(np.arange(ne), self.rows.matrix[:ne] @ velocity)
+        rows = np.arange(self.data.ne)
+        before = self.reader.stepper.row_velocities(rows, velocity)
+        return velocity + self._least_change(rows, before)
 
     def energy(self, velocity: Array) -> Array:
         """Return potential and kinetic energy in J."""
@@ -98,21 +98,20 @@ class Projector:
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
         self._mj.mj_makeConstraint(m, ahead)
-        self.rows = rows = self._reader.read(ahead)
-        moves = np.any(rows.matrix, axis=1)
-        rows.gaps[~moves[rows.layout.unilateral]] = np.inf
-        self._errors = np.abs(ahead.efc_pos[: ahead.ne]) * moves[: ahead.ne]
-        self.depth = -float(rows.gaps.min(initial=0.0))
-        self._worst = max(self.depth, float(self._errors.max(initial=0.0)))
+        self.depth = self._worst = self.reader.read(ahead)
+        self._errors = _NONE
+        if ahead.ne:
+            self._errors = np.abs(ahead.efc_pos[: ahead.ne]) * self.reader.stepper.moves()
+            self._worst = max(self.depth, float(self._errors.max()))
 
     def _move(self) -> None:
         """Move to where the linearised rows hold."""
-        ne, rows = self.data.ne, self.rows
+        ne, gaps = self.data.ne, self.reader.stepper.gaps()
         # What is as near as the others are violated may close.
-        near = rows.gaps < self._worst
-        index = np.concatenate((np.arange(ne), rows.layout.unilateral[near]))
-        gaps = np.concatenate((self.data.efc_pos[:ne], rows.gaps[near]))
-        change = self._least_change(index, gaps)
+        near = gaps < self._worst
+        index = np.concatenate((np.arange(ne), self.reader.layout.unilateral[near]))
+        before = np.concatenate((self.data.efc_pos[:ne], gaps[near]))
+        change = self._least_change(index, before)
         self._mj.mj_integratePos(self._model.model, self.data.qpos, change, 1.0)
 
     def _least_change(self, index: NDArray[np.int64], before: Array) -> Array:
@@ -120,14 +119,5 @@ class Projector:
         m, ahead = self._model.model, self.data
         self._mj.mj_makeM(m, ahead)
         self._mj.mj_factorM(m, ahead)
-        matrix = self.rows.matrix[index]
-        inverse = np.empty_like(matrix)
-        self._mj.mj_solveM(m, ahead, inverse, matrix)
-        solution = self._stepper.solve(
-            matrix @ inverse.T,
-            free_velocity=before,
-            items=np.where(index < ahead.ne, JOINT, LIMIT),
-            on_failure="record",
-        )
-        self._stepper.forget()
-        return solution.percussion @ inverse
+        self.reader.stepper.factor(ahead.qLD)
+        return self.reader.stepper.least_change(index, before, _TOLERANCE)

@@ -5,40 +5,32 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.contact import ContactStepper, StepSolution
+from asperity.contact import StepSolution
 from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
 from asperity.mujoco.laws import Laws, PairLaws
 from asperity.mujoco.model import RowsModel
 from asperity.mujoco.projection import Projector
 from asperity.mujoco.results import Projection, SceneContact, SceneProblem, SceneRun, SceneStep
-from asperity.mujoco.rows import Items, Reader, Rows, Turns, pyramids_of
+from asperity.mujoco.rows import Layout, Reader
 from asperity.solvers import Solver
 from asperity.status import Phase, Status
 
 if TYPE_CHECKING:
     import mujoco
 
+    import asperity._core as _core
+
 # Parts of the model's extent: violations up to the first stay, starts with more than the second are
 # refused.
 _EXACT, _START = 1e-9, 1e-6
 # Steps without a contact that was found too late, after which the detection distance is halved.
 _QUIET = 100
-
-
-class _System(NamedTuple):
-    """What a step solves, but for the velocities."""
-
-    items: Items
-    turns: Turns
-    inverse: Array
-    delassus: Array
-    bounds: Array | None
 
 
 class Scene:
@@ -116,20 +108,19 @@ class Scene:
         arrays.choice(rolling, "rolling", ("refuse", "ignore"))
         self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
         self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
-        self._laws, self._reader = PairLaws(rows, laws), Reader(rows)
-        self._solver, self._tolerance = solver, arrays.positive(tolerance, "tolerance")
-        self._stepper = self._new_stepper()
+        self._laws = PairLaws(rows, laws)
+        self._reader = Reader(rows, self._laws, solver)
+        self._tolerance = arrays.positive(tolerance, "tolerance")
         self._extent = float(model.stat.extent)
         self._projector = Projector(rows, exact=_EXACT * self._extent, solver=solver)
         self._least_detection = 1e-4 * self._extent
         rows.widen(self._least_detection)
         self._quiet = 0
-        self._system: _System | None = None
         # The state at the end of the last step, as bytes.
         self._left = b""
         # Whose step was the last one, and what it solved, if anything.
         self._owner: mujoco.MjData | None = None
-        self._last: tuple[Rows, Items, StepSolution, Array, Array, Array] | None = None
+        self._last: tuple[Layout, _core.TreeStep, StepSolution, Array, Array] | None = None
         m, enable = self._model, self._mj.mjtEnableBit
         self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
         self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
@@ -153,20 +144,23 @@ class Scene:
             ParameterError: if the state is not finite, or inadmissible, see `starts`.
             NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
         """
-        self._rows.check(data)
-        before = data.qpos.copy(), data.qvel.copy()
+        is_new = self._owner is not data or self._left != self._state(data)
+        if is_new:
+            self._rows.check(data)
+        q, v = before = data.qpos.copy(), data.qvel.copy()
         try:
-            if self._left != self._state(data):
+            if is_new:
                 self._start(data)
-            q, v = data.qpos.copy(), data.qvel.copy()
+                q, v = data.qpos.copy(), data.qvel.copy()
             control = self._mj.get_mjcb_control()
             if control is not None:
                 control(self._rows.user, data)
-            rows, items, solution, after = self._advance(data, q, v)
+            found, solution = self._advance(data, q, v)
         except BaseException:
             data.qpos[:], data.qvel[:] = before
             raise
-        self._write(data, v, after, rows, items, solution)
+        after = found.velocity
+        self._write(data, v, after, found, solution)
         projected, violation = self._projector.settle()
         data.qpos[:] = self._projector.data.qpos
         if data.ne:
@@ -226,18 +220,16 @@ class Scene:
         self._rows.check(data)
         trial = self._mj.MjData(self._model)
         self._mj.mj_copyData(trial, self._model, data)
-        rows, items, _, _ = self._solve(trial, data.qpos.copy(), data.qvel.copy())
-        system, bounds = self._system, np.zeros(len(items.kinds))
-        if system is not None and system.bounds is not None:
-            bounds = system.bounds
+        found = self._solve(trial, data.qpos.copy(), data.qvel.copy())
+        delassus, free, kinds, bounds, keys = self._reader.stepper.problem()
         return SceneProblem(
-            delassus=np.zeros((0, 0)) if system is None else system.delassus,
-            free_velocity=np.zeros(0) if system is None else self._free_velocity,
-            items=items.kinds,
-            bounds=bounds,
-            keys=items.keys,
+            delassus=np.reshape(delassus, (len(free), len(free))),
+            free_velocity=np.array(free),
+            items=np.array(kinds, dtype=np.int64),
+            bounds=np.array(bounds),
+            keys=np.array(keys, dtype=np.int64),
             laws=tuple(self._laws.laws),
-            names=tuple(self._name(trial, rows, items, k) for k in range(len(items.kinds))),
+            names=tuple(self._name(trial, found, k) for k in range(len(kinds))),
         )
 
     def contacts(self, data: mujoco.MjData) -> list[SceneContact]:
@@ -253,26 +245,30 @@ class Scene:
             raise ParameterError("data", "must be as the scene's last step left it")
         if self._last is None:
             return []
-        rows, items, solution, percussion, position, frames = self._last
-        layout, found = rows.layout, []
-        for k, (i, law) in enumerate(zip(items.contacts, items.laws, strict=True)):
-            row, number = layout.unilateral[layout.limits + i], layout.contacts[i]
-            frame, parts = frames[number].reshape(3, 3), percussion[row : row + 4] / self._dt
-            acting, item = 1 + min(law.dimension, 2), items.joints + k
-            one, other = layout.pairs[i]
-            found.append(
+        layout, found, solution, position, frames = self._last
+        contacts, force, gaps = [], found.forces, found.gaps
+        for place, k in enumerate(np.flatnonzero(found.near).tolist()):
+            contact, item = k - layout.limits, layout.begin + place
+            if contact < 0:
+                continue
+            row, number = layout.unilateral[k], layout.contacts[contact]
+            dimension = layout.laws[contact].dimension
+            frame, parts = frames[number].reshape(3, 3), force[row : row + 4]
+            acting = 1 + min(dimension, 2)
+            one, other = layout.pair(contact)
+            contacts.append(
                 SceneContact(
                     geoms=(self._rows.names[one], self._rows.names[other]),
                     position=position[number],
                     normal=frame[0],
-                    gap=float(rows.gaps[layout.limits + i]),
+                    gap=float(gaps[k]),
                     force=parts[:acting] @ frame[:acting],
-                    torque=float(parts[3]) if law.dimension == 3 else 0.0,
+                    torque=float(parts[3]) if dimension == 3 else 0.0,
                     phase=Phase(int(solution.phase[item])),
                     ambiguous=bool(solution.ambiguous_items[item]),
                 )
             )
-        return found
+        return contacts
 
     def project(self, data: mujoco.MjData) -> Projection:
         """Move a state, by as little as possible in M, to where gaps, limits and equalities hold.
@@ -295,7 +291,7 @@ class Scene:
 
     def _start(self, data: mujoco.MjData) -> None:
         """Refuse or project a state that the scene did not leave."""
-        self._stepper.forget()
+        self._reader.stepper.forget()
         self._projector.place(data)
         violations = self._projector.violations(_START * self._extent)
         if violations and self._starts == "project":
@@ -316,41 +312,53 @@ class Scene:
 
     def _advance(
         self, data: mujoco.MjData, q: Array, v: Array
-    ) -> tuple[Rows, Items, StepSolution | None, Array]:
+    ) -> tuple[_core.TreeStep, StepSolution | None]:
         """Solve the step, from contacts that are found in time, and find the rows at its end."""
         while True:
-            rows, items, solution, after = self._solve(data, q, v)
+            found = self._solve(data, q, v)
+            solution = None if found.step is None else StepSolution(found.step)
             if self._on_failure == "raise" and solution is not None and not solution.converged:
-                raise self._failure(data, rows, items, solution)
+                raise self._failure(data, found, solution)
+            after = found.velocity
             self._projector.advance(data, after, 0.5 * self._dt)
-            distance = self._missed(rows, after)
+            distance = self._missed(after)
             if distance <= self._rows.detection:
-                return rows, items, solution, after
+                return found, solution
             self._quiet = 0
             self._rows.widen(2.0 * distance)
 
-    def _solve(
-        self, data: mujoco.MjData, q: Array, v: Array
-    ) -> tuple[Rows, Items, StepSolution | None, Array]:
-        """Return the rows at the midpoint, what takes part, percussions, and v⁺."""
-        mj, m = self._mj, self._model
+    def _solve(self, data: mujoco.MjData, q: Array, v: Array) -> _core.TreeStep:
+        """Solve the step with the rows at the midpoint."""
+        mj, m, reader = self._mj, self._model, self._reader
         data.qpos[:] = q
         mj.mj_integratePos(m, data.qpos, v, 0.5 * self._dt)
         data.qvel[:] = v
         mj.mj_fwdPosition(m, data)
         if self._rows.is_damped:
             self._rows.factor(data)
-        rows = self._reader.read(data)
-        self._system = None
+        reader.read(data)
+        stepper = reader.stepper
+        stepper.factor(data.qLD)
         # Forces at the mean velocity, or a tumbling body would gain energy.
         free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
-        found = self._constrained(data, rows, v, free)
-        if found[1] is not None:
+        found = self._percussions(data, free, v)
+        if found.step is not None:
             # Percussions are part of it, or stiff joints and stuck feet would lend energy.
-            again = self._free(data, v, 0.5 * (v + found[2]))
-            if np.abs(again - free).max() > self._tolerance * np.abs(again).max():
-                found = self._constrained(data, rows, v, again)
-        return rows, *found
+            again = self._free(data, v, 0.5 * (v + found.velocity))
+            if not stepper.was_from(again, self._tolerance):
+                found = self._percussions(data, again, v)
+        return found
+
+    def _percussions(self, data: mujoco.MjData, free: Array, v: Array) -> _core.TreeStep:
+        """Solve the step from the velocities without percussions."""
+        stepper, settings = self._reader.stepper, (self._dt, _EXACT, self._tolerance)
+        found = stepper.step(free, v, *settings)
+        if data.ne and found.step is not None and found.step.status != Status.CONVERGED.value:
+            # Anchors that move by what their paths curve may jam contacts: they rest then.
+            rests = stepper.step(free, np.zeros_like(v), *settings)
+            if rests.step is None or rests.step.status == Status.CONVERGED.value:
+                return rests
+        return found
 
     def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
         """Return the velocities without percussions, by forces at a velocity."""
@@ -359,118 +367,51 @@ class Scene:
         mj.mj_fwdVelocity(m, data)
         mj.mj_fwdActuation(m, data)
         mj.mj_fwdAcceleration(m, data)
-        free = v + self._dt * data.qacc_smooth
+        free = self._dt * data.qacc_smooth
+        free += v
         if self._rows.is_damped and at is not v:
             # Damping is that of v⁺, MuJoCo's that of the velocity here.
             change = np.empty((1, m.nv))
             mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
             free += change[0]
-        if not math.isfinite(float(free @ free)):
+        if at is not v and not math.isfinite(float(free @ free)):
             raise ParameterError(
                 "data", f"must have finite velocities, forces at {data.time:g} s make them others"
             )
         return free
 
-    def _constrained(
-        self, data: mujoco.MjData, rows: Rows, v: Array, free: Array
-    ) -> tuple[Items, StepSolution | None, Array]:
-        """Return what takes part, percussions, and v⁺."""
-        velocity = rows.matrix @ free
-        if data.ne:
-            # What the path curves between v and v⁺ is reflected, which keeps the energy.
-            velocity[: data.ne] += rows.matrix[: data.ne] @ v
-        opening = np.maximum(rows.gaps, 0.0) / (0.5 * self._dt)
-        unilateral = rows.layout.unilateral
-        velocity[unilateral] += opening
-        approach = velocity[unilateral]
-        # Percussions change velocities by about the largest of those with which items close.
-        fastest = -float(approach.min(initial=0.0))
-        near = approach < fastest
-        while True:
-            items = self._reader.items(self._laws, data, rows, near)
-            if not items.index.size:
-                self._system = None
-                return items, None, free
-            solution, after = self._percussions(data, rows, items, velocity, free)
-            late = ~near & (rows.matrix[unilateral] @ after + opening < -_EXACT * fastest)
-            if not late.any():
-                return items, solution, after
-            near |= late
-
-    def _percussions(
-        self, data: mujoco.MjData, rows: Rows, items: Items, velocity: Array, free: Array
-    ) -> tuple[StepSolution, Array]:
-        if self._system is None or self._system.items is not items:
-            self._system = self._assembled(data, rows, items)
-        system, b = self._system, velocity[items.index]
-        if self._model.flg_surfacevel:
-            self._add_surfaces(data, rows, items, b)
-        system.turns.turn(b)
-        self._free_velocity = b
-        solution = self._stepper.solve(
-            system.delassus,
-            free_velocity=b,
-            items=items.kinds,
-            bounds=system.bounds,
-            keys=items.keys,
-            on_failure="record",
-        )
-        return solution, free + solution.percussion @ system.inverse
-
-    def _assembled(self, data: mujoco.MjData, rows: Rows, items: Items) -> _System:
-        if len(self._laws.laws) > len(self._stepper.laws):
-            self._stepper = self._new_stepper()
-        turns, matrix = Turns(items, data, rows.layout), rows.matrix[items.index]
-        turns.turn(matrix)
-        inverse = np.empty_like(matrix)
-        self._mj.mj_solveM(self._model, data, inverse, matrix)
-        bounds = None
-        if data.nf:
-            bounds, dry = np.zeros(len(items.kinds)), slice(data.ne, data.ne + data.nf)
-            bounds[dry] = self._dt * data.efc_frictionloss[dry]
-        return _System(items, turns, inverse, matrix @ inverse.T, bounds)
-
-    def _add_surfaces(self, data: mujoco.MjData, rows: Rows, items: Items, b: Array) -> None:
-        """Add the velocities of surfaces that move in their own plane."""
-        surfaces = data.contact.surfacevel[rows.layout.contacts]
-        for k, law, row in zip(items.contacts, items.laws, items.first_rows(), strict=True):
-            b[row + 1 : row + 1 + law.dimension] += surfaces[k, : law.dimension]
-
-    def _missed(self, rows: Rows, after: Array) -> float:
+    def _missed(self, after: Array) -> float:
         """Return from how far contacts came that the step did not know and that end inside."""
         if self._projector.depth <= _EXACT * self._extent:
             return 0.0
-        ahead, layout = self._projector.rows, self._projector.rows.layout
-        inside = np.flatnonzero(ahead.gaps[layout.limits :] < -_EXACT * self._extent)
-        known = Counter(rows.layout.pairs)
-        deep = Counter(pairs := [layout.pairs[i] for i in inside])
-        missed = [i for i, pair in zip(inside, pairs, strict=True) if deep[pair] > known[pair]]
+        ahead = self._projector.reader
+        layout, gaps = ahead.layout, ahead.stepper.gaps()
+        inside = np.flatnonzero(gaps[layout.limits :] < -_EXACT * self._extent).tolist()
+        if not inside:
+            return 0.0
+        pairs = layout.pairs()
+        known, deep = Counter(self._reader.layout.pairs()), Counter(pairs[i] for i in inside)
+        missed = [i for i in inside if deep[pairs[i]] > known[pairs[i]]]
         new = layout.limits + np.array(missed, dtype=np.int64)
-        closing = -ahead.matrix[layout.unilateral[new]] @ after
-        return float((ahead.gaps[new] + 0.5 * self._dt * closing).max(initial=0.0))
+        closing = -ahead.stepper.row_velocities(layout.unilateral[new], after)
+        return float((gaps[new] + 0.5 * self._dt * closing).max(initial=0.0))
 
     def _write(
         self,
         data: mujoco.MjData,
         v: Array,
         after: Array,
-        rows: Rows,
-        items: Items,
+        found: _core.TreeStep,
         solution: StepSolution | None,
     ) -> None:
         """Leave in `data` what MuJoCo would: velocities, activations, time, forces and sensors."""
         mj, m, h = self._mj, self._model, self._dt
         data.qacc[:] = (after - v) / h
-        percussion = np.zeros(data.nefc + 3)
-        self._owner, self._last = data, None
-        data.qfrc_constraint[:] = 0.0
+        self._owner, self._last, contacts = data, None, data.contact
+        data.qfrc_constraint[:] = found.generalised
         if solution is not None:
-            contacts = data.contact
-            assert self._system is not None
-            percussion[items.index] = self._system.turns.turn_back(solution.percussion)
-            data.qfrc_constraint[:] = percussion[: data.nefc] @ rows.matrix / h
             self._last = (
-                *(rows, items, solution, percussion),
+                *(self._reader.layout, found, solution),
                 *(contacts.pos.copy(), contacts.frame.copy()),
             )
         if self._rows.is_damped:
@@ -483,48 +424,34 @@ class Scene:
         else:
             data.time += h
         data.qvel[:] = after
-        if self._is_pyramidal and len(rows.layout.contacts):
-            self._write_pyramids(data, rows, items, percussion / h)
+        if self._is_pyramidal and data.ncon:
+            m.opt.cone = mj.mjtCone.mjCONE_PYRAMIDAL
+            mj.mj_makeConstraint(m, data)
+            m.opt.cone = mj.mjtCone.mjCONE_ELLIPTIC
+            contacts = data.contact
+            edges = contacts.efc_address, contacts.dim, contacts.friction
+            data.efc_force[:] = self._reader.stepper.pyramids(found, data.nefc, *edges)
         else:
-            data.efc_force[:] = percussion[: data.nefc] / h
+            data.efc_force[:] = 0.0 if solution is None else found.forces
         mj.mj_fwdVelocity(m, data)
         if m.nsensor:
             for sense in (mj.mj_sensorPos, mj.mj_sensorVel, mj.mj_sensorAcc):
                 sense(self._rows.user, data)
 
-    def _write_pyramids(self, data: mujoco.MjData, rows: Rows, items: Items, force: Array) -> None:
-        """Write forces along the edges of friction pyramids, as the user's model reads them."""
-        m, cones, begin = self._model, self._mj.mjtCone, rows.layout.begin + rows.layout.limits
-        m.opt.cone = cones.mjCONE_PYRAMIDAL
-        self._mj.mj_makeConstraint(m, data)
-        m.opt.cone = cones.mjCONE_ELLIPTIC
-        written = np.zeros(data.nefc)
-        written[:begin] = force[:begin]
-        if items.pyramids is None:
-            items.pyramids = pyramids_of(items, data, rows.layout)
-        for own, edges, half in items.pyramids:
-            along = force[own]
-            if own.shape[1] == 1:
-                written[edges] = along[:, 0]
-                continue
-            normal, across = along[:, :1] / (2 * half.shape[1]), along[:, 1:] * half
-            written[edges] = normal + across
-            written[edges + 1] = normal - across
-        data.efc_force[:] = written
-
-    def _new_stepper(self) -> ContactStepper:
-        return ContactStepper(self._laws.laws, solver=self._solver, tolerance=self._tolerance)
-
-    def _name(self, data: mujoco.MjData, rows: Rows, items: Items, item: int) -> str:
-        contact = item - items.joints
+    def _name(self, data: mujoco.MjData, found: _core.TreeStep, item: int) -> str:
+        layout = self._reader.layout
+        if item < layout.begin:
+            return self._rows.item_name(data, item, None)
+        place = int(np.flatnonzero(found.near)[item - layout.begin])
+        contact = place - layout.limits
         if contact >= 0:
-            return self._rows.item_name(data, 0, rows.layout.pairs[items.contacts[contact]])
-        return self._rows.item_name(data, int(items.index[item]), None)
+            return self._rows.item_name(data, 0, layout.pair(contact))
+        return self._rows.item_name(data, int(layout.unilateral[place]), None)
 
     def _failure(
-        self, data: mujoco.MjData, rows: Rows, items: Items, solution: StepSolution
+        self, data: mujoco.MjData, found: _core.TreeStep, solution: StepSolution
     ) -> NoSolutionError | ConvergenceError:
-        where = f"{self._name(data, rows, items, solution.worst_item)} at {data.time:g} s"
+        where = f"{self._name(data, found, solution.worst_item)} at {data.time:g} s"
         message = f"{solution.status.message}: {where}"
         if solution.status is Status.NO_SOLUTION:
             return NoSolutionError(message, residual=solution.residual)

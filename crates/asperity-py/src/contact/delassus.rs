@@ -8,7 +8,7 @@ use crate::convert::{Numbers, Points, matrix, numbers};
 use crate::errors::Failure;
 
 /// Row starts, columns and values.
-type Triple<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, i64>, Numbers<'py>);
+pub type Triple<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, i64>, Numbers<'py>);
 
 /// What Python hands over.
 #[derive(FromPyObject)]
@@ -50,7 +50,8 @@ impl Operator<'_> {
     }
 }
 
-fn sparse(
+/// The matrix of this shape.
+pub fn sparse(
     argument: &'static str,
     (rows, columns): (usize, usize),
     (starts, indices, values): &Triple<'_>,

@@ -5,3 +5,4 @@ pub mod outcome;
 pub mod problem;
 pub mod solver;
 pub mod stepper;
+pub mod tree_stepper;

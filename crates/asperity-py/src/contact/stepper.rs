@@ -4,13 +4,14 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use asperity::contact::Phase;
-use asperity::mechanism::{ContactStepper, Rows, StepRows};
+use asperity::mechanism::{ContactStepper, Mobility, Rows, StepRows};
 use asperity::solver::{SolveReport, Stop};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
+use super::delassus::{Triple, sparse};
 use super::outcome::{array, certified};
 use super::solver::Solver;
 use crate::convert::{Numbers, Points, numbers};
@@ -19,9 +20,16 @@ use crate::interrupt::asked;
 use crate::law::Law;
 
 /// What stands for rows that are those of no contact with friction.
-const FRICTIONLESS: i64 = -1;
-const BILATERAL: i64 = -2;
-const DRY_FRICTION: i64 = -3;
+pub const FRICTIONLESS: i64 = -1;
+pub const BILATERAL: i64 = -2;
+pub const DRY_FRICTION: i64 = -3;
+
+/// `G` as Python hands it over.
+#[derive(FromPyObject)]
+enum Entries<'py> {
+    Dense(Points<'py>),
+    Sparse(Triple<'py>),
+}
 
 /// A stepper, and buffers for what Python hands over. Threads wait for it without the interpreter, which a step needs to end.
 #[pyclass(frozen, module = "asperity._core")]
@@ -52,7 +60,7 @@ impl Stepper {
     fn step(
         &self,
         py: Python<'_>,
-        delassus: Points<'_>,
+        delassus: Entries<'_>,
         free_velocity: Numbers<'_>,
         kinds: PyReadonlyArray1<'_, i64>,
         bounds: Option<Numbers<'_>>,
@@ -60,13 +68,22 @@ impl Stepper {
         tolerance: f64,
         time_limit: Option<f64>,
     ) -> Result<Step, Failure> {
-        let entries =
-            delassus.as_slice().map_err(|_| dimension("delassus", "must be contiguous"))?;
-        let (height, width) = delassus.as_array().dim();
-        if height != width {
-            return Err(dimension("delassus", "must have as many columns as rows").into());
-        }
         let free_velocity = numbers(&free_velocity, "free_velocity")?;
+        let csr;
+        let delassus = match &delassus {
+            Entries::Dense(entries) => {
+                let (height, width) = entries.as_array().dim();
+                if height != width {
+                    return Err(dimension("delassus", "must have as many columns as rows").into());
+                }
+                let all = entries.as_slice();
+                Mobility::Dense(all.map_err(|_| dimension("delassus", "must be contiguous"))?)
+            }
+            Entries::Sparse(triple) => {
+                csr = sparse("delassus", (free_velocity.len(), free_velocity.len()), triple)?;
+                Mobility::Sparse(&csr)
+            }
+        };
         let bounds = bounds.as_ref().map(|bounds| numbers(bounds, "bounds")).transpose()?;
         let kinds = kinds.as_array();
         if bounds.is_some_and(|bounds| bounds.len() != kinds.len()) {
@@ -90,7 +107,7 @@ impl Stepper {
             numbers_of.extend(keys.as_array().iter().map(|&key| (key as u64) ^ (1 << 63)));
         }
         let rows = StepRows {
-            delassus: entries,
+            delassus,
             free_velocity,
             items,
             keys: keys.is_some().then_some(&numbers_of[..]),
@@ -101,14 +118,7 @@ impl Stepper {
             stop.deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
             stepper.step(&rows, stop)
         })??;
-        Ok(Step {
-            report,
-            percussion: stepper.percussion().to_vec(),
-            velocity: stepper.velocity().to_vec(),
-            phases: stepper.phases().to_vec(),
-            ambiguous: stepper.ambiguous().to_vec(),
-            mismatch: stepper.mismatch(),
-        })
+        Ok(Step::of(report, stepper))
     }
 
     fn forget(&self, py: Python<'_>) -> Result<(), Failure> {
@@ -122,6 +132,20 @@ impl Stepper {
         let guard =
             self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
         Ok(certified(py, &guard.0.certificate()?)?)
+    }
+}
+
+impl Step {
+    /// The step that a stepper has solved last.
+    pub fn of(report: SolveReport, stepper: &ContactStepper) -> Self {
+        Self {
+            report,
+            percussion: stepper.percussion().to_vec(),
+            velocity: stepper.velocity().to_vec(),
+            phases: stepper.phases().to_vec(),
+            ambiguous: stepper.ambiguous().to_vec(),
+            mismatch: stepper.mismatch(),
+        }
     }
 }
 

@@ -6,15 +6,16 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::ROUNDED;
-
-/// Part of the velocities that joints have to take out which may be left: loops repeat rows, and drift makes them differ.
-pub(super) const DRIFT: f64 = 1e-6;
+use super::arranged::{Arranged, Rows};
+use super::{DRIFT, ROUNDED};
 
 /// The bilateral rows of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Joints {
+    joints: Vec<usize>,
     rows: Vec<usize>,
+    /// Whether each row, of all, is influenced by one of them.
+    meets: Vec<bool>,
     /// `B`.
     basis: DMatrix<f64>,
     /// `B G`, over all rows.
@@ -24,43 +25,53 @@ pub(super) struct Joints {
 }
 
 impl Joints {
-    /// Eliminates these rows; `delassus` is symmetric.
-    pub(super) fn eliminate(
-        &mut self,
-        rows: impl Iterator<Item = usize>,
-        delassus: &[f64],
-        free_velocity: &[f64],
-    ) {
-        self.rows.clear();
-        self.rows.extend(rows);
-        let (rows, all) = (&self.rows, free_velocity.len());
-        let count = rows.len();
+    /// Eliminates the bilateral rows of a step.
+    pub(super) fn eliminate(&mut self, step: &Arranged) {
+        let Self { joints, rows, meets, .. } = self;
+        meets.clear();
+        meets.resize(step.len(), false);
+        joints.clear();
+        joints.extend((0..step.items.len()).filter(|&k| step.items[k] == Rows::Bilateral));
+        rows.clear();
+        rows.extend(joints.iter().map(|&joint| step.rows(joint).start));
+        let count = joints.len();
         if count == 0 {
             return;
         }
-        let g = |i: usize, j: usize| delassus[i * all + j];
-        let scale = |i: usize| if g(i, i) > 0.0 { g(i, i).sqrt().recip() } else { 0.0 };
-        let scaled = DMatrix::from_fn(count, count, |a, b| {
-            scale(rows[a]) * g(rows[a], rows[b]) * scale(rows[b])
-        });
+        let g =
+            |a: usize, b: usize| step.mobility.between(joints[a], joints[b]).map_or(0.0, |g| g[0]);
+        let scale = |a: usize| if g(a, a) > 0.0 { g(a, a).sqrt().recip() } else { 0.0 };
+        let scaled = DMatrix::from_fn(count, count, |a, b| scale(a) * g(a, b) * scale(b));
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(scaled);
-        let least = ROUNDED * count as f64;
+        // What rows that almost repeat each other leave of velocities is their root.
+        let least = (0.1 * DRIFT).powi(2) * count as f64;
         let kept: Vec<usize> = (0..count).filter(|&k| eigenvalues[k] > least).collect();
         self.basis = DMatrix::from_fn(kept.len(), count, |k, a| {
-            eigenvectors[(a, kept[k])] * scale(rows[a]) / eigenvalues[kept[k]].sqrt()
+            eigenvectors[(a, kept[k])] * scale(a) / eigenvalues[kept[k]].sqrt()
         });
-        // Sums whose order is that of the joints, wherever a row is listed.
-        let times = |k: usize, value: &dyn Fn(usize) -> f64| -> f64 {
-            rows.iter().enumerate().map(|(a, &row)| self.basis[(k, a)] * value(row)).sum()
-        };
-        self.coupling = DMatrix::from_fn(kept.len(), all, |k, j| times(k, &|row| g(row, j)));
-        self.load = DVector::from_fn(kept.len(), |k, _| times(k, &|row| free_velocity[row]));
+        self.coupling = DMatrix::zeros(kept.len(), step.len());
+        self.load = DVector::zeros(kept.len());
+        for (a, &joint) in joints.iter().enumerate() {
+            let own = self.basis.column(a);
+            self.load.axpy(step.free_velocity[rows[a]], &own, 1.0);
+            for (other, block) in step.mobility.row(joint) {
+                for (row, &entry) in step.rows(other).zip(block) {
+                    meets[row] |= entry != 0.0;
+                    self.coupling.column_mut(row).axpy(entry, &own, 1.0);
+                }
+            }
+        }
+    }
+
+    /// Whether joints influence a row.
+    pub(super) fn influence(&self, row: usize) -> bool {
+        self.meets[row]
     }
 
     /// What the joints take from an entry of `G`.
     #[inline]
     pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
-        if self.rows.is_empty() {
+        if !(self.meets[i] && self.meets[j]) {
             return 0.0;
         }
         self.coupling.column(i).dot(&self.coupling.column(j))
@@ -69,7 +80,7 @@ impl Joints {
     /// What the joints take from the free velocity of a row.
     #[inline]
     pub(super) fn velocity(&self, i: usize) -> f64 {
-        if self.rows.is_empty() { 0.0 } else { self.coupling.column(i).dot(&self.load) }
+        if self.meets[i] { self.coupling.column(i).dot(&self.load) } else { 0.0 }
     }
 
     /// Fills in the percussions of the joints from those of the `other` rows.
@@ -78,7 +89,7 @@ impl Joints {
             return;
         }
         let mut taken = self.load.clone();
-        for j in others.filter(|&j| percussion[j] != 0.0) {
+        for j in others.filter(|&j| percussion[j] != 0.0 && self.meets[j]) {
             taken.axpy(percussion[j], &self.coupling.column(j), 1.0);
         }
         for (a, &row) in self.rows.iter().enumerate() {
@@ -90,33 +101,36 @@ impl Joints {
     /// take out; else the one that moves most.
     pub(super) fn mismatch(
         &self,
-        delassus: &[f64],
-        free_velocity: &[f64],
+        step: &Arranged,
         percussion: &[f64],
         velocity: &[f64],
     ) -> Mismatch {
-        let all = free_velocity.len();
-        let entry = |i: usize, j: usize| delassus[i * all + j];
-        let load = |row: usize| {
-            let others = (0..all).filter(|j| !self.rows.contains(j));
-            free_velocity[row].abs()
-                + others.map(|j| (entry(row, j) * percussion[j]).abs()).sum::<f64>()
+        let is_joint = |place: usize| step.items[place] == Rows::Bilateral;
+        let load = |joint: usize| {
+            let others = step.mobility.row(joint).filter(|(other, _)| !is_joint(*other));
+            let taken = others.map(|(other, block)| {
+                let terms = block.iter().zip(&percussion[step.rows(other)]);
+                terms.map(|(g, p)| (g * p).abs()).sum::<f64>()
+            });
+            step.free_velocity[step.rows(joint).start].abs() + taken.sum::<f64>()
         };
-        let loads: Vec<f64> = self.rows.iter().map(|&row| load(row)).collect();
+        let loads: Vec<f64> = self.joints.iter().map(|&joint| load(joint)).collect();
         let rounding = ROUNDED * loads.iter().copied().fold(0.0, f64::max);
         let mut worst = Mismatch { is_drift: true, ..Mismatch::default() };
-        for &row in &self.rows {
+        for (&joint, &row) in self.joints.iter().zip(&self.rows) {
+            let size = |place: usize| step.mobility.diagonal(place)[0];
             let meet = |other: usize| {
-                entry(row, other).abs() > ROUNDED * (entry(row, row) * entry(other, other)).sqrt()
+                let entry = step.mobility.between(joint, other).map_or(0.0, |block| block[0]);
+                entry.abs() > ROUNDED * (size(joint) * size(other)).sqrt()
             };
-            let own =
-                self.rows.iter().zip(&loads).filter(|(other, _)| **other == row || meet(**other));
+            let all = self.joints.iter().zip(&loads);
+            let own = all.filter(|(other, _)| **other == joint || meet(**other));
             let reach = own.map(|(_, load)| *load).fold(0.0, f64::max);
             let left = velocity[row].abs();
             // Also where it is not a number.
             let is_drift = left <= f64::max(DRIFT * reach, rounding);
             if left.is_nan() || (!is_drift, left) > (!worst.is_drift, worst.velocity) {
-                worst = Mismatch { row, velocity: left, is_drift };
+                worst = Mismatch { place: joint, velocity: left, is_drift };
             }
             if left.is_nan() {
                 break;
@@ -129,7 +143,8 @@ impl Joints {
 /// What is left of a velocity that no percussion can change.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mismatch {
-    pub(super) row: usize,
+    /// The item.
+    pub(super) place: usize,
     pub(super) velocity: f64,
     pub(super) is_drift: bool,
 }

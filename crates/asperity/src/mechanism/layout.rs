@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
+use super::arranged::Arranged;
 use super::freedom::Freedom;
+use super::joints::Joints;
 use crate::contact::BlockMatrix;
 
 /// Mobility, relative to that along the other direction, which is lent to a direction that nothing moves but that slides: slip has to
@@ -23,13 +25,16 @@ pub(super) enum Friction {
 /// A contact of the problem that is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Member {
-    pub(super) item: usize,
+    /// Its place among the items.
+    pub(super) place: usize,
     /// Its first row in the mechanism.
     pub(super) first: usize,
     /// Its number of directions of friction there.
     pub(super) dimension: usize,
     pub(super) friction: Friction,
     pub(super) freedom: Freedom,
+    /// Whether joints influence it.
+    pub(super) is_held: bool,
 }
 
 impl Member {
@@ -55,6 +60,11 @@ pub(super) struct Layout {
     pub(super) sizes: Vec<usize>,
     /// Contacts that influence each other, ascending.
     neighbours: Vec<Vec<usize>>,
+    /// First row of every contact, and the contact of every item that is one.
+    starts: Vec<usize>,
+    contacts: Vec<Option<usize>>,
+    /// Contacts that joints influence.
+    held: Vec<usize>,
 }
 
 impl Layout {
@@ -86,24 +96,48 @@ impl Layout {
         self.sizes.push(self.rows.len() - before);
     }
 
-    /// Finds which contacts influence each other by entries of the mechanism.
-    pub(super) fn connect(&mut self, entry: &impl Fn(usize, usize) -> f64) {
-        let Self { rows, sizes, neighbours, .. } = self;
-        neighbours.resize_with(sizes.len(), Vec::new);
+    /// Finds which contacts influence each other, among joints.
+    pub(super) fn connect(&mut self, step: &Arranged, joints: &Joints) {
+        let Self { members, rows, sizes, neighbours, starts, contacts, held } = self;
+        contacts.clear();
+        contacts.resize(step.items.len(), None);
+        starts.clear();
+        held.clear();
         let mut start = 0;
-        for (list, &size) in neighbours.iter_mut().zip(&*sizes) {
-            list.clear();
-            let own = &rows[start..start + size];
+        for (i, (member, size)) in members.iter().zip(&*sizes).enumerate() {
+            contacts[member.place] = Some(i);
+            starts.push(start);
             start += size;
-            let mut first = 0;
-            for (j, &other) in sizes.iter().enumerate() {
-                let columns = &rows[first..first + other];
-                first += other;
-                if own.iter().any(|a| columns.iter().any(|b| combined(*a, *b, entry) != 0.0)) {
-                    list.push(j);
-                }
+            if member.is_held {
+                held.push(i);
             }
         }
+        if neighbours.len() < members.len() {
+            neighbours.resize_with(members.len(), Vec::new);
+        }
+        for (i, (member, list)) in members.iter().zip(&mut *neighbours).enumerate() {
+            list.clear();
+            list.extend(step.mobility.neighbours(member.place).iter().filter_map(|&k| contacts[k]));
+            if member.is_held {
+                list.extend(&*held);
+                list.sort_unstable();
+                list.dedup();
+            }
+            list.retain(|&j| {
+                if let Some(block) = unchanged(step, member, &members[j]) {
+                    return block.iter().any(|&value| value != 0.0);
+                }
+                let entry = entries(step, joints, member, &members[j]);
+                let own = &rows[starts[i]..starts[i] + sizes[i]];
+                let other = &rows[starts[j]..starts[j] + sizes[j]];
+                own.iter().any(|a| other.iter().any(|b| combined(*a, *b, &entry) != 0.0))
+            });
+        }
+    }
+
+    /// Whether an item is one of the contacts.
+    pub(super) fn moves(&self, place: usize) -> bool {
+        self.contacts[place].is_some()
     }
 
     /// Whether the problem of another one has the same laws and blocks.
@@ -116,25 +150,30 @@ impl Layout {
 
     /// Blocks of zeros.
     pub(super) fn blocks(&self) -> BlockMatrix {
-        BlockMatrix::with_pattern(&self.sizes, &self.neighbours)
+        BlockMatrix::with_pattern(&self.sizes, &self.neighbours[..self.sizes.len()])
     }
 
     /// Writes the entries into blocks of this pattern.
-    pub(super) fn fill(&self, blocks: &mut BlockMatrix, entry: &impl Fn(usize, usize) -> f64) {
-        for i in 0..self.sizes.len() {
+    pub(super) fn fill(&self, blocks: &mut BlockMatrix, step: &Arranged, joints: &Joints) {
+        for (i, member) in self.members.iter().enumerate() {
             for k in 0..blocks.neighbours(i).len() {
                 let (row, j) = (blocks.offsets()[i], blocks.neighbours(i)[k]);
                 let (column, width) = (blocks.offsets()[j], blocks.size(j));
                 let (_, block) = blocks.block_mut(i, k);
+                if let Some(own) = unchanged(step, member, &self.members[j]) {
+                    block.copy_from_slice(own);
+                    continue;
+                }
+                let entry = entries(step, joints, member, &self.members[j]);
                 for (at, value) in block.iter_mut().enumerate() {
                     let (a, b) = (row + at / width, column + at % width);
                     *value = match (self.rows[a], self.rows[b]) {
                         // Any mobility will do for a row that nothing moves.
                         (Row::Idle { beside }, Row::Idle { .. }) if a == b => entry(beside, beside),
-                        (a, b) => combined(a, b, entry),
+                        (a, b) => combined(a, b, &entry),
                     };
                 }
-                if let (true, Freedom::Across([x, y])) = (i == j, self.members[i].freedom) {
+                if let (true, Freedom::Across([x, y])) = (i == j, member.freedom) {
                     let lent = LENT * (block[4] + block[8]);
                     let [a, c, d] = [y * y, -x * y, x * x].map(|part| lent * part);
                     for (at, part) in [(4, a), (5, c), (7, c), (8, d)] {
@@ -146,8 +185,32 @@ impl Layout {
     }
 }
 
+/// The block of the mechanism between two contacts, where it is that of the problem, too.
+fn unchanged<'a>(step: &'a Arranged, one: &Member, other: &Member) -> Option<&'a [f64]> {
+    let keeps = |member: &Member| {
+        let is_plain = member.friction != Friction::Frictionless && member.freedom == Freedom::All;
+        is_plain && !member.is_held
+    };
+    if keeps(one) && keeps(other) { step.mobility.between(one.place, other.place) } else { None }
+}
+
+/// Entries of the mechanism between rows of two contacts, with joints eliminated.
+fn entries<'a>(
+    step: &'a Arranged,
+    joints: &'a Joints,
+    one: &Member,
+    other: &Member,
+) -> impl Fn(usize, usize) -> f64 + 'a {
+    let block = step.mobility.between(one.place, other.place);
+    let (row, columns) = (one.first, step.rows(other.place));
+    move |i, j| {
+        let at = (i - row) * columns.len() + j - columns.start;
+        block.map_or(0.0, |block| block[at]) - joints.entry(i, j)
+    }
+}
+
 /// The entry of two rows.
-fn combined(a: Row, b: Row, entry: &impl Fn(usize, usize) -> f64) -> f64 {
+fn combined(a: Row, b: Row, entry: impl Fn(usize, usize) -> f64) -> f64 {
     let (Row::Of { first: i, weights: v }, Row::Of { first: j, weights: w }) = (a, b) else {
         return 0.0;
     };

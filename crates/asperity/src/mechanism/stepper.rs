@@ -3,56 +3,17 @@
 use std::collections::HashMap;
 use std::mem;
 
+use super::arranged::{Arranged, Rows, StepRows};
 use super::freedom::{self, Freedom};
-use super::joints::{DRIFT, Joints, Mismatch};
+use super::joints::{Joints, Mismatch};
 use super::layout::{Friction, Layout, Member, Row};
-use super::{ROUNDED, refuse_item};
-use crate::argument::{ArgumentError, length, not_negative, refuse};
+use super::{DRIFT, ROUNDED};
+use crate::argument::{ArgumentError, refuse};
 use crate::contact::{
-    BlockMatrix, ContactProblem, ContactState, Delassus, LARGEST, Memory, NormalForce, Phase,
+    BlockMatrix, ContactProblem, ContactState, Delassus, Memory, NormalForce, Phase,
 };
 use crate::law::{FrictionLaw, Law};
 use crate::solver::{Certificate, Shares, SolveReport, Solver, Status, Stop, Workspace};
-
-/// The rows of one item.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rows {
-    /// A contact with the law of this number: the normal row, then those of the law.
-    Contact(usize),
-    /// One row with `0 ≤ P ⊥ ξ ≥ 0`: a contact without friction, or a limit of a joint.
-    Frictionless,
-    /// One row with `ξ = 0` and a percussion of any sign: a joint.
-    Bilateral,
-    /// One row of dry friction, `|P|` at most this bound in N s or N m s, against `ξ`.
-    DryFriction(f64),
-}
-
-/// The rows of a step, item after item.
-#[derive(Debug, Clone, Copy)]
-pub struct StepRows<'a> {
-    /// `G = Wᵀ M⁻¹ W`, row by row; symmetric.
-    pub delassus: &'a [f64],
-    /// `b`, the velocities without percussions.
-    pub free_velocity: &'a [f64],
-    /// What the rows are.
-    pub items: &'a [Rows],
-    /// A number per item, each once, by which it is known again in the next step; by default its place.
-    pub keys: Option<&'a [u64]>,
-}
-
-impl StepRows<'_> {
-    fn key(&self, item: usize) -> u64 {
-        self.keys.map_or(item as u64, |keys| keys[item])
-    }
-
-    fn entry(&self, i: usize, j: usize) -> f64 {
-        self.delassus[i * self.free_velocity.len() + j]
-    }
-
-    fn largest_velocity(&self) -> f64 {
-        self.free_velocity.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
-    }
-}
 
 /// What an item remembers.
 #[derive(Debug, Clone, Copy, Default)]
@@ -62,14 +23,13 @@ struct Remembered {
     freedom: Option<Freedom>,
 }
 
-/// Percussions, velocities and states of a step, as its rows and items.
+/// Percussions, velocities and states of a step.
 #[derive(Debug, Clone, Default)]
 struct Found {
     percussion: Vec<f64>,
     velocity: Vec<f64>,
     phases: Vec<Phase>,
     ambiguous: Vec<bool>,
-    mismatch: f64,
 }
 
 /// Solves the contacts of a mechanism step after step, among its joints, limits and dry joints.
@@ -82,7 +42,7 @@ struct Found {
 ///
 /// ```
 /// use asperity::law::FrictionLaw;
-/// use asperity::mechanism::{ContactStepper, Rows, StepRows};
+/// use asperity::mechanism::{ContactStepper, Mobility, Rows, StepRows};
 /// use asperity::solver::{Solver, Status, Stop};
 ///
 /// let law = FrictionLaw::<2>::isotropic(0.5)?;
@@ -90,7 +50,7 @@ struct Found {
 /// let unit = |i: usize| f64::from(i % 5 == 0);
 /// let delassus: Vec<f64> = (0..16).map(unit).collect();
 /// let rows = StepRows {
-///     delassus: &delassus,
+///     delassus: Mobility::Dense(&delassus),
 ///     free_velocity: &[-1.0, 3.0, 4.0, 0.2],
 ///     items: &[Rows::Contact(0), Rows::Bilateral],
 ///     keys: None,
@@ -113,16 +73,16 @@ pub struct ContactStepper {
     /// What the contacts did before the step.
     history: Vec<ContactState>,
     shares: Shares,
+    arranged: Arranged,
     joints: Joints,
     layout: Layout,
     /// That of the step before, to which the problem belongs, and buffers.
     earlier: Layout,
     remembered: HashMap<u64, Remembered>,
-    order: Vec<usize>,
-    firsts: Vec<usize>,
-    /// All rows, item after item in the order of their keys.
-    sequence: Vec<usize>,
+    /// In the order of keys, and as rows and items are listed.
     found: Found,
+    listed: Found,
+    unresolved: Mismatch,
 }
 
 impl ContactStepper {
@@ -146,14 +106,14 @@ impl ContactStepper {
             memory: Memory::default(),
             history: Vec::new(),
             shares: Shares::default(),
+            arranged: Arranged::default(),
             joints: Joints::default(),
             layout: Layout::default(),
             earlier: Layout::default(),
             remembered: HashMap::new(),
-            order: Vec::new(),
-            firsts: Vec::new(),
-            sequence: Vec::new(),
             found: Found::default(),
+            listed: Found::default(),
+            unresolved: Mismatch::default(),
         })
     }
 
@@ -172,12 +132,11 @@ impl ContactStepper {
         rows: &StepRows<'_>,
         stop: Stop<'_>,
     ) -> Result<SolveReport, ArgumentError> {
-        self.arrange(rows)?;
-        let joints = self.order.iter().filter(|&&i| rows.items[i] == Rows::Bilateral);
-        self.joints.eliminate(joints.map(|&i| self.firsts[i]), rows.delassus, rows.free_velocity);
-        self.lay_out(rows)?;
-        self.fill(rows);
-        self.recall(rows);
+        self.arranged.arrange(rows, &self.laws)?;
+        self.joints.eliminate(&self.arranged);
+        self.lay_out()?;
+        self.fill();
+        self.recall();
         let Self { solver, problem, memory, history, shares, workspace, .. } = self;
         history.clone_from(&memory.states);
         let mut report = solver.solve_prepared(problem, stop, memory, workspace);
@@ -185,16 +144,21 @@ impl ContactStepper {
             let shared = shares.find(problem, stop, &report, history, memory, workspace);
             report = shared.unwrap_or(report);
         }
-        self.expand(rows);
-        self.keep(rows);
+        self.expand();
+        self.keep();
+        self.find_unresolved();
         report.worst_contact = self.item_of(report.worst_contact);
-        let Mismatch { row, velocity, is_drift } = self.unresolved(rows);
-        self.found.mismatch = velocity;
-        if !is_drift {
+        if !self.unresolved.is_drift {
             report.status = Status::NoSolution;
-            report.worst_contact = self.firsts.iter().rposition(|&first| first <= row).unwrap_or(0);
+            let place = self.unresolved.place;
+            report.worst_contact = self.arranged.order.get(place).copied().unwrap_or(0);
         }
         Ok(report)
+    }
+
+    /// The laws of contacts.
+    pub(super) fn laws(&self) -> &[Law] {
+        &self.laws
     }
 
     /// Forgets the steps before: the next one starts from no percussions.
@@ -204,27 +168,27 @@ impl ContactStepper {
 
     /// Percussions in N s of the last step, row by row.
     pub fn percussion(&self) -> &[f64] {
-        &self.found.percussion
+        &self.listed.percussion
     }
 
     /// Velocities `G P + b` in m/s after the last step, row by row.
     pub fn velocity(&self) -> &[f64] {
-        &self.found.velocity
+        &self.listed.velocity
     }
 
     /// What every item did in the last step: joints stick, contacts that nothing can move are unknown.
     pub fn phases(&self) -> &[Phase] {
-        &self.found.phases
+        &self.listed.phases
     }
 
     /// Whether every item had several solutions in the last step, the others held.
     pub fn ambiguous(&self) -> &[bool] {
-        &self.found.ambiguous
+        &self.listed.ambiguous
     }
 
     /// Largest velocity in m/s that is left in a bilateral row, or with which bodies approach each other that nothing can move.
     pub fn mismatch(&self) -> f64 {
-        self.found.mismatch
+        self.unresolved.velocity
     }
 
     /// What is left of the laws of the contacts in the last step, from its percussions alone.
@@ -239,100 +203,45 @@ impl ContactStepper {
     }
 
     fn item_of(&self, member: usize) -> usize {
-        self.layout.members.get(member).map_or(0, |member| member.item)
-    }
-
-    /// Checks the rows; sorts items by their keys and finds their first rows.
-    fn arrange(&mut self, rows: &StepRows<'_>) -> Result<(), ArgumentError> {
-        let (count, all) = (rows.items.len(), rows.free_velocity.len());
-        self.firsts.clear();
-        let mut first = 0;
-        for (item, kind) in rows.items.iter().enumerate() {
-            self.firsts.push(first);
-            first += match *kind {
-                Rows::Contact(law) => match self.laws.get(law) {
-                    Some(law) => 1 + law.dimension(),
-                    None => {
-                        return refuse_item(item, "must have the number of a law that there is");
-                    }
-                },
-                Rows::DryFriction(bound) => {
-                    not_negative("bounds", bound).map_err(|error| error.within("item", item))?;
-                    1
-                }
-                Rows::Frictionless | Rows::Bilateral => 1,
-            };
-        }
-        length("free_velocity", first, all)?;
-        length("delassus", all * all, rows.delassus.len())?;
-        let numbers = [("delassus", rows.delassus), ("free_velocity", rows.free_velocity)];
-        for (argument, values) in numbers {
-            // Also what is not a number.
-            if values.iter().any(|value| !(value.abs() <= LARGEST)) {
-                return refuse(argument, "must be finite and at most 1e100");
-            }
-        }
-        if (0..all).any(|i| rows.entry(i, i) < 0.0) {
-            return refuse("delassus", "must not be negative on its diagonal");
-        }
-        let joints = (0..count).filter(|&item| rows.items[item] == Rows::Bilateral);
-        for i in joints.map(|item| self.firsts[item]) {
-            let size = |j: usize| (rows.entry(i, i) * rows.entry(j, j)).sqrt();
-            let differs = |j: usize| (rows.entry(i, j) - rows.entry(j, i)).abs() > DRIFT * size(j);
-            if (0..all).any(differs) {
-                return refuse("delassus", "must be symmetric in the rows of joints");
-            }
-        }
-        self.order.clear();
-        self.order.extend(0..count);
-        if let Some(keys) = rows.keys {
-            length("keys", count, keys.len())?;
-            self.order.sort_unstable_by_key(|&item| keys[item]);
-            if let Some(pair) = self.order.windows(2).find(|pair| keys[pair[0]] == keys[pair[1]]) {
-                let message =
-                    format!("must differ, those of items {} and {} are the same", pair[0], pair[1]);
-                return refuse("keys", message);
-            }
-        }
-        let end = |item: usize| self.firsts.get(item + 1).copied().unwrap_or(all);
-        self.sequence.clear();
-        self.sequence.extend(self.order.iter().flat_map(|&item| self.firsts[item]..end(item)));
-        Ok(())
+        self.layout.members.get(member).map_or(0, |member| self.arranged.order[member.place])
     }
 
     /// Finds the contacts of the problem that is left, and which of them influence each other.
-    fn lay_out(&mut self, rows: &StepRows<'_>) -> Result<(), ArgumentError> {
-        let Self { laws, joints, layout, earlier, order, firsts, .. } = self;
+    fn lay_out(&mut self) -> Result<(), ArgumentError> {
+        let Self { laws, arranged, joints, layout, earlier, .. } = self;
         mem::swap(layout, earlier);
         layout.clear();
-        for &item in &*order {
-            let first = firsts[item];
-            let own = |a: usize, b: usize| {
-                let before = rows.entry(first + a, first + b);
-                (before, before - joints.entry(first + a, first + b))
-            };
-            let (friction, dimension) = match rows.items[item] {
+        for (place, kind) in arranged.items.iter().enumerate() {
+            let (friction, dimension) = match *kind {
                 Rows::Bilateral => continue,
                 Rows::Contact(law) => (Friction::Law(law), laws[law].dimension()),
                 Rows::Frictionless => (Friction::Frictionless, 0),
                 Rows::DryFriction(_) => (Friction::Dry, 0),
             };
-            let velocity = |a: usize| rows.free_velocity[first + a] - joints.velocity(first + a);
+            let first = arranged.rows(place).start;
+            let own = |a: usize, b: usize| {
+                let before = arranged.own(place, a, b);
+                (before, before - joints.entry(first + a, first + b))
+            };
+            let velocity =
+                |a: usize| arranged.free_velocity[first + a] - joints.velocity(first + a);
+            let item = arranged.order[place];
             let freedom =
                 freedom::of_contact(item, dimension, own, velocity).inspect_err(|_| {
                     layout.clear();
                     earlier.clear();
                 })?;
-            layout.add(Member { item, first, dimension, friction, freedom });
+            let is_held = arranged.rows(place).any(|row| joints.influence(row));
+            layout.add(Member { place, first, dimension, friction, freedom, is_held });
         }
-        layout.connect(&|i, j| rows.entry(i, j) - joints.entry(i, j));
+        layout.connect(arranged, joints);
         Ok(())
     }
 
     /// Brings the problem up to date: its contacts where they are others than before, its entries and velocities.
-    fn fill(&mut self, rows: &StepRows<'_>) {
-        let Self { laws, line, problem, workspace, shares, joints, layout, earlier, .. } = self;
-        let entry = |i: usize, j: usize| rows.entry(i, j) - joints.entry(i, j);
+    fn fill(&mut self) {
+        let Self { laws, line, problem, workspace, shares, arranged, .. } = self;
+        let Self { joints, layout, earlier, .. } = self;
         let is_new = !layout.fits(earlier) || problem.contacts().len() != layout.members.len();
         if is_new {
             let contacts = layout.members.iter().map(|member| {
@@ -353,15 +262,15 @@ impl ContactStepper {
         }
         problem.refill(|delassus| {
             if let Delassus::Blocks(blocks) = delassus {
-                layout.fill(blocks, &entry);
+                layout.fill(blocks, arranged, joints);
             }
         });
-        let free = |i: usize| rows.free_velocity[i] - joints.velocity(i);
+        let free = |i: usize| arranged.free_velocity[i] - joints.velocity(i);
         for (velocity, row) in problem.free_velocity_mut().iter_mut().zip(&layout.rows) {
             *velocity = row.of(free);
         }
         for (contact, member) in problem.contacts_mut().iter_mut().zip(&layout.members) {
-            if let Rows::DryFriction(bound) = rows.items[member.item] {
+            if let Rows::DryFriction(bound) = arranged.items[member.place] {
                 contact.normal = NormalForce::Prescribed(bound);
             }
         }
@@ -374,13 +283,14 @@ impl ContactStepper {
     }
 
     /// Percussions and states of the items that were there in the step before.
-    fn recall(&mut self, rows: &StepRows<'_>) {
-        let Self { memory, remembered, layout, .. } = self;
+    fn recall(&mut self) {
+        let Self { memory, remembered, arranged, layout, .. } = self;
         memory.percussion.clear();
         memory.states.clear();
         let mut own = &layout.rows[..];
         for (member, &size) in layout.members.iter().zip(&layout.sizes) {
-            let known = remembered.get(&rows.key(member.item)).copied().unwrap_or_default();
+            let key = &arranged.keys[member.place];
+            let known = remembered.get(key).copied().unwrap_or_default();
             let (mine, others) = own.split_at(size);
             own = others;
             let value = |i: usize| known.percussion.get(i - member.first).copied().unwrap_or(0.0);
@@ -392,12 +302,11 @@ impl ContactStepper {
     }
 
     /// Percussions and velocities of all rows.
-    fn expand(&mut self, rows: &StepRows<'_>) {
-        let Self { laws, memory, workspace, joints, layout, found, sequence, .. } = self;
-        let (count, all) = (rows.items.len(), rows.free_velocity.len());
-        let Found { percussion, velocity, phases, ambiguous, mismatch } = found;
+    fn expand(&mut self) {
+        let Self { laws, memory, workspace, arranged, joints, layout, found, listed, .. } = self;
+        let Found { percussion, velocity, phases, ambiguous } = found;
         percussion.clear();
-        percussion.resize(all, 0.0);
+        percussion.resize(arranged.len(), 0.0);
         for (row, p) in layout.rows.iter().zip(&memory.percussion) {
             let Row::Of { first, weights } = *row else { continue };
             for (i, weight) in (first..).zip(weights).filter(|(_, weight)| *weight != 0.0) {
@@ -416,8 +325,8 @@ impl ContactStepper {
                     slip[..2].copy_from_slice(&e.map(|e| -e * back));
                 }
                 Freedom::Normal => {
-                    let free = |row: usize| rows.free_velocity[row] - joints.velocity(row);
-                    let least = ROUNDED * rows.largest_velocity();
+                    let free = |row: usize| arranged.free_velocity[row] - joints.velocity(row);
+                    let least = ROUNDED * arranged.largest_velocity();
                     let moving =
                         own.clone().map(free).map(|v| if v.abs() > least { v } else { 0.0 });
                     slip.iter_mut().zip(moving).for_each(|(slip, v)| *slip = v);
@@ -433,62 +342,61 @@ impl ContactStepper {
         }
         let own = |member: &Member| member.first..member.friction_rows().end;
         joints.react(percussion, layout.members.iter().flat_map(own));
-        velocity.clear();
-        velocity.extend_from_slice(rows.free_velocity);
-        for (i, velocity) in velocity.iter_mut().enumerate() {
-            // Sums whose order is that of the keys, wherever a row is listed.
-            *velocity += sequence.iter().map(|&j| rows.entry(i, j) * percussion[j]).sum::<f64>();
-        }
+        velocity.resize(arranged.len(), 0.0);
+        // Sums whose order is that of the keys, wherever a row is listed.
+        arranged.mobility.apply(percussion, velocity);
+        velocity.iter_mut().zip(&arranged.free_velocity).for_each(|(v, free)| *v += free);
         phases.clear();
         let known =
             |kind: &Rows| if *kind == Rows::Bilateral { Phase::Stick } else { Phase::Unknown };
-        phases.extend(rows.items.iter().map(known));
+        phases.extend(arranged.items.iter().map(known));
         ambiguous.clear();
-        ambiguous.resize(count, false);
+        ambiguous.resize(phases.len(), false);
         for (i, member) in layout.members.iter().enumerate() {
-            phases[member.item] = memory.states[i].phase;
-            ambiguous[member.item] = workspace.ambiguous()[i];
+            phases[member.place] = memory.states[i].phase;
+            ambiguous[member.place] = workspace.ambiguous()[i];
         }
-        *mismatch = 0.0;
+        arranged.list_rows(percussion, &mut listed.percussion);
+        arranged.list_rows(velocity, &mut listed.velocity);
+        arranged.list_items(phases, &mut listed.phases);
+        arranged.list_items(ambiguous, &mut listed.ambiguous);
     }
 
     /// The largest velocity that is left where no percussion can change it.
-    fn unresolved(&self, rows: &StepRows<'_>) -> Mismatch {
-        let Found { percussion, velocity, .. } = &self.found;
-        let mut worst =
-            self.joints.mismatch(rows.delassus, rows.free_velocity, percussion, velocity);
+    fn find_unresolved(&mut self) {
+        let Self { laws, arranged, joints, layout, found, .. } = self;
+        let Found { percussion, velocity, phases, .. } = found;
+        let mut worst = joints.mismatch(arranged, percussion, velocity);
         // A contact that moves has no phase either, where the solver came to no end.
-        let moves = |item: usize| self.layout.members.iter().any(|member| member.item == item);
-        let unmoved = |&item: &usize| self.found.phases[item] == Phase::Unknown && !moves(item);
-        for item in (0..rows.items.len()).filter(unmoved) {
-            let row = self.firsts[item];
-            let closing =
-                if matches!(rows.items[item], Rows::DryFriction(_)) { 0.0 } else { -velocity[row] };
-            let size = match rows.items[item] {
-                Rows::Contact(law) => 1 + self.laws[law].dimension().min(2),
+        let unmoved = |&place: &usize| phases[place] == Phase::Unknown && !layout.moves(place);
+        for place in (0..phases.len()).filter(unmoved) {
+            let row = arranged.rows(place).start;
+            let kind = arranged.items[place];
+            let closing = if matches!(kind, Rows::DryFriction(_)) { 0.0 } else { -velocity[row] };
+            let size = match kind {
+                Rows::Contact(law) => 1 + laws[law].dimension().min(2),
                 _ => 1,
             };
-            let own =
-                rows.free_velocity[row..row + size].iter().fold(0.0, |most, v| v.abs().max(most));
-            let is_drift = closing <= f64::max(DRIFT * own, ROUNDED * rows.largest_velocity());
+            let free = &arranged.free_velocity[row..row + size];
+            let own = free.iter().fold(0.0, |most, v| v.abs().max(most));
+            let is_drift = closing <= f64::max(DRIFT * own, ROUNDED * arranged.largest_velocity());
             if (!is_drift, closing) > (!worst.is_drift, worst.velocity) {
-                worst = Mismatch { row, velocity: closing, is_drift };
+                worst = Mismatch { place, velocity: closing, is_drift };
             }
         }
-        worst
+        self.unresolved = worst;
     }
 
     /// Remembers the items of this step, and no others.
-    fn keep(&mut self, rows: &StepRows<'_>) {
-        let Self { memory, remembered, layout, found, .. } = self;
+    fn keep(&mut self) {
+        let Self { memory, remembered, arranged, layout, found, .. } = self;
         remembered.clear();
         for (member, &state) in layout.members.iter().zip(&memory.states) {
             let freedom = Some(member.freedom);
             let mut own = Remembered { percussion: [0.0; 4], state, freedom };
-            let rest = &found.percussion[member.first..];
-            let count = rest.len().min(4);
-            own.percussion[..count].copy_from_slice(&rest[..count]);
-            remembered.insert(rows.key(member.item), own);
+            let percussion = &found.percussion[arranged.rows(member.place)];
+            own.percussion[..percussion.len()].copy_from_slice(percussion);
+            remembered.insert(arranged.keys[member.place], own);
         }
     }
 }

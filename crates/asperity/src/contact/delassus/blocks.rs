@@ -289,6 +289,12 @@ impl BlockMatrix {
         &self.values[self.places[k]..self.places[k] + len]
     }
 
+    /// The block of two contacts, if it is kept.
+    pub(crate) fn between(&self, i: usize, j: usize) -> Option<&[f64]> {
+        let k = self.starts[i] + self.neighbours(i).binary_search(&j).ok()?;
+        Some(self.block(k, self.size(i) * self.size(j)))
+    }
+
     /// Blocks of a block row: block column and entries.
     #[inline]
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> {
@@ -305,6 +311,18 @@ impl BlockMatrix {
         let j = self.columns[k];
         let len = size * self.size(j);
         (j, &mut self.values[self.places[k]..self.places[k] + len])
+    }
+
+    /// Makes the `k`-th block of a block row the transpose of that of the same contacts in the other order, if this is kept.
+    pub(crate) fn mirror(&mut self, i: usize, k: usize) {
+        let own = self.starts[i] + k;
+        let j = self.columns[own];
+        let Ok(other) = self.neighbours(j).binary_search(&i) else { return };
+        let (rows, columns) = (self.size(i), self.size(j));
+        let (place, from) = (self.places[own], self.places[self.starts[j] + other]);
+        for at in 0..rows * columns {
+            self.values[place + at] = self.values[from + at % columns * rows + at / columns];
+        }
     }
 
     /// The diagonal block of a contact.
