@@ -504,7 +504,13 @@ def _of_table(engine: str, **given: Any) -> Translation:
         raise ParameterError(option, f"{mode['name']} has no pair of sets: {mode['refused']}")
     # Creep was measured with 0.5; what sticks does so with every coefficient.
     creep = mode["creep"] if mu == _HALF or mode["creep"] == 0.0 else None
-    report = _report(engine, *mode["sentences"], creep=creep, end_error=mode.get("end_error"))
+    report = _report(
+        engine,
+        *mode["sentences"],
+        words={"creep": mode["creep"]},
+        creep=creep,
+        end_error=mode.get("end_error"),
+    )
     shape = _SHAPES[mode["law"]](mu)
     return Translation(shape, shape, report)
 
