@@ -293,7 +293,33 @@ def pinocchio() -> Iterator[Row]:
             yield f"{kind}, rows times {np.round(scale, 5)}", *run(kind, scale)
 
 
-ENGINES = {one.__name__: one for one in (bullet, dart, drake, exudyn, mujoco, pinocchio)}
+def siconos() -> Iterator[Row]:
+    """Run a point mass with Moreau and Jean's scheme; the tangential rows of H are scaled by hand."""
+    from siconos import kernel as sk
+
+    def run(scale):
+        body = sk.LagrangianLinearTIDS([0.0, 0.0, 0.0], [*LAUNCH, 0.0], MASS * np.eye(3))
+        body.setFExtPtr(np.array([0.0, 0.0, -MASS * GRAVITY]))
+        rows = np.array([[0.0, 0.0, 1.0], [scale[0], 0.0, 0.0], [0.0, scale[1], 0.0]])
+        contact = sk.Interaction(
+            sk.NewtonImpactFrictionNSL(0.0, 0.0, 0.5, 3), sk.LagrangianLinearTIR(rows)
+        )
+        model = sk.NonSmoothDynamicalSystem(0.0, TIME)
+        model.insertDynamicalSystem(body)
+        model.link(contact, body)
+        scheme, problem = sk.MoreauJeanOSI(0.5), sk.FrictionContact(3)
+        problem.numericsSolverOptions().dparam[0] = 1e-13
+        run = sk.TimeStepping(model, sk.TimeDiscretisation(0.0, STEP), scheme, problem)
+        for _ in range(round(TIME / STEP)):
+            run.computeOneStep()
+            run.nextStep()
+        return np.array(body.q())[:2], np.array(body.velocity())[:2]
+
+    for scale in ((1.0, 1.0), (M1 / 0.5, M2 / 0.5)):
+        yield f"rows times {np.round(scale, 5)}", *run(scale)
+
+
+ENGINES = {one.__name__: one for one in (bullet, dart, drake, exudyn, mujoco, pinocchio, siconos)}
 
 
 def main() -> None:
