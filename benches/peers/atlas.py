@@ -2,8 +2,8 @@
 
     python benches/peers/atlas.py rapier
 
-with the Python that the engine is installed in, from PyPI: `pip install` what ENGINES names. For
-Bullet's rigid bodies, which no Python has, see `btrigidbody.cpp`. Every mode of the engine prints
+with the Python that the engine is installed in, from PyPI under the name in ENGINES, ODE from Debian.
+For Bullet's rigid bodies, which no Python has, see `btrigidbody.cpp`. Every mode of the engine prints
 a table of TOML, the one of `python/asperity/law/engines.toml`, with which `tests/test_engines.py`
 compares `FrictionLaw.like`. A box of 1 kg with the friction coefficient 0.5 on a plane:
 
@@ -415,6 +415,97 @@ def rapier() -> Iterator[tuple[str, Mode]]:
         yield name, Mode(one, extras=functools.partial(extras, model))
 
 
+def motrix() -> Iterator[tuple[str, Mode]]:
+    """Run motrixsim, which reads MJCF."""
+    import motrixsim as mx
+
+    def make(half=CUBE, mu=(MU, MU), *, dt, pair=""):
+        size = " ".join(map(str, half))
+        model = mx.load_mjcf_str(
+            f'<mujoco><option timestep="{dt}" gravity="0 0 {-GRAVITY}"/><worldbody>'
+            f'<geom name="floor" type="plane" size="5 5 1" friction="{mu[0]}"/>'
+            f'<body pos="0 0 {half[2]}"><freejoint/><geom name="box" type="box" size="{size}" '
+            f'mass="1" friction="{mu[1]}"/></body></worldbody>{pair}</mujoco>'
+        )
+        data = mx.SceneData(model)
+        pushes = [0.0]
+
+        def step(push):
+            if push != pushes[0]:
+                # Gravity is the only constant force that the model takes.
+                model.options.gravity = np.array([push, 0.0, -GRAVITY], np.float32)
+                pushes[0] = push
+            mx.step(model, data)
+
+        def launch(speeds):
+            data.set_dof_vel(speeds.astype(data.dof_vel.dtype))
+
+        def state():
+            speeds = np.array(data.dof_vel, float)
+            return np.array(data.dof_pos[:3], float), speeds[:3], speeds[3:]
+
+        return Body(step, launch, state)
+
+    def extras():
+        words = 'geom1="floor" geom2="box" friction="0.9 0.3 0.005 1e-4 1e-4"'
+        mode = Mode(functools.partial(make, pair=f"<contact><pair {words}/></contact>"))
+        yield "pair friction 0.9 0.3 along 90°, over the weight", friction(mode, 90.0)[1]
+
+    yield "default", Mode(make, extras=extras)
+
+
+def omi() -> Iterator[tuple[str, Mode]]:
+    """Run omi-physics, whose second axis is up."""
+    import omi_physics as om
+    from omi_physics import model as parts
+
+    def make(half=CUBE, mu=(MU, MU), *, dt, rule=None, static=None):
+        world = om.PhysicsWorld(sleep_enabled=False, fixed_dt=dt, backend=om.NumpyBackend())
+        ground, own = (
+            world.add_material(parts.Material(one if static is None else static, one)) for one in mu
+        )
+        floor = world.add_shape(parts.Shape.box((40, 2, 40)))
+        box = world.add_shape(parts.Shape.box((2 * half[0], 2 * half[2], 2 * half[1])))
+        world.add_body(
+            parts.Motion(type="static"), parts.Collider(floor, ground), position=(0, -1, 0)
+        )
+        moves = parts.Motion(type="dynamic", mass=1.0)
+        body = world.add_body(moves, parts.Collider(box, own), position=(0, half[2], 0))
+        if rule is not None:
+            world.set_pair_rule(lambda first, second: rule)
+
+        def step(push):
+            world.set_force(body, (push, 0.0, 0.0))
+            world.step(dt)
+
+        def launch(speeds):
+            world.linear_velocity[body] = speeds[[0, 2, 1]]
+            world.angular_velocity[body] = 0.0
+
+        def state():
+            of = (world.position, world.linear_velocity, world.angular_velocity)
+            return tuple(np.array(one[body], float)[[0, 2, 1]] for one in of)
+
+        return Body(step, launch, state)
+
+    def extras():
+        rule = parts.ContactParameters(friction=(0.9, 0.3), friction_direction=(1.0, 0.0, 0.0))
+        mode = Mode(functools.partial(make, rule=rule))
+        for angle in ANGLES:
+            found = friction(mode, angle)
+            yield f"rule with friction (0.9, 0.3) along {angle}°, degrees", found[0]
+            yield f"rule with friction (0.9, 0.3) along {angle}°, over the weight", found[1]
+        body = make(CUBE, (0.3, 0.3), dt=1e-3, static=0.9)
+        for _ in range(500):
+            body.step(0.5 * GRAVITY)
+        yield (
+            "m/s with static 0.9, dynamic 0.3 after 0.5 s under half the weight",
+            body.state()[1][0],
+        )
+
+    yield "default", Mode(make, extras=extras)
+
+
 def newton() -> Iterator[tuple[str, Mode]]:
     """Run the solvers of rigid bodies on the CPU."""
     import newton as nt
@@ -689,8 +780,10 @@ ENGINES: dict[str, tuple[Callable[[], Iterator[tuple[str, Mode]]], str]] = {
     "dart": (dart, "dartpy"),
     "drake": (drake, "drake"),
     "mujoco": (mujoco, "mujoco"),
+    "motrix": (motrix, "motrixsim-core"),
     "newton": (newton, "newton"),
-    "ode": (ode, "Open Dynamics Engine"),
+    "ode": (ode, "python3-pyode"),
+    "omi": (omi, "omi-physics"),
     "physx": (physx, "sapien"),
     "rapier": (rapier, "rapier3d"),
 }
@@ -699,7 +792,7 @@ ENGINES: dict[str, tuple[Callable[[], Iterator[tuple[str, Mode]]], str]] = {
 def main() -> None:
     """Print what the modes of the engine do."""
     if sys.argv[1:2] not in [[name] for name in ENGINES]:
-        sys.exit(f"one of {', '.join(ENGINES)}")
+        sys.exit("one of " + ", ".join(f"{name} ({one[1]})" for name, one in ENGINES.items()))
     modes, distribution = ENGINES[sys.argv[1]]
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):
         print(f"# {distribution} {importlib.metadata.version(distribution)}")

@@ -2,8 +2,8 @@
 
     python benches/peers/sliding_body.py mujoco
 
-with the Python that the engine is installed in (drake, exudyn, bullet: `pybullet`, pinocchio: `pin`,
-dart: `dartpy`, siconos: Debian's `python3-siconos`).
+with the Python that the engine is installed in (drake, exudyn, bullet: `pybullet`, dart: `dartpy`,
+pinocchio: `pin`, siconos: `python3-siconos` of Debian).
 The body weighs 18 g, is launched at 1.52 m/s at 58° to x, and slides until 0.36 s in steps of
 0.1 ms, and of larger ones that engines have by default; its friction coefficients are 5/9.3 along x
 and 4.49/9.3 along y, or 0.5. It creeps under half of the load that it can hold, along x.
@@ -294,7 +294,7 @@ def pinocchio() -> Iterator[Row]:
 
 
 def siconos() -> Iterator[Row]:
-    """Run a point mass with Moreau and Jean's scheme; the tangential rows of H are scaled by hand."""
+    """Run a point mass with Moreau and Jean's scheme; rows of H are scaled by hand."""
     from siconos import kernel as sk
 
     def run(scale):

@@ -485,7 +485,7 @@ def _solve_nivp(*, mu: float | None = None, projection: StarSet | None = None) -
 
 
 # Engines with one coefficient, of which the table says everything.
-_TABLED = ("box2d", "chipmunk", "dart", "newton", "physx", "rapier")
+_TABLED = ("box2d", "chipmunk", "dart", "motrix", "newton", "omi", "physx", "rapier")
 _SHAPES: dict[str, Callable[[float], StarSet]] = {
     "isotropic": Disk,
     "square": lambda mu: Rectangle(mu, mu),
@@ -506,7 +506,7 @@ def _of_table(engine: str, **given: Any) -> Translation:
     creep = mode["creep"] if mu == _HALF or mode["creep"] == 0.0 else None
     report = _report(
         engine,
-        *mode["sentences"],
+        *mode.get("sentences", (mode["law"],)),
         words={"creep": mode["creep"]},
         creep=creep,
         end_error=mode.get("end_error"),
@@ -530,7 +530,13 @@ ENGINES: dict[str, Callable[..., Translation]] = {
 }
 
 
-_ALSO_CALLED = {"pybullet": "bullet"}
+_ALSO_CALLED = {
+    "motrixsim": "motrix",
+    "pybullet": "bullet",
+    "pymunk": "chipmunk",
+    "rapier3d": "rapier",
+    "sapien": "physx",
+}
 
 
 def _word(value: Any, argument: str, allowed: tuple[str, ...], *, prefix: str = "") -> Any:

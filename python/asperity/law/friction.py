@@ -398,6 +398,7 @@ class FrictionLaw(Questions):
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
+        ``motrix``      friction
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
                         (three, or of two geoms), condim, cone (``"pyramidal"`` or
                         ``"elliptic"``), impratio, frame (of mjContact: turns the law into the axes
@@ -405,6 +406,7 @@ class FrictionLaw(Questions):
                         the drilling times it)
         ``newton``      mu, solver (``"SolverXPBD"``, ``"SolverVBD"``, …)
         ``ode``         mu, mu2 of contacts with ContactApprox1
+        ``omi``         dynamicFriction
         ``physx``       dynamic_friction, solver (``"TGS"``, ``"PGS"``)
         ``pinocchio``   mu, S (factor of the tangential rows, 2 × 2, if the user scales them)
         ``rapier``      friction, friction_model
