@@ -2,10 +2,10 @@
 
     python benches/peers/atlas.py rapier
 
-with the Python that the engine is installed in, from PyPI under the name in ENGINES, ODE from Debian.
-For Bullet's rigid bodies, which no Python has, see `btrigidbody.cpp`. Every mode of the engine prints
-a table of TOML, the one of `python/asperity/law/engines.toml`, with which `tests/test_engines.py`
-compares `FrictionLaw.like`. A box of 1 kg with the friction coefficient 0.5 on a plane:
+with the Python that the engine is installed in, from PyPI under the name in ENGINES, ODE from
+Debian. For Bullet's rigid bodies, which no Python has, see `btrigidbody.cpp`. Every mode of the
+engine prints a table of TOML, the one of `python/asperity/law/engines.toml`, with which
+`tests/test_engines.py` compares `FrictionLaw.like`. A box of 1 kg on a plane, coefficient 0.5:
 
 cube, long: degrees and size over the weight of the mean friction force in the first 50 ms after a
     launch with 2 m/s along 15, 30, 45, 60 and 75°; a cube of 0.2 m and a box of twice the length.

@@ -55,6 +55,11 @@ def mujoco() -> Iterator[Row]:
             yield what, *run(friction, cone, LAUNCH)
             yield f"{what}, step 2 ms", *run(friction, cone, LAUNCH, step=2e-3)
             yield f"{what}, stiffer contact", *run(friction, cone, LAUNCH, stiff=stiffer)
+        for friction in ((0.5, 0.5), (0.6, 0.4), (0.9, 0.3)):
+            for degrees in (15, 30, 45, 58, 75):
+                phi = np.deg2rad(degrees)
+                launch = np.linalg.norm(LAUNCH) * np.array([np.cos(phi), np.sin(phi)])
+                yield f"{cone} {friction} at {degrees}°", *run(friction, cone, launch)
         for ratio in (0.5, 1, 2, 10, 100):
             yield (
                 f"{cone} creep, impratio {ratio}",
