@@ -5,13 +5,30 @@ coefficients 5/9.3 and 4.49/9.3 along x and y, 0.5 where they are equal, and ste
 what is given.
 """
 
-import inspect
 from dataclasses import dataclass
+from pathlib import Path
 
 import asperity as asp
 import numpy as np
 import pytest
-from asperity.law.engines import ENGINES, known_of
+from asperity.law.engines import ENGINES, known_of, parameters_of
+
+MODES = [(engine, mode) for engine in ENGINES for mode in known_of(engine).get("modes", ())]
+"""What benches/peers/atlas.py printed, with the parameters of `like`."""
+ANGLES = (15.0, 30.0, 45.0, 60.0, 75.0)
+
+
+def words_of(engine, mode):
+    """Return the parameters of a mode with the coefficient 0.5, of which the forces were seen."""
+    word = {
+        "btrigidbody": "friction",
+        "bullet": "lateralFriction",
+        "drake": "dynamic_friction",
+        "mujoco": "geom_friction",
+        "ode": "mu",
+    }.get(engine) or known_of(engine)["coefficient"]
+    return {word: 0.5, **mode["like"]}
+
 
 M1, M2 = 5.00 / 9.3, 4.49 / 9.3
 SCALE = {"mu": 0.5, "anisotropy": (M1 / 0.5, M2 / 0.5)}
@@ -19,7 +36,11 @@ ROWS = np.diag([M1, M2]) / 0.5
 # Of a sphere on a horizontal plane: the first tangent is y.
 FRAME = [0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0]
 ELLIPTIC = {"cone": "elliptic", "frame": FRAME}
-BULLET = {"lateralFriction": 1.0, "anisotropicFriction": (M1, M2, 1.0)}
+BULLET = {
+    "lateralFriction": 1.0,
+    "anisotropicFriction": (M1, M2, 1.0),
+    "enableConeFriction": False,
+}
 TIME = 0.36
 """At which bodies that do not rest yet are compared."""
 
@@ -158,7 +179,13 @@ RECORDED = [
         (0.124764, 0.199663),
         0.3097,
     ),
-    ("pybullet 3.2.7", "bullet", {"lateralFriction": 0.5}, (0.066096, 0.169314), 0.2626),
+    (
+        "pybullet 3.2.7",
+        "bullet",
+        {"lateralFriction": 0.5, "enableConeFriction": False},
+        (0.066096, 0.169314),
+        0.2626,
+    ),
     ("pybullet 3.2.7", "bullet", {**BULLET, "enableConeFriction": 1}, (0.125648, 0.201080), 0.3119),
     ("pybullet 3.2.7", "bullet", BULLET, (0.061466, 0.175350), 0.272),
     ("1.13.6", "exudyn", {"dryFriction": (0.5, 0.5)}, (0.124809, 0.199735), 0.3095),
@@ -170,8 +197,12 @@ RECORDED = [
         (0.115706, 0.206761),
         0.3133,
     ),
-    ("0.21.0", "rapier", {"friction": 0.5}, (0.124805, 0.199730), 0.3097),
-    ("6.20.0", "dart", {"mu": 0.5}, (0.0660957, 0.1693144), 0.2626),
+    # Of engines with one coefficient the table has the end points.
+    *(
+        (known_of(engine)["version"], engine, words_of(engine, mode), mode["end"], None)
+        for engine, mode in MODES
+        if "end" in mode
+    ),
 ]
 
 LAWS_OF_ONE = {
@@ -230,7 +261,7 @@ def test_the_law_is_the_one_that_the_engine_computes(case):
     assert (stop is None) or abs(rest - stop) < 7e-4
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", sorted({case[1] for case in RECORDED}))
 def test_stated_errors_are_those_that_were_recorded(engine):
     seen = {}
     for _, name, parameters, position, _ in RECORDED:
@@ -385,8 +416,8 @@ def test_laws_with_their_reports_come_back_from_files(case, tmp_path):
 
 REFUSED = [
     ("mujco", {}, "engine: 'mujco' is not known, did you mean 'mujoco'?"),
-    ("chrono", {}, "engine: 'chrono' is not known; known are bullet, cardillo"),
-    (3, {}, "engine: 3 is not known; known are bullet, cardillo"),
+    ("chrono", {}, "engine: 'chrono' is not known; known are box2d, btrigidbody"),
+    (3, {}, "engine: 3 is not known; known are box2d, btrigidbody"),
     (
         "mujoco",
         {"mu": 0.5},
@@ -465,6 +496,8 @@ REFUSED = [
         {"dynamic_friction": 0.5, "discrete_contact_approximation": "lag"},
         "discrete_contact_approximation: must be 'lagged'",
     ),
+    ("dart", {"mu": 0.5, "mu2": 0.4}, "mu2: is not part of a law: dartpy takes one coefficient"),
+    ("physx", {}, "dynamic_friction: is missing: physx has dynamic_friction, solver"),
     ("cardillo", {"mu": 0.3, "solver": "Moreaux"}, "solver: must be 'Moreau' or"),
     ("exudyn", {"dryFriction": 0.3}, "dryFriction: must have shape"),
     ("siconos", {"mu": 0.3, "size": 5}, "size: 5 has rolling friction"),
@@ -489,7 +522,8 @@ NUMBERS = [
     for engine, parameters in (
         ("bullet", {**BULLET, "spinningFriction": 0.0, "rollingFriction": 0.0}),
         ("cardillo", SCALE),
-        ("dart", {"mu": 0.5, "mu2": 0.4}),
+        ("btrigidbody", {"friction": 0.5, "anisotropicFriction": (1.0, 0.5, 1.0)}),
+        ("dart", {"mu": 0.5}),
         (
             "drake",
             {
@@ -509,6 +543,7 @@ NUMBERS = [
         ),
         ("mujoco", {"friction": (0.5, 0.4), "frame": FRAME}),
         ("mujoco", {"geom_friction": (0.5, 0.4, 0.1), "condim": 4, "patch_radius": 0.1}),
+        ("ode", {"mu": 0.5, "mu2": 0.4}),
         ("pinocchio", {"mu": 0.5, "S": ROWS}),
         ("rapier", {"friction": 0.5}),
         ("siconos", {"mu": 0.5, "H": ROWS, "size": 3}),
@@ -532,8 +567,7 @@ def test_what_is_no_number_is_refused_by_name(engine, parameters, name, bad):
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_belongs_elsewhere_is_refused_with_the_place(engine):
-    known = set(inspect.signature(ENGINES[engine]).parameters)
-    assert known.isdisjoint(known_of(engine)["elsewhere"])
+    assert set(parameters_of(engine)).isdisjoint(known_of(engine)["elsewhere"])
     for name, place in known_of(engine)["elsewhere"].items():
         with pytest.raises(asp.ParameterError) as refused:
             like(engine, {name: 0.1})
@@ -542,7 +576,7 @@ def test_what_belongs_elsewhere_is_refused_with_the_place(engine):
 
 
 def test_every_engine_was_recorded_and_is_documented():
-    assert {case[1] for case in RECORDED} == set(ENGINES)
+    assert {case[1] for case in RECORDED} | {engine for engine, _ in MODES} == set(ENGINES)
     words = asp.FrictionLaw.like.__doc__
     assert all(f"``{engine}``" in words for engine in ENGINES)
 
@@ -555,8 +589,7 @@ def test_mujoco_takes_its_least_coefficient_for_none():
 def test_solvers_of_dart_without_a_box_are_isotropic():
     law = like("dart", {"mu": 0.5, "solver": "FbfFrictionSolver"})
     assert law.reservoir == asp.Disk(0.5)
-    with pytest.raises(asp.ParameterError, match="mu2: must be mu"):
-        like("dart", {"mu": 0.5, "mu2": 0.4, "solver": "NsgsFrictionSolver"})
+    assert like("dart", {}).reservoir == asp.Rectangle(1.0, 1.0)
 
 
 def test_end_errors_of_mujoco_grow_with_the_ratio_of_its_coefficients():
@@ -564,3 +597,76 @@ def test_end_errors_of_mujoco_grow_with_the_ratio_of_its_coefficients():
     errors = [like("mujoco", {"friction": pair, **ELLIPTIC}).report.end_error for pair in ratios]
     assert errors == pytest.approx([1.5e-3, 10e-3, 22e-3])
     assert like("mujoco", {"friction": (0.9, 0.1), **ELLIPTIC}).report.end_error is None
+
+
+@pytest.mark.parametrize(("engine", "mode"), MODES, ids=lambda one: str(one)[:30])
+def test_laws_have_the_forces_that_were_seen(engine, mode):
+    if "refused" in mode:
+        with pytest.raises(asp.ParameterError, match="has no pair of sets"):
+            like(engine, {known_of(engine)["option"]: mode["name"]})
+        return
+    law = like(engine, words_of(engine, mode))
+    seen = np.array(mode["cube"])
+    if law.dimension == 1:
+        assert -law.force([[1.0]])[0, 0] == pytest.approx(seen[0, 1], rel=1e-2)
+    elif mode["lift"] < 1e-5:  # m; where bodies hop, the page says how far off the engine is
+        off = off_the_law(law, seen)
+        assert off[0] <= 0.25, "degrees"
+        assert off[1] <= 0.01 * 0.5
+    if "coefficient" in known_of(engine):
+        assert law.report.creep == mode["creep"]
+    rule, given = mode.get("of_two", known_of(engine)["of_two"]), np.array([0.2, 0.8])
+    if rule in RULES and mode["lift"] < 1e-5:
+        assert mode["two"] == pytest.approx(RULES[rule](given), rel=1e-2)
+
+
+RULES = {
+    "product": np.prod,
+    "smaller": np.min,
+    "larger": np.max,
+    "mean": np.mean,
+    "geometric mean": lambda given: np.sqrt(given.prod()),
+    "2ab/(a + b)": lambda given: 2.0 * given.prod() / given.sum(),
+}
+
+
+def off_the_law(law, seen):
+    """Return by how many degrees and how much of the weight forces of an engine are off."""
+    force = -law.force(np.array([[np.cos(a), np.sin(a)] for a in np.deg2rad(ANGLES)]))
+    angles = np.rad2deg(np.arctan2(force[:, 1], force[:, 0]))
+    return np.abs(angles - seen[:, 0]).max(), np.abs(np.hypot(*force.T) - seen[:, 1]).max()
+
+
+def rows_of_the_atlas():
+    """Return the rows of the tables in docs/engines.md that say what was seen."""
+    modes, engines = [], []
+    for engine in sorted(ENGINES):
+        known = known_of(engine)
+        for mode in known.get("modes", ()):
+            name = f"{engine} {known['version']}, {mode['name'].replace('default', 'by default')}"
+            law = mode["law"]
+            if law == "interval":
+                offs = ["—", "—"]
+            else:
+                other = asp.FrictionLaw.isotropic(0.5)
+                one = other if "refused" in mode else like(engine, words_of(engine, mode))
+                offs = [
+                    "{:.1f}°, {:.3f}".format(*off_the_law(one, np.array(mode[body])))
+                    for body in ("cube", "long")
+                ]
+            creep, lift = 1e3 * mode["creep"], 1e3 * mode["lift"]
+            shown = [f"{one:.2g}" if one >= 1e-3 else "0" for one in (creep, lift)]
+            modes.append(f"| {' | '.join([name, law, *offs, *shown])} |")
+        if "of_two" in known:
+            words = [
+                known.get(one, "—") for one in ("of_two", "static", "spin", "reported", "traps")
+            ]
+            engines.append(f"| {engine}, {known['date']} | {' | '.join(words)} |")
+    return modes, engines
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_the_page_has_the_rows_of_the_table(place):
+    page = (Path(__file__).parents[1] / "docs/engines.md").read_text(encoding="utf-8")
+    rows = rows_of_the_atlas()[place]
+    assert "\n".join(rows) in page, "\n".join(["", *rows])

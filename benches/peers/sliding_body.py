@@ -2,7 +2,8 @@
 
     python benches/peers/sliding_body.py mujoco
 
-with the Python that the engine is installed in (drake, exudyn, pinocchio: `pin`, dart: `dartpy`).
+with the Python that the engine is installed in (drake, exudyn, bullet: `pybullet`, dart: `dartpy`,
+pinocchio: `pin`, siconos: `python3-siconos` of Debian).
 The body weighs 18 g, is launched at 1.52 m/s at 58° to x, and slides until 0.36 s in steps of
 0.1 ms, and of larger ones that engines have by default; its friction coefficients are 5/9.3 along x
 and 4.49/9.3 along y, or 0.5. It creeps under half of the load that it can hold, along x.
@@ -54,6 +55,11 @@ def mujoco() -> Iterator[Row]:
             yield what, *run(friction, cone, LAUNCH)
             yield f"{what}, step 2 ms", *run(friction, cone, LAUNCH, step=2e-3)
             yield f"{what}, stiffer contact", *run(friction, cone, LAUNCH, stiff=stiffer)
+        for friction in ((0.5, 0.5), (0.6, 0.4), (0.9, 0.3)):
+            for degrees in (15, 30, 45, 58, 75):
+                phi = np.deg2rad(degrees)
+                launch = np.linalg.norm(LAUNCH) * np.array([np.cos(phi), np.sin(phi)])
+                yield f"{cone} {friction} at {degrees}°", *run(friction, cone, launch)
         for ratio in (0.5, 1, 2, 10, 100):
             yield (
                 f"{cone} creep, impratio {ratio}",
@@ -165,6 +171,55 @@ def exudyn() -> Iterator[Row]:
     yield "creep", *run((0.5, 0.5), REST, load=0.25 * MASS * GRAVITY)
 
 
+def bullet() -> Iterator[Row]:
+    """Run a sphere of pybullet on three sliding joints; coefficients are multiplied."""
+    import pybullet as bt
+
+    bt.connect(bt.DIRECT)
+
+    def run(cone, mu, scale):
+        bt.resetSimulation()
+        bt.setGravity(0, 0, -GRAVITY)
+        bt.setPhysicsEngineParameter(enableConeFriction=cone, fixedTimeStep=STEP)
+        floor = bt.createMultiBody(0, bt.createCollisionShape(bt.GEOM_PLANE))
+        ball = bt.createCollisionShape(bt.GEOM_SPHERE, radius=0.01)
+        none = [[0, 0, 0]] * 3
+        body = bt.createMultiBody(
+            basePosition=[0, 0, 0.01],
+            linkMasses=[1e-9, 1e-9, MASS],
+            linkCollisionShapeIndices=[-1, -1, ball],
+            linkVisualShapeIndices=[-1, -1, -1],
+            linkPositions=none,
+            linkOrientations=[[0, 0, 0, 1]] * 3,
+            linkInertialFramePositions=none,
+            linkInertialFrameOrientations=[[0, 0, 0, 1]] * 3,
+            linkParentIndices=[0, 1, 2],
+            linkJointTypes=[bt.JOINT_PRISMATIC] * 3,
+            linkJointAxis=np.eye(3).tolist(),
+        )
+        bt.changeDynamics(floor, -1, lateralFriction=1.0)
+        bt.changeDynamics(body, 2, lateralFriction=mu, anisotropicFriction=scale)
+        for link in range(-1, 3):
+            bt.changeDynamics(body, link, linearDamping=0, angularDamping=0, jointDamping=0)
+        for link in range(3):
+            bt.setJointMotorControl2(body, link, bt.VELOCITY_CONTROL, force=0)
+        for _ in range(2000):
+            bt.stepSimulation()
+        for link in range(2):
+            bt.resetJointState(body, link, 0.0, LAUNCH[link])
+        for _ in range(round(TIME / STEP)):
+            bt.stepSimulation()
+        x, y = (bt.getJointState(body, link) for link in range(2))
+        return np.array([x[0], y[0]]), np.array([x[1], y[1]])
+
+    for cone in (1, 0):
+        for mu, scale in ((0.5, (1, 1, 1)), (1.0, (M1, M2, 1))):
+            yield (
+                f"enableConeFriction={cone}, {mu} times {np.round(scale, 5)}",
+                *run(cone, mu, scale),
+            )
+
+
 def dart() -> Iterator[Row]:
     """Run a box on a box."""
     import dartpy
@@ -243,7 +298,33 @@ def pinocchio() -> Iterator[Row]:
             yield f"{kind}, rows times {np.round(scale, 5)}", *run(kind, scale)
 
 
-ENGINES = {one.__name__: one for one in (dart, drake, exudyn, mujoco, pinocchio)}
+def siconos() -> Iterator[Row]:
+    """Run a point mass with Moreau and Jean's scheme; rows of H are scaled by hand."""
+    from siconos import kernel as sk
+
+    def run(scale):
+        body = sk.LagrangianLinearTIDS([0.0, 0.0, 0.0], [*LAUNCH, 0.0], MASS * np.eye(3))
+        body.setFExtPtr(np.array([0.0, 0.0, -MASS * GRAVITY]))
+        rows = np.array([[0.0, 0.0, 1.0], [scale[0], 0.0, 0.0], [0.0, scale[1], 0.0]])
+        contact = sk.Interaction(
+            sk.NewtonImpactFrictionNSL(0.0, 0.0, 0.5, 3), sk.LagrangianLinearTIR(rows)
+        )
+        model = sk.NonSmoothDynamicalSystem(0.0, TIME)
+        model.insertDynamicalSystem(body)
+        model.link(contact, body)
+        scheme, problem = sk.MoreauJeanOSI(0.5), sk.FrictionContact(3)
+        problem.numericsSolverOptions().dparam[0] = 1e-13
+        run = sk.TimeStepping(model, sk.TimeDiscretisation(0.0, STEP), scheme, problem)
+        for _ in range(round(TIME / STEP)):
+            run.computeOneStep()
+            run.nextStep()
+        return np.array(body.q())[:2], np.array(body.velocity())[:2]
+
+    for scale in ((1.0, 1.0), (M1 / 0.5, M2 / 0.5)):
+        yield f"rows times {np.round(scale, 5)}", *run(scale)
+
+
+ENGINES = {one.__name__: one for one in (bullet, dart, drake, exudyn, mujoco, pinocchio, siconos)}
 
 
 def main() -> None:

@@ -15,7 +15,10 @@ MU = (0.6, 0.3)
 engines = {
     "MuJoCo, pyramidal cone": ("mujoco", {"friction": MU}),
     "MuJoCo, elliptic cone": ("mujoco", {"friction": MU, "cone": "elliptic"}),
-    "Bullet": ("bullet", {"lateralFriction": 1.0, "anisotropicFriction": (*MU, 1.0)}),
+    "Bullet without cone": (
+        "bullet",
+        {"lateralFriction": 1.0, "anisotropicFriction": (*MU, 1.0), "enableConeFriction": False},
+    ),
     "cardillo, DualStormerVerlet": (
         "cardillo",
         {"mu": 1.0, "anisotropy": MU, "solver": "DualStormerVerlet"},

@@ -37,7 +37,6 @@ from asperity.sets import (
 from asperity.sets.star import checked_set
 
 CardilloSolver = Literal["Moreau", "BackwardEuler", "DualStormerVerlet", "Rattle"]
-DartSolver = Literal["NsgsFrictionSolver", "FbfFrictionSolver"]
 DrakeApproximation = Literal["lagged", "similar", "tamsi", "sap"]
 
 _HALF, _GRAVITY = 0.5, 9.81
@@ -96,25 +95,34 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
         raise ParameterError(
             "engine", f"{engine!r} is not known{advice_on(plain, sorted(ENGINES))}"
         )
-    function = ENGINES[kind]
-    known = inspect.signature(function).parameters
+    known = parameters_of(kind)
     for name in parameters:
         place = known_of(kind)["elsewhere"].get(name)
         if place is not None:
             raise ParameterError(name, f"is not part of a law: {place}")
         if name not in known:
             raise ParameterError(name, f"is not a parameter of {kind} here{advice_on(name, known)}")
-    for name, one in known.items():
-        if one.default is one.empty and name not in parameters:
+    for name, needed in known.items():
+        if needed and name not in parameters:
             raise ParameterError(name, f"is missing: {kind} has {', '.join(known)}")
-    return function(**parameters)
+    return ENGINES[kind](**parameters)
+
+
+def parameters_of(engine: str) -> dict[str, bool]:
+    """Return the names of an engine's parameters and whether they must be given."""
+    if engine in _TABLED:
+        known = known_of(engine)
+        names = {known["coefficient"]: "default" not in known}
+        return names | ({known["option"]: False} if "option" in known else {})
+    signature = inspect.signature(ENGINES[engine])
+    return {name: one.default is one.empty for name, one in signature.parameters.items()}
 
 
 def _bullet(
     *,
     lateralFriction: float,
     anisotropicFriction: ArrayLike = (1.0, 1.0, 1.0),
-    enableConeFriction: bool = False,
+    enableConeFriction: bool = True,
     spinningFriction: float = 0.0,
     rollingFriction: float = 0.0,
 ) -> Translation:
@@ -124,7 +132,9 @@ def _bullet(
         raise ParameterError("anisotropicFriction", f"must be positive, got {scale.tolist()}")
     if arrays.non_negative(spinningFriction, "spinningFriction") > 0.0:
         raise ParameterError(
-            "spinningFriction", "is not translated: what it does was not found by experiment"
+            "spinningFriction",
+            "is not translated: its torque has a limit of its own with enableConeFriction, and "
+            "none without; how it goes with slip was not found by experiment",
         )
     if arrays.non_negative(rollingFriction, "rollingFriction") > 0.0:
         raise ParameterError(
@@ -136,9 +146,22 @@ def _bullet(
     cone = _flag(enableConeFriction, "enableConeFriction")
     reservoir = _ellipse(a, b) if cone else Rectangle(a, b)
     report = _report(
-        "bullet", "cone" if cone else "box", words={"ellipse": ellipse}, end_error=_euler(_STEP)
+        "bullet",
+        "multibody",
+        "cone" if cone else "box",
+        words={"ellipse": ellipse},
+        end_error=_euler(_STEP),
     )
     return Translation(reservoir, Disk(1.0) if cone else reservoir, report)
+
+
+def _btrigidbody(
+    *, friction: float, anisotropicFriction: ArrayLike = (1.0, 1.0, 1.0)
+) -> Translation:
+    scale = arrays.array(anisotropicFriction, "anisotropicFriction", (3,))
+    mu = arrays.positive(friction, "friction") * _two(scale[:2], "anisotropicFriction")
+    sets = flow.ellipses(np.diag(mu))
+    return Translation(*sets, _report("btrigidbody", "equal" if mu[0] == mu[1] else "different"))
 
 
 def _cardillo(
@@ -165,22 +188,6 @@ _CARDILLO: dict[CardilloSolver, float | None] = {
     "DualStormerVerlet": 1e-7,
     "Rattle": None,
 }
-
-
-def _dart(
-    *, mu: float = 1.0, mu2: float | None = None, solver: DartSolver | None = None
-) -> Translation:
-    a = arrays.positive(mu, "mu")
-    b = a if mu2 is None else arrays.positive(mu2, "mu2")
-    if solver is not None:
-        _word(solver, "solver", ("NsgsFrictionSolver", "FbfFrictionSolver"))
-        if a != b:
-            raise ParameterError("mu2", "must be mu, as these solvers were run with one number")
-        report = _report("dart", "coulomb", end_error=_euler(_STEP))
-        return Translation(Disk(a), Disk(a), report)
-    report = _report("dart", "all", end_error=_euler(_STEP) if a == b else None)
-    box = Rectangle(a, b)
-    return Translation(box, box, report)
 
 
 def _drake(
@@ -425,16 +432,16 @@ def _mujoco_with_torsion(
     return Ellipsoid(sizes) if cone == "elliptic" else Superellipsoid(sizes, exponent=1.0)
 
 
+def _ode(*, mu: float, mu2: float | None = None) -> Translation:
+    a = arrays.positive(mu, "mu")
+    box = Rectangle(a, a if mu2 is None else arrays.positive(mu2, "mu2"))
+    return Translation(box, box, _report("ode", "all"))
+
+
 def _pinocchio(*, mu: float, S: ArrayLike | None = None) -> Translation:
     report = _report("pinocchio", "all", creep=0.0, end_error=1e-5)
     reservoir = _scaled_disk(mu, S, "S")
     return Translation(reservoir, reservoir, report)
-
-
-def _rapier(*, friction: float = 0.5) -> Translation:
-    disk = Disk(arrays.positive(friction, "friction"))
-    report = _report("rapier", "all", end_error=3e-6)
-    return Translation(disk, disk, report)
 
 
 def _siconos(
@@ -477,21 +484,59 @@ def _solve_nivp(*, mu: float | None = None, projection: StarSet | None = None) -
     return Translation(reservoir, reservoir, report)
 
 
-ENGINES: dict[str, Callable[..., Translation]] = {
-    "bullet": _bullet,
-    "cardillo": _cardillo,
-    "dart": _dart,
-    "drake": _drake,
-    "exudyn": _exudyn,
-    "mujoco": _mujoco,
-    "pinocchio": _pinocchio,
-    "rapier": _rapier,
-    "siconos": _siconos,
-    "solve_nivp": _solve_nivp,
+# Engines with one coefficient, of which the table says everything.
+_TABLED = ("box2d", "chipmunk", "dart", "motrix", "newton", "omi", "physx", "rapier")
+_SHAPES: dict[str, Callable[[float], StarSet]] = {
+    "isotropic": Disk,
+    "square": lambda mu: Rectangle(mu, mu),
+    "interval": lambda mu: Interval(-mu, mu),
 }
 
 
-_ALSO_CALLED = {"pybullet": "bullet"}
+def _of_table(engine: str, **given: Any) -> Translation:
+    """Return the law of an engine with one coefficient, as its modes in the table have it."""
+    known = known_of(engine)
+    word, option = known["coefficient"], known.get("option", "")
+    mu = arrays.positive(given.get(word, known.get("default")), word)
+    modes = {one["name"]: one for one in known["modes"]}
+    mode = modes[_word(given.get(option, next(iter(modes))), option, tuple(modes))]
+    if "refused" in mode:
+        raise ParameterError(option, f"{mode['name']} has no pair of sets: {mode['refused']}")
+    # Creep was measured with 0.5; what sticks does so with every coefficient.
+    creep = mode["creep"] if mu == _HALF or mode["creep"] == 0.0 else None
+    report = _report(
+        engine,
+        *mode.get("sentences", (mode["law"],)),
+        words={"creep": mode["creep"]},
+        creep=creep,
+        end_error=mode.get("end_error"),
+    )
+    shape = _SHAPES[mode["law"]](mu)
+    return Translation(shape, shape, report)
+
+
+ENGINES: dict[str, Callable[..., Translation]] = {
+    "btrigidbody": _btrigidbody,
+    "bullet": _bullet,
+    "cardillo": _cardillo,
+    "drake": _drake,
+    "exudyn": _exudyn,
+    "mujoco": _mujoco,
+    "ode": _ode,
+    "pinocchio": _pinocchio,
+    "siconos": _siconos,
+    "solve_nivp": _solve_nivp,
+    **{one: functools.partial(_of_table, one) for one in _TABLED},
+}
+
+
+_ALSO_CALLED = {
+    "motrixsim": "motrix",
+    "pybullet": "bullet",
+    "pymunk": "chipmunk",
+    "rapier3d": "rapier",
+    "sapien": "physx",
+}
 
 
 def _word(value: Any, argument: str, allowed: tuple[str, ...], *, prefix: str = "") -> Any:

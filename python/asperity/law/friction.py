@@ -388,21 +388,28 @@ class FrictionLaw(Questions):
         ==============  ============================================================================
         engine          parameters, in its own words
         ==============  ============================================================================
+        ``box2d``       friction
+        ``btrigidbody`` friction, anisotropicFriction (three factors)
         ``bullet``      lateralFriction, anisotropicFriction (three factors), enableConeFriction of
                         its multibodies, which pybullet uses for every body
         ``cardillo``    mu, anisotropy (two factors), solver (``"Moreau"``, ``"BackwardEuler"``, …)
-        ``dart``        mu, mu2 as in SDF, along and across fdir1, or mu and solver
-                        (``"NsgsFrictionSolver"``, ``"FbfFrictionSolver"``)
+        ``chipmunk``    friction
+        ``dart``        mu, solver (``"default"``, ``"NsgsFrictionSolver"``, …)
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
+        ``motrix``      friction
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
                         (three, or of two geoms), condim, cone (``"pyramidal"`` or
                         ``"elliptic"``), impratio, frame (of mjContact: turns the law into the axes
                         of the world), patch_radius (only with condim=4, in m, the third slip is
                         the drilling times it)
+        ``newton``      mu, solver (``"SolverXPBD"``, ``"SolverVBD"``, …)
+        ``ode``         mu, mu2 of contacts with ContactApprox1
+        ``omi``         dynamicFriction
+        ``physx``       dynamic_friction, solver (``"TGS"``, ``"PGS"``)
         ``pinocchio``   mu, S (factor of the tangential rows, 2 × 2, if the user scales them)
-        ``rapier``      friction
+        ``rapier``      friction, friction_model
         ``siconos``     mu, size (2 or 3), H (factor of the tangential rows, 2 × 2)
         ``solve_nivp``  mu, or projection (the convex set that is projected onto)
         ==============  ============================================================================
