@@ -18,8 +18,8 @@ from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.estimator.law_comparison import CurveDifference as CurveDifference
 from asperity.identify.estimator.law_comparison import LawComparison as LawComparison
 from asperity.identify.estimator.law_comparison import compare_laws
-from asperity.identify.evidence.coefficient.breakaway import breakaway
 from asperity.identify.evidence.coefficient.result import friction_coefficient
+from asperity.identify.evidence.coefficient.static import breakaway
 from asperity.identify.evidence.coefficient.stribeck import fit_stribeck
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.result import Fit

@@ -17,7 +17,7 @@ from asperity._base.tables import aligned
 from asperity.errors import FitError, ParameterError
 from asperity.identify.estimator.covariance import level_of
 from asperity.identify.estimator.identified_law import IdentifiedLaw
-from asperity.identify.evidence.coefficient.breakaway import (
+from asperity.identify.evidence.coefficient.static import (
     Breakaway,
     breakaway,
     segments,
@@ -42,6 +42,8 @@ from asperity.law import FrictionLaw
 # An isotropic law is refused where the coefficient changes by more than this over the directions
 # (root mean square, without its noise), in so many bins.
 _ISOTROPIC, _BINS = 0.02, 24
+# More groups of one run each are not spoken of one by one.
+_SHOWN = 4
 
 
 @dataclass(frozen=True)
@@ -219,16 +221,13 @@ class FrictionCoefficient(TableResult):
         if self.processed.goes_round or len(by_direction(2.0 * self.over_turns.direction)) > 1:
             raise FitError("data: a hysteresis loop needs strokes there and back along one line")
         strokes = list(segments(self.processed))
-        way = self.over_turns.direction
-        axis = way[strokes[0].number]
         half = 0.5 * float(np.median([one.path.max() for one in strokes]))
         sums = np.zeros((2, 2, count))
         for one in strokes:
-            forwards = math.cos(way[one.number] - axis) > 0.0
-            sign = 1.0 if forwards else -1.0
+            sign = 1.0 if one.forwards else -1.0
             at = np.floor((sign * (one.path - half) / half + 1.0) * 0.5 * count).astype(np.intp)
             inside = (at >= 0) & (at < count)
-            branch = 0 if forwards else 1
+            branch = 0 if one.forwards else 1
             sums[branch, 0] += np.bincount(at[inside], minlength=count)
             sums[branch, 1] += np.bincount(at[inside], sign * one.force[inside], count)
         held = (sums[:, 0] > 0.0).all(axis=0)
@@ -315,8 +314,8 @@ class FrictionCoefficient(TableResult):
                 )
         if all(len(group.runs) < 2 for group in self.groups):
             found.append(
-                "No load and speed was recorded twice: what setting down the pin anew changes is "
-                "not known, and intervals do not include it."
+                "No load and speed was recorded twice: intervals leave out what setting down the "
+                "pin anew changes."
             )
         for one, what, unit in (
             (self.load_dependence, "load", "N"),
@@ -344,12 +343,16 @@ class FrictionCoefficient(TableResult):
     def summary(self) -> str:
         """Return the coefficients of runs or groups, and what they mean, in sentences."""
         level = f"{self.confidence:.0%} intervals"
+        shown = self.groups
+        if len(shown) > _SHOWN:
+            # The table of the runs has them too.
+            shown = tuple(group for group in shown if len(group.runs) > 1)
         lines = [
             f"The friction coefficient along the sliding is {group.coefficient} at "
             f"{group.load:.4g} N"
             + (f" and {group.speed:.4g} m/s" if math.isfinite(group.speed) else "")
             + f" ({counted(len(group.runs), 'run')}, {level})."
-            for group in self.groups
+            for group in shown
         ]
         return "\n".join([*lines, *self.sentences()])
 
@@ -374,7 +377,7 @@ class FrictionCoefficient(TableResult):
         """Return the table of the runs, and what they mean."""
         table = aligned(self.rows(), right=range(1, 8))
         static = [] if self.breakaway is None else [self.breakaway.summary()]
-        return "\n\n".join([table, "\n".join(self.summary().splitlines()), *static])
+        return "\n\n".join([table, self.summary(), *static])
 
     def data(self) -> dict[str, Any]:
         """Return the same as numbers and texts, for ``--json``."""
@@ -469,8 +472,8 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     """Return friction coefficients along the sliding, over turns, runs, loads and speeds.
 
     μ = mean of l_t/λ_N, friction against the sliding over the normal force, of each turn, or of
-    each stroke while the pin slips. One channel is enough. Turns are independent values, but of many
-    their means over 20 groups are, and strokes count in pairs, there and back, in which the zero of
+    each stroke while the pin slips. One channel is enough. Turns are independent values, of many
+    their means over 20 groups, and strokes count in pairs, there and back, in which the zero of
     the sensor cancels. Runs at one load and one speed, both within 5 %, are mountings of one
     pairing: the interval of their mean comes from what differs between them, Student's t. Strokes
     along different lines are groups of their own. Errors of calibration and zeros are included

@@ -35,6 +35,8 @@ _HIGHEST = 3.0
 # Of the posterior of a mean: places along each axis, the smallest and the largest standard
 # deviation in what values differ by, and the density that is left out.
 _GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
+# More directions are not spoken of one by one.
+_SHOWN = 4
 # A pin without load does not stick: λ_N is less than this part of the usual one.
 _PRESSED = 0.5
 _NONE = Estimate(math.nan, math.nan, math.nan, math.nan, identifiable=False)
@@ -46,12 +48,14 @@ class Segment:
 
     Attributes:
         number: of the stroke.
+        forwards: whether it goes along the axis of the sensor.
         rows: of its samples, from the reversal on.
         path: way of the stage or of the disk since then in m (in rad without a radius), ``(k,)``.
         force: −λ along the stroke over λ_N, ``(k,)``.
     """
 
     number: int
+    forwards: bool
     rows: slice
     path: Array
     force: Array
@@ -86,6 +90,7 @@ def segments(data: ProcessedData) -> Iterator[Segment]:
             along = (force[used] * arrays.unit_vectors(angle)).sum(axis=1)
             yield Segment(
                 int(data.turn[part][rows[0]]),
+                bool(e[0] > 0.0),
                 slice(part.start + used.start, part.start + used.stop),
                 (place[used] - place[start]) @ e,
                 along / np.where(normal[used] > 0.0, normal[used], np.inf),
@@ -149,8 +154,8 @@ class Breakaway(TableResult):
         ratio: static over kinetic coefficient of all strokes.
         compliance: of what holds pin and sensor in m/N; NaN without a radius, or where no stroke
             tells it.
-        needed_rate: in Hz, with which most strokes would have enough samples while the pin sticks;
-            None where they have.
+        needed_rate: in Hz, without which most strokes have too few samples while the pin sticks;
+            None where they have enough.
         confidence: of the intervals.
     """
 
@@ -168,11 +173,19 @@ class Breakaway(TableResult):
     def summary(self) -> str:
         """Return what the strokes say, in sentences."""
         lines = [one.summary() for one in self.directions]
+        told = [one.ratio.value for one in self.directions if one.ratio.identifiable]
+        if len(lines) > _SHOWN:
+            lines = [f"Strokes are along {len(lines)} directions."]
+            if told:
+                lines[0] += (
+                    f" Ratios of static and kinetic coefficient are between {min(told):.4g} and "
+                    f"{max(told):.4g}."
+                )
         if self.needed_rate is not None:
             lines.append(
                 "The sampling rate cannot tell the static coefficient: while the pin sticks there "
-                f"are fewer than {_FEWEST} samples in most strokes; some {self.needed_rate:.2g} Hz "
-                "or a slower reversal would."
+                f"are fewer than {_FEWEST} samples in most strokes; it takes at least "
+                f"{self.needed_rate:.2g} Hz, or slower reversals."
             )
         elif self.has_excess:
             lines.append(
@@ -408,7 +421,7 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
     the standard deviation σ: Student's t where ends are close beside the scatter, and what all
     intervals have in common where the scatter is small.
     """
-    from scipy.stats import norm
+    from scipy.special import ndtr, ndtri
 
     middle, n = ends.mean(axis=1), len(ends)
     width = float(np.diff(ends).mean())
@@ -421,7 +434,7 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
         mean = np.linspace(low, high, _GRID)
         off = (ends - mean[:, None, None]) / sigma[..., None]
         with np.errstate(divide="ignore"):
-            inside = np.log(norm.cdf(off[..., 1]) - norm.cdf(off[..., 0])).sum(axis=2)
+            inside = np.log(ndtr(off[..., 1]) - ndtr(off[..., 0])).sum(axis=2)
         weight = np.exp(inside - inside.max()).sum(axis=0)
         held = np.flatnonzero(weight > _NEGLIGIBLE * weight.max())
         low = float(mean[max(held[0] - 1, 0)])
@@ -430,7 +443,7 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
     tails = 0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level
     first, value, last = np.interp(tails, share / weight.sum(), mean)
     variance = float((weight * (mean - value) ** 2).sum() / weight.sum())
-    more = float(norm.ppf(tails[2])) ** 2 * known
+    more = float(ndtri(tails[2])) ** 2 * known
     return Estimate(
         float(value),
         float(value - math.sqrt((value - first) ** 2 + more)),
@@ -440,7 +453,7 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
 
 
 def _needed_rate(data: ProcessedData, found: Starts) -> float:
-    """Return the sampling rate at which most strokes have enough samples while the pin sticks."""
+    """Return a sampling rate without which most strokes have too few samples of stick."""
     rate = max(run.sample_rate for run in data.raw.recordings)
     counts = [
         end - low
