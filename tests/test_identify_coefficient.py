@@ -313,7 +313,7 @@ def test_the_zero_of_the_sensor_cancels_in_strokes_there_and_back():
 
 
 def test_the_work_of_a_loop_is_that_of_friction_and_of_what_yields():
-    given = virtual_strokes.records(1, ratio=1.0, scatter=0.0, compliance=2e-6, cycles=20)
+    given = virtual_strokes.records(1, ratio=1.0, scatter=0.0, compliance=2e-6, cycles=6)
     mu, half = given["kinetic"][0], np.abs(given["place"]).max()
     loop = friction_coefficient(virtual_strokes.processed(given)).loop(bins=400)
     # The pin does not slide while it sticks, a way of 2 μ λ_N c at each reversal.

@@ -35,6 +35,9 @@ _HIGHEST = 3.0
 # Of the posterior of a mean: places along each axis, the smallest and the largest standard
 # deviation in what values differ by, and the density that is left out.
 _GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
+# A force whose mean falls by so many standard errors below the kinetic one swings; it is looked for
+# in at most so many samples. Inertia that adds less than the last part of the excess is corrected.
+_SURE, _LONGEST, _SMALL = 5.0, 2000, 0.5
 # More directions are not spoken of one by one.
 _SHOWN = 4
 # A pin without load does not stick: λ_N is less than this part of the usual one.
@@ -156,6 +159,8 @@ class Breakaway(TableResult):
             tells it.
         needed_rate: in Hz, without which most strokes have too few samples while the pin sticks;
             None where they have enough.
+        inertia: what the mass of pin and holder adds to the largest force, over its excess, by how
+            the force swings after the slip; NaN where it does not swing.
         confidence: of the intervals.
     """
 
@@ -163,6 +168,7 @@ class Breakaway(TableResult):
     ratio: Estimate
     compliance: float
     needed_rate: float | None
+    inertia: float
     confidence: float
 
     @property
@@ -186,6 +192,12 @@ class Breakaway(TableResult):
                 "The sampling rate cannot tell the static coefficient: while the pin sticks there "
                 f"are fewer than {_FEWEST} samples in most strokes; it takes at least "
                 f"{self.needed_rate:.2g} Hz, or slower reversals."
+            )
+        elif self.inertia > _SMALL:
+            lines.append(
+                "The force swings after the slip: the stage drags the mass of pin and holder. "
+                f"That may be {min(self.inertia, 1.0):.0%} or more of what the largest readings "
+                "exceed the kinetic force by; slower reversals tell the static coefficient."
             )
         elif self.has_excess:
             lines.append(
@@ -223,9 +235,11 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     s, with one compliance c for all strokes, fitted where the force is below 0.8 of the kinetic.
     The pin slips between the samples that part line and kinetic level with the least sum of
     squares; the static coefficient lies between the values of the line there. Strokes are
-    independent normal values, of each of which two ends are known. Forces that a filter of the
-    sensor has changed, or the inertia of the pin and its holder, are taken as they are: of a mass m
-    that the stage takes along with v, forces exceed those of friction by some v √(m/c).
+    independent normal values, of each of which two ends are known. A mass m of pin and holder that
+    the stage drags along with v adds up to a = v √(m/c) to the force, which then swings about the
+    kinetic one: of a largest mean force that is higher by e, √(e² − a²) is friction, with a from
+    the half period of the swing. If a exceeds e/2, the static coefficient is not told.
+    Forces that a filter of the sensor has changed are taken as they are.
 
     Args:
         data: strokes of a stage or of a disk that turns back; one channel is enough.
@@ -260,20 +274,29 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     ends = np.array(
         [(math.nan, math.nan) if peak is None else peak.ends for peak in found.peaks]
     ).reshape(-1, 2)
+    excess, inertia = _swing(found)
+    if inertia > _SMALL * excess:
+        ends = np.full_like(ends, math.nan)
+    elif excess > 0.0:
+        # A mass on a spring has the energy of both at the largest force, past the line.
+        beyond = float(np.nanmean(ends.mean(axis=1) / kinetic)) - 1.0
+        ends -= kinetic[:, None] * (beyond - math.sqrt(excess**2 - inertia**2))
     told = np.isfinite(ends[:, 0])
     directions = tuple(
-        _of_direction(data, found.turns, number[at], ends[at], found.noise, level)
+        _of_direction(data, found.turns, number[at], ends[at], found.error, level)
         for at in by_direction(found.turns.direction[number])
     )
     has_length = data.raw.radius is not None or data.raw.recordings[0].velocity is not None
     ratio = _NONE
     if _enough(told):
-        ratio = _over_strokes(ends[told] / kinetic[told, None], found.noise / kinetic.mean(), level)
+        ratio = _over_strokes(ends[told] / kinetic[told, None], found.error / kinetic.mean(), level)
+    share = inertia / excess
     return Breakaway(
         directions,
         ratio,
         1.0 / (found.slope * data.usual_load) if found.slope > 0.0 and has_length else math.nan,
-        None if _enough(told) else _needed_rate(data, found),
+        None if _enough(told) or share > _SMALL else _needed_rate(data, found),
+        share,
         level,
     )
 
@@ -286,7 +309,8 @@ class Starts(NamedTuple):
         strokes: those in which it does.
         peaks: of these; None where too few samples tell one.
         slope: of the force per unit normal force over the way while the pin sticks.
-        noise: standard error of the force at a peak, by what samples are off that line.
+        noise: standard deviation of the samples from that line.
+        error: standard error of the line of a stroke.
     """
 
     turns: Turns
@@ -294,6 +318,7 @@ class Starts(NamedTuple):
     peaks: list[Peak | None]
     slope: float
     noise: float
+    error: float
 
 
 def starts_of(data: ProcessedData) -> Starts:
@@ -321,8 +346,9 @@ def starts_of(data: ProcessedData) -> Starts:
     off = [(force - slope * path) for path, force in parts]
     squares = sum(float(((one - one.mean()) ** 2).sum()) for one in off)
     count = sum(one.size - 1 for one in off)
-    noise = math.sqrt(squares / count / (1.0 + count / len(off))) if count else 0.0
-    return Starts(turns, strokes, peaks, slope, noise)
+    noise = math.sqrt(squares / count) if count else 0.0
+    error = noise / math.sqrt(1.0 + count / max(len(off), 1))
+    return Starts(turns, strokes, peaks, slope, noise, error)
 
 
 def _enough(told: NDArray[np.bool_]) -> bool:
@@ -386,6 +412,41 @@ def _peak(one: Segment, kinetic: float, slope: float) -> Peak | None:
     start = float((y[low:last] - slope * s[low:last]).mean())
     ends = start + slope * s[last - 1 : last + 1]
     return Peak((float(ends.min()), float(ends.max())), (low, last))
+
+
+def _swing(found: Starts) -> tuple[float, float]:
+    """Return what the largest mean force exceeds the kinetic one by, and what inertia adds of it.
+
+    Both are relative to the kinetic force, and NaN where the force does not swing after the slip.
+    """
+    parts = [
+        (one.force / found.turns.coefficient[one.number], peak)
+        for one, peak in zip(found.strokes, found.peaks, strict=True)
+        if peak is not None and math.isfinite(peak.ends[0])
+    ]
+    lengths = [peak.stuck[1] - peak.stuck[0] for _, peak in parts]
+    half = min(int(np.median(lengths)), _LONGEST) if parts else 0
+    waves = [
+        force[peak.stuck[1] - half : peak.stuck[1] + half]
+        for force, peak in parts
+        if half <= peak.stuck[1] <= force.size - half
+    ]
+    if len(waves) < _FEWEST:
+        return math.nan, math.nan
+    wave = np.mean(waves, axis=0) - 1.0
+    kinetic = np.mean([found.turns.coefficient[one.number] for one in found.strokes])
+    noise = found.noise / float(kinetic) / math.sqrt(len(waves))
+    depth = -float(wave[half:].min())
+    if depth < _SURE * noise:
+        return math.nan, math.nan
+    # Half a period after the largest force the mass is farthest below; later swings count less.
+    first = half + int((wave[half:] < -0.5 * depth).argmax())
+    again = np.flatnonzero(wave[first:] > 0.0)
+    until = first + int(again[0]) if again.size else wave.size
+    lowest = first + int(wave[first:until].argmin())
+    top = int(wave[:lowest].argmax())
+    rise = np.mean([np.diff(peak.ends)[0] for _, peak in parts]) / kinetic
+    return float(wave[top]), float(rise) * (lowest - top) / math.pi
 
 
 def _of_direction(
