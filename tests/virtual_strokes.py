@@ -17,9 +17,9 @@ def records(
     c = 10.0 ** random.uniform(-7.0, -5.0, n) if compliance is None else np.full(n, compliance)
     mu = random.uniform(0.2, 0.4, n)
     ratio = random.uniform(1.0, 1.5, n) if ratio is None else np.full(n, ratio)
-    speed, half = 1e-3 * random.uniform(0.7, 1.5, n), 0.15e-3 * random.uniform(0.8, 1.2, n)
-    period = 4.0 * half / speed
-    steps = int(cycles * period.min() * rate)
+    half, period = 1e-3 * random.uniform(0.1, 0.2, n), 0.5
+    speed = 4.0 * half / period
+    steps = int(cycles * period * rate)
     cycle = np.arange(steps)[:, None] / rate / period + random.uniform(0.0, 1.0, n)
     if sine:
         place = half * np.sin(2.0 * np.pi * cycle)

@@ -38,6 +38,8 @@ _GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
 # A force whose mean falls by so many standard errors below the kinetic one swings; it is looked for
 # in at most so many samples. Inertia that adds less than the last part of the excess is corrected.
 _SURE, _LONGEST, _SMALL = 5.0, 2000, 0.5
+# Samples tell apart what differs by more than so many standard deviations of the noise.
+_APART = 3.0
 # More directions are not spoken of one by one.
 _SHOWN = 4
 # A pin without load does not stick: λ_N is less than this part of the usual one.
@@ -199,6 +201,8 @@ class Breakaway(TableResult):
                 f"That may be {min(self.inertia, 1.0):.0%} or more of what the largest readings "
                 "exceed the kinetic force by; slower reversals tell the static coefficient."
             )
+        elif not self.ratio.identifiable:
+            lines.append(f"Fewer than {_FEWEST} strokes tell no interval of static friction.")
         elif self.has_excess:
             lines.append(
                 f"Static friction exceeds the kinetic one (ratio {self.ratio}): predictions of "
@@ -295,7 +299,7 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         directions,
         ratio,
         1.0 / (found.slope * data.usual_load) if found.slope > 0.0 and has_length else math.nan,
-        None if _enough(told) or share > _SMALL else _needed_rate(data, found),
+        None if told.mean() > 0.5 or share > _SMALL else _needed_rate(data, found),
         share,
         level,
     )
@@ -326,14 +330,19 @@ def starts_of(data: ProcessedData) -> Starts:
     turns = turns_of(data)
     strokes = [one for one in segments(data) if turns.coefficient[one.number] > 0.0]
     slope = _slope([_stuck(one, turns.coefficient[one.number]) for one in strokes])
+    noise = 0.0
     for _ in range(2):
-        peaks = [_peak(one, turns.coefficient[one.number], slope) for one in strokes]
+        peaks = [_peak(one, turns.coefficient[one.number], slope, noise) for one in strokes]
         parts = [
             (one.path[slice(*peak.stuck)], one.force[slice(*peak.stuck)])
             for one, peak in zip(strokes, peaks, strict=True)
             if peak is not None
         ]
         slope = _slope(parts)
+        off = [(force - slope * path) for path, force in parts]
+        squares = sum(float(((one - one.mean()) ** 2).sum()) for one in off)
+        count = sum(one.size - 1 for one in off)
+        noise = math.sqrt(squares / count) if count else 0.0
         left_out = [
             slice(one.rows.start, one.rows.start + peak.stuck[1])
             for one, peak in zip(strokes, peaks, strict=True)
@@ -343,10 +352,6 @@ def starts_of(data: ProcessedData) -> Starts:
     slips = [turns.coefficient[one.number] > 0.0 for one in strokes]
     peaks = [one for one, held in zip(peaks, slips, strict=True) if held]
     strokes = [one for one, held in zip(strokes, slips, strict=True) if held]
-    off = [(force - slope * path) for path, force in parts]
-    squares = sum(float(((one - one.mean()) ** 2).sum()) for one in off)
-    count = sum(one.size - 1 for one in off)
-    noise = math.sqrt(squares / count) if count else 0.0
     error = noise / math.sqrt(1.0 + count / max(len(off), 1))
     return Starts(turns, strokes, peaks, slope, noise, error)
 
@@ -388,8 +393,12 @@ class Peak(NamedTuple):
     stuck: tuple[int, int]
 
 
-def _peak(one: Segment, kinetic: float, slope: float) -> Peak | None:
-    """Return the force before the pin slips; None if too few samples tell it."""
+def _peak(one: Segment, kinetic: float, slope: float, noise: float) -> Peak | None:
+    """Return the force before the pin slips; None if too few samples tell it.
+
+    Where the force rises by more than the noise from sample to sample, all places are taken
+    together that the noise does not tell apart: of ratios near 1 a sample may be of either part.
+    """
     low, end = _inside(one.force, kinetic)
     if not slope > 0.0 or end - low < _FEWEST - 1 or end >= one.force.size:
         return None
@@ -410,7 +419,13 @@ def _peak(one: Segment, kinetic: float, slope: float) -> Peak | None:
     if last - low < _FEWEST:
         return None
     start = float((y[low:last] - slope * s[low:last]).mean())
-    ends = start + slope * s[last - 1 : last + 1]
+    step = slope * float(s[last] - s[last - 1])
+    near = np.flatnonzero(cost <= cost.min() + (_APART * noise) ** 2)
+    if step > _APART * noise:
+        earliest, latest = end + int(near[0]), min(end + int(near[-1]), past - 1)
+    else:
+        earliest = latest = last
+    ends = start + slope * s[[earliest - 1, latest]]
     return Peak((float(ends.min()), float(ends.max())), (low, last))
 
 
@@ -500,9 +515,14 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
         held = np.flatnonzero(weight > _NEGLIGIBLE * weight.max())
         low = float(mean[max(held[0] - 1, 0)])
         high = float(mean[min(held[-1] + 1, _GRID - 1)])
-    share = np.cumsum(weight) - 0.5 * weight
     tails = 0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level
+    share = np.cumsum(weight) - 0.5 * weight
     first, value, last = np.interp(tails, share / weight.sum(), mean)
+    # Strokes in step with the samples have one pair of ends, and may have no scatter at all.
+    common = np.array([ends[:, 0].max() - noise, ends[:, 1].min() + noise])
+    if common[0] < common[1]:
+        low, high = common[0] + np.array([tails[0], tails[2]]) * (common[1] - common[0])
+        first, last = min(first, low), max(last, high)
     variance = float((weight * (mean - value) ** 2).sum() / weight.sum())
     more = float(ndtri(tails[2])) ** 2 * known
     return Estimate(
