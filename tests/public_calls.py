@@ -13,6 +13,7 @@ import asperity as asp
 import mujoco as mj
 import numpy as np
 import scipy.sparse
+import virtual_strokes
 from asperity import identify, mechanisms, mujoco, plot, predict, problems, track
 from asperity.contact import files, grading
 from asperity.system import FiniteElementModel
@@ -56,6 +57,7 @@ MACHINE = identify.VirtualTribometer(
 RAW = MACHINE.record()
 DATA = identify.process(RAW)
 FIT = identify.fit_law(DATA)
+STROKES = virtual_strokes.processed(virtual_strokes.records(1, compliance=1e-6, cycles=4))
 TWISTS = np.random.default_rng(0).normal(size=(60, 3))
 WRENCHES = -asp.FrictionLaw.associated(asp.CoulombContensou(0.3)).force(TWISTS)
 PATCH = identify.fit_patch(WRENCHES, TWISTS)
@@ -404,6 +406,12 @@ ARGUMENTS = {
     "identify.process": {"raw": RAW},
     "identify.low_pass": {"values": np.arange(100.0), "sample_rate": 100.0, "cut_off": 5.0},
     "identify.load_dependence": {"data": RUNS},
+    "identify.friction_coefficient": {"data": DATA},
+    "identify.breakaway": {"data": STROKES},
+    "identify.fit_stribeck": {
+        "speeds": np.geomspace(0.01, 1.0, 8),
+        "coefficients": 0.3 + 0.1 * np.exp(-np.geomspace(0.1, 10.0, 8)),
+    },
     "identify.speed_dependence": {"data": RUNS},
     "perturbed": {},
     "averaged": {},

@@ -54,7 +54,7 @@ def test_a_law_is_identified_from_files(campaign, tmp_path, capsys):
     ):
         assert float(found[name]["value"]) == pytest.approx(value, rel=0.03)
     assert found["direction.scale"]["identifiable"] == "False"
-    assert (out / "report.html").read_text().count("data:image/png;base64") == 3
+    assert (out / "report.html").read_text().count("data:image/png;base64") == 4
 
 
 def test_the_best_models_are_fitted_and_listed(campaign, tmp_path, capsys):

@@ -368,8 +368,12 @@ def test_speed_dependence_of_a_power_law():
 
 
 def test_dependence_needs_runs_that_differ():
-    with pytest.raises(ParameterError, match="three runs"):
-        Dependence([1.0, 2.0], [0.1, 0.1])
+    with pytest.raises(ParameterError, match="two runs"):
+        Dependence([1.0], [0.1])
+    # Of two runs nothing tells the scatter.
+    two = Dependence([1.0, 2.0], [0.1, 0.2])
+    assert two.exponent == pytest.approx(1.0)
+    assert (two.low, two.high) == (-np.inf, np.inf)
     with pytest.raises(ParameterError, match="must differ"):
         Dependence([1.0, 1.01, 1.02], [0.1, 0.1, 0.1])
 

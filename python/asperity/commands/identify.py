@@ -11,6 +11,7 @@ from asperity.commands.options import (
     SUCCESS,
     Commands,
     add_inspect,
+    add_json,
     add_models,
     add_out,
     require,
@@ -40,7 +41,11 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "uncertainty of its parameters, which "
         "`asperity law`, `asperity simulate` and `asperity stability` take; sets.png, "
         "forces.png and residuals.png; parameters.csv, directions.csv, turns.csv and models.csv; "
-        "report.html with all of it. "
+        "runs.csv, turns.png and report.html with all of it. Runs are grouped by load and speed; "
+        "the scatter between mountings, the dependence on load, speed and time, and of strokes the "
+        "static coefficient are said. Records with a friction force alone need one_channel = true "
+        "in [file]: then there is the coefficient, and law.toml only with --reservoir circle "
+        "--direction circle, where friction is the same in all directions. "
         "Exit code 1 if they are to be read with the warnings that are printed: records without "
         "load or a calibration are missing, the model does not fit, or the data have another "
         "defect. Exit code 2 if something is wrong with the files; then nothing is written.",
@@ -67,6 +72,7 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "which seems to hold the data. The configuration that is written names it",
     )
     add_models(parser, "best")
+    add_json(parser)
     return parser
 
 
@@ -99,9 +105,14 @@ def run(options: argparse.Namespace) -> int:
             progress=bar,
             announce=bar.announce,
         )
-    print(found.summary())
-    print(f"\nfigures, tables and report.html in {options.out}")
-    return DOUBTFUL if found.fit.warnings else SUCCESS
+    if options.json:
+        from asperity.predict.simulation import as_json
+
+        print(as_json(found.results()))
+    else:
+        print(found.summary())
+        print(f"\nfigures, tables and report.html in {options.out}")
+    return DOUBTFUL if found.warnings else SUCCESS
 
 
 def _sheet(path: Path, given: str | None) -> str | int | None:

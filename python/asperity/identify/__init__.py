@@ -18,6 +18,9 @@ from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.estimator.law_comparison import CurveDifference as CurveDifference
 from asperity.identify.estimator.law_comparison import LawComparison as LawComparison
 from asperity.identify.estimator.law_comparison import compare_laws
+from asperity.identify.evidence.coefficient.result import friction_coefficient
+from asperity.identify.evidence.coefficient.static import breakaway
+from asperity.identify.evidence.coefficient.stribeck import fit_stribeck
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.evidence.forces.selection import compare_models
@@ -80,13 +83,16 @@ __all__ = [
     "SupportsFit",
     "VirtualTribometer",
     "average_turns",
+    "breakaway",
     "compare_laws",
     "compare_models",
     "compare_patches",
     "fit_law",
     "fit_patch",
     "fit_paths",
+    "fit_stribeck",
     "fit_supports",
+    "friction_coefficient",
     "inspect_file",
     "load",
     "load_dependence",

@@ -15,7 +15,18 @@ from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
+from asperity.identify.campaigns.coefficient import (
+    STROKES,
+    OneChannel,
+    estimate_data,
+    write_coefficient,
+)
+from asperity.identify.campaigns.coefficient import TABLES as COEFFICIENT
 from asperity.identify.estimator.loss import LossName
+from asperity.identify.evidence.coefficient.result import (
+    FrictionCoefficient,
+    friction_coefficient,
+)
 from asperity.identify.evidence.forces.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.report import cells, loads_of, write_report
@@ -32,8 +43,8 @@ from asperity.law import Provenance
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
 _TABLES = ("directions.csv", "parameters.csv", "turns.csv", "models.csv")
 _LAW = "law.toml"
-FILES = (*_TABLES, _LAW, *_PICTURES, "report.html")
-"""What `identify_campaign` writes."""
+FILES = (*COEFFICIENT, *_TABLES, _LAW, *_PICTURES, "report.html")
+"""What `identify_campaign` writes of turns; of strokes `STROKES` besides."""
 
 STAGES = ("reading", "fitting", "comparing models", "writing")
 """What it announces, and counts in its progress; reading counts file by file."""
@@ -48,6 +59,16 @@ class Identification:
     data: ProcessedData
     fit: Fit
     provenance: Provenance
+
+    @cached_property
+    def coefficient(self) -> FrictionCoefficient:
+        """Friction coefficients along the sliding, over turns, runs, loads and speeds."""
+        return friction_coefficient(self.data, confidence=self.fit.confidence or 0.95)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Those of the fit."""
+        return self.fit.warnings
 
     @cached_property
     def averaged(self) -> Averaged:
@@ -86,9 +107,20 @@ class Identification:
                 f"shapes: the best fit for its number of parameters (smallest BIC) is {pair[0]} "
                 f"for C and {pair[1]} for D{remedy}"
             )
+        parts.append(self.coefficient.text())
         if self.fit.warnings:
             parts.append("\n".join(f"warning: {sentence}" for sentence in self.fit.warnings))
         return "\n\n".join(parts)
+
+    def results(self) -> dict[str, Any]:
+        """Return parameters, coefficients and warnings as numbers and texts, for ``--json``."""
+        return {
+            "parameters": {name: estimate_data(x) for name, x in self.fit.parameters.items()},
+            "models": [self.fit.reservoir_model, self.fit.direction_model],
+            "residuals": self.fit.rms,
+            "coefficient": self.coefficient.data(),
+            "warnings": list(self.warnings),
+        }
 
     def _facts(self) -> list[tuple[str, str]]:
         data, raw = self.data, self.data.raw
@@ -152,7 +184,8 @@ class Identification:
         else:
             # A single turn cannot be left out.
             write_csv(folder / "models.csv", ("model",), ())
-        write_report(self.fit, folder / "report.html", title, figures)
+        further = write_coefficient(self.coefficient, folder)
+        write_report(self.fit, folder / "report.html", title, figures, further)
 
     def _directions(self) -> dict[str, Any]:
         """Return mean measured and modelled forces over directions of sliding, and points of D."""
@@ -211,8 +244,11 @@ def identify_campaign(
     confidence: float = 0.95,
     progress: Progress = None,
     announce: Callable[[str], object] = lambda _: None,
-) -> Identification:
+) -> Identification | OneChannel:
     """Identify a law and write what `FILES` lists into `out`; nothing if something is wrong.
+
+    Of records with one channel it is the coefficient, and an isotropic law if both models are
+    circles.
 
     Args:
         paths: files of the runs, one or several of a campaign.
@@ -233,7 +269,7 @@ def identify_campaign(
         ParameterError: if an option or the folder cannot be used.
         FitError: if nothing fits, or the fitted D is not convex.
     """
-    folder = ResultFolder(out, FILES)
+    folder = ResultFolder(out, (*FILES, *STROKES))
     with reporter(progress, "stage") as report:
 
         def begin(stage: str) -> None:
@@ -251,6 +287,16 @@ def identify_campaign(
             configuration=loaded.sections,
         )
         begin("fitting")
+        title = f"Friction law of {', '.join(path.name for path in paths)}"
+        if data.raw.one_channel:
+            coefficient = friction_coefficient(data, confidence=confidence)
+            models = {"reservoir": reservoir, "direction": direction}
+            alone = OneChannel.of(coefficient, origin, **models)
+            begin("writing")
+            with folder.filled() as place:
+                alone.write(place, title=title.replace("law", "coefficient"))
+            count.finish()
+            return alone
         # The bands need two turns.
         bands = confidence if data.turns > 1 else None
         fit = fit_law(data, reservoir=reservoir, direction=direction, loss=loss, confidence=bands)
@@ -262,7 +308,7 @@ def identify_campaign(
             _ = found.fit.comparison
         begin("writing")
         with folder.filled() as place:
-            found.write(place, title=f"Friction law of {', '.join(path.name for path in paths)}")
+            found.write(place, title=title)
         count.finish()
     return found
 

@@ -16,7 +16,7 @@ from asperity.errors import ParameterError
 from asperity.identify.forces.processing import ProcessedData
 
 # Runs whose loads or speeds differ by less than this factor tell nothing.
-_LEAST_RATIO = 1.05
+LEAST_RATIO = 1.05
 
 
 class Dependence(Record):
@@ -33,7 +33,8 @@ class Dependence(Record):
             Student's t.
 
     Raises:
-        ParameterError: with fewer than three runs, or if they hardly differ.
+        ParameterError: with fewer than two runs, or if they hardly differ. The interval of two
+            runs is infinite: nothing is known of their scatter.
 
     >>> from asperity.identify import Dependence
     >>> found = Dependence([5.0, 10.0, 20.0, 40.0], [0.31, 0.30, 0.31, 0.30])
@@ -53,12 +54,12 @@ class Dependence(Record):
         x = given["values"]
         y = arrays.array(given["coefficients"], "coefficients", (x.size,))
         given["coefficients"] = y
-        if x.size < 3:
-            raise ParameterError("values", f"must be those of three runs or more, got {x.size}")
+        if x.size < 2:
+            raise ParameterError("values", f"must be those of two runs or more, got {x.size}")
         for name, one in (("values", x), ("coefficients", y)):
             if one.min() <= 0.0:
                 raise ParameterError(name, f"must be positive, got {one.min()}")
-        if x.max() < _LEAST_RATIO * x.min():
+        if x.max() < LEAST_RATIO * x.min():
             raise ParameterError(
                 "values", f"must differ by 5 % or more, lie in {x.min():.4g}..{x.max():.4g}"
             )
@@ -71,8 +72,10 @@ class Dependence(Record):
         spread = float(away @ away)
         exponent = float(away @ np.log(y)) / spread
         left = np.log(y) - np.log(y).mean() - exponent * away
-        error = math.sqrt(float(left @ left) / (x.size - 2) / spread)
-        half = float(t.ppf(0.5 * (1.0 + self.confidence), x.size - 2)) * error
+        half = math.inf
+        if x.size > 2:
+            error = math.sqrt(float(left @ left) / (x.size - 2) / spread)
+            half = float(t.ppf(0.5 * (1.0 + self.confidence), x.size - 2)) * error
         self._keep(exponent=exponent, low=exponent - half, high=exponent + half)
 
     @property
@@ -84,7 +87,7 @@ class Dependence(Record):
 def several_loads(data: Any) -> tuple[float, ...]:
     """Return the mean λ_N in N of each run if these differ by 5 % or more, else nothing."""
     loads = data.loads if isinstance(data, ProcessedData) else ()
-    return loads if loads and max(loads) >= _LEAST_RATIO * min(loads) else ()
+    return loads if loads and max(loads) >= LEAST_RATIO * min(loads) else ()
 
 
 def load_dependence(

@@ -323,6 +323,8 @@ class ProcessedData(Value):
     @cached_property
     def sets(self) -> MeasuredSets:
         """Points of bdry C and of D from the means in default bins, with their defects."""
+        if self.raw.one_channel:
+            raise ParameterError("one_channel", "tells no sets: the radial channel is not there")
         means = self.averaged()
         return MeasuredSets(means.phi, means.force / means.normal_force[:, None])
 

@@ -56,6 +56,8 @@ SCHEMA: dict[str, dict[str, Kind]] = {
         "sample_rate": NUMBER,
         "turn_rate": NUMBER,
         "counts_per_turn": NUMBER,
+        "arm": NUMBER,
+        "one_channel": SWITCH,
         "check_units": SWITCH,
         "on_defect": TEXT,
     },
@@ -92,11 +94,11 @@ class Configuration(Value):
 
     Args:
         sections: ``file`` (delimiter, decimal, header, encoding, names, thousands, sheet,
-            sample_rate, turn_rate, counts_per_turn, check_units, on_defect), ``columns`` and
-            ``units`` as for `read_csv`, ``run`` (from, to, angles), ``calibration`` (file, or loads
-            and readings; reading_error, fit_zero), ``no_load`` (files; from, to), ``tribometer``
-            (normal_load, radius; zero_error in N and gain_error, relative, as of `RawData`),
-            ``processing`` (cut_off, order, grid_angle); all optional. A
+            sample_rate, turn_rate, counts_per_turn, arm, one_channel, check_units, on_defect),
+            ``columns`` and ``units`` as for `read_csv`, ``run`` (from, to, angles), ``calibration``
+            (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files; from, to),
+            ``tribometer`` (normal_load, radius; zero_error in N and gain_error, relative, as of
+            `RawData`), ``processing`` (cut_off, order, grid_angle); all optional. A
             column of the normal channel is read beside normal_load for its crosstalk. Windows
             ``from`` … ``to``, numbers in the unit of the times or texts for a clock, or lists of
             them, are those of each file of the runs; those of ``no_load`` are of its own files if
@@ -194,6 +196,7 @@ class Configuration(Value):
             runs,
             calibration=calibration,
             no_load=without,
+            one_channel=self._section("file").get("one_channel", False),
             processing=Processing(**self._processing()),
             **self._section("tribometer"),
         )

@@ -31,6 +31,7 @@ from asperity.identify.records.tables.headings import (
     MOTION,
     PATH_WORDS,
     READINGS,
+    TORQUES,
     UNITS,
     WORDS,
     Headings,
@@ -417,6 +418,8 @@ def _sections(
             notes.append(f"{role}: no unit is given; {DEFAULTS.get(role, 'm')} is taken")
         if own in READINGS:
             notes.append(f"{role}: in {own}, which only a [calibration] turns into N")
+        if own in TORQUES:
+            notes.append(f"{role}: a torque, in {own}; give the arm of the force in m in [file]")
         if own == COUNTS:
             turn = _counts(column)
             if turn:
@@ -440,7 +443,11 @@ def _sections(
 
 def _missing(roles: set[str], file: Mapping[str, Any]) -> list[str]:
     """Return what is to be said of the columns of a tribometer that are not there."""
-    needed = {"time": "sample_rate in [file]", "normal": "normal_load in [tribometer]"}
+    needed = {
+        "time": "sample_rate in [file]",
+        "radial": "one_channel = true in [file], for the friction coefficient alone",
+        "normal": "normal_load in [tribometer]",
+    }
     wanted = ("time", *(() if "force_x" in roles else CHANNELS))
     notes = [
         f"{role}: no column seems to be it; name it in [columns]"

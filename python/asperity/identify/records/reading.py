@@ -29,7 +29,15 @@ from asperity.identify.records.record import (
 )
 from asperity.identify.records.sliding.motion import force_columns, motion_columns, velocity_of
 from asperity.identify.records.tables import clock, labview
-from asperity.identify.records.tables.headings import CLOCK, DEFAULTS, FORCES, UNITS, factors
+from asperity.identify.records.tables.headings import (
+    CLOCK,
+    DEFAULTS,
+    FORCES,
+    POSITIONS,
+    UNITS,
+    WITHOUT_RADIAL,
+    factors,
+)
 from asperity.identify.records.tables.text_table import (
     Format,
     Source,
@@ -73,7 +81,9 @@ def read_csv(
     sample_rate: float | None = None,
     turn_rate: float | None = None,
     counts_per_turn: float | None = None,
+    arm: float | None = None,
     normal_load: float | None = None,
+    one_channel: bool = False,
     run: Sequence[Window] | None = None,
     angles: float | Sequence[float] | None = None,
     loaded: bool = True,
@@ -97,7 +107,8 @@ def read_csv(
             ``force_y`` for the channels; an ``angle`` then says how the surface lies.
         units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
             angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, uN, mN, cN,
-            daN, kN, gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N;
+            daN, kN, gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N, of the
+            tangential channel also torques Nm, Ncm, Nmm, mNm, uNm;
             velocities m/s, cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the
             sign. Default: the unit of the heading, else s, rad, turn/s, N, m/s, m. The angle may be
             wrapped.
@@ -112,8 +123,10 @@ def read_csv(
         turn_rate: in turns/s or the unit given for it, instead of an angle column; the angle is 0
             at time 0.
         counts_per_turn: of the encoder, for an angle in counts.
+        arm: of the friction force in m, for a tangential channel that is a torque.
         normal_load: constant λ_N in N, instead of a column of the normal force; 0 is what records
             without load get.
+        one_channel: whether no radial channel is read: `friction_coefficient` does without.
         run: windows of time, each a run: pairs of start and end in the unit of the time column, or
             texts for a clock; None for those of the file. By default a file is one run.
         angles: how the surface lies, one number or one for each file in the unit of the angle,
@@ -165,7 +178,9 @@ def read_csv(
         "sample_rate": sample_rate,
         "turn_rate": turn_rate,
         "counts_per_turn": counts_per_turn,
+        "arm": arm,
         "normal_load": normal_load,
+        "one_channel": one_channel,
         "check_units": check_units,
         "on_defect": on_defect,
     }
@@ -251,11 +266,15 @@ class Reader:
     sample_rate: float | None = None
     turn_rate: float | None = None
     counts_per_turn: float | None = None
+    arm: float | None = None
     normal_load: float | None = None
+    one_channel: bool = False
     check_units: bool = True
     on_defect: str = "raise"
 
     def __post_init__(self) -> None:
+        if self.one_channel and self.forces == FORCES:
+            raise ParameterError("one_channel", "is for a tangential channel, not for force_x")
         arrays.choice(self.on_defect, "on_defect", ("raise", "split"))
         for name in self.columns:
             if name not in UNITS:
@@ -266,7 +285,8 @@ class Reader:
         if "angle" in self.constants and (self.is_stage or self.motion == ("turn_rate",)):
             raise ParameterError("turn_rate", f"excludes a column of {self.motion[0]}")
         counts = self.counts_per_turn if "angle" in self.units else None
-        _ = self.forces, factors(self.units, counts)
+        arm = self.arm if "tangential" in self.units else None
+        _ = self.forces, factors(self.units, counts, arm)
 
     @cached_property
     def constants(self) -> dict[str, float]:
@@ -299,7 +319,7 @@ class Reader:
         if not loaded and self.motion != ("angle",):
             # Nothing moves, or it does not matter.
             moving = []
-        wanted = ("time", *moving, *self.forces, "normal")
+        wanted = ("time", *moving, *self.forces[: 1 if self.one_channel else 2], "normal")
         return {name: self.columns.get(name, name) for name in wanted if name not in self.constants}
 
     def read(
@@ -315,7 +335,7 @@ class Reader:
         if len(table.values) < 2:
             raise RecordError(table.source, "holds one sample only, a run needs two or more")
         named = {**DEFAULTS, **table.units}
-        scale = factors(named, self.counts_per_turn)
+        scale = factors(named, self.counts_per_turn, self.arm)
         series = self._series(table, where, named, scale)
         if angle is not None:
             series["angle"] = np.full(len(table.values), angle * scale["angle"])
@@ -357,7 +377,7 @@ class Reader:
         if "normal" in constants:
             series["normal"] = np.full(len(count), constants["normal"])
         for name, channel in zip(self.forces, CHANNELS[:2], strict=True):
-            series[channel] = series[name]
+            series[channel] = series[name] if name in series else np.zeros(len(count))
         return series
 
 
@@ -511,6 +531,8 @@ class _Part:
             values.flags.writeable = False
         found = Recording(time, angle=turned, readings=readings, source=source, velocity=velocity)
         found._keep(_units=tuple(self._units_of_channels().values()))
+        if reader.motion[0] in POSITIONS and velocity is not None:
+            found._keep(_position=np.stack([series[one][rows] for one in reader.motion], axis=-1))
         return found
 
     def _units_of_channels(self) -> dict[str, str]:
@@ -659,8 +681,7 @@ def _refuse_constant(
         named["angle"] = named["turn_rate"] = angle
     for name, change in named.items():
         if name in where and change == 0.0:
-            raise RecordError(
-                source, f"column {where[name]!r} ({name}): does not change: is it connected?"
-            )
+            message = f"column {where[name]!r} ({name}): does not change: is it connected?"
+            raise RecordError(source, message + f" {WITHOUT_RADIAL}" * (name == "radial"))
     if moves and not any(one.any() for one in moves):
         raise RecordError(source, "the stage does not move")

@@ -22,6 +22,7 @@ from asperity._base.value import (
     Positive,
     Record,
     Text,
+    Truth,
     field,
 )
 from asperity.errors import DimensionError, ParameterError, RecordError
@@ -39,6 +40,8 @@ PIECE = ", lines "
 # The disk may shake by this angle against its sense of rotation.
 BACKLASH = 0.1
 _LISTED = 5
+# Crosstalk, relative to the gains, that is rounding.
+_ROUNDING = 1e-9
 
 
 class Recording(Record):
@@ -71,6 +74,8 @@ class Recording(Record):
     velocity: OptionalArray = field(default=None)
     # Those of the channels in the file it was read from.
     _units: ClassVar[tuple[str, ...]] = ()
+    # Of a stage in m as it was read: slopes leave reversals out.
+    _position: ClassVar[Array | None] = None
 
     def _complete(self, given: dict[str, Any]) -> None:
         source = given["source"]
@@ -88,13 +93,13 @@ class Recording(Record):
         return len(self.time)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return *super().__reduce__(), {"_units": self._units}
+        return *super().__reduce__(), {"_units": self._units, "_position": self._position}
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed."""
         found = super().replace(**changes)
         if "readings" not in changes:
-            found._keep(_units=self._units)
+            found._keep(_units=self._units, _position=self._position)
         return found
 
     def __repr__(self) -> str:
@@ -186,6 +191,8 @@ class RawData(Record):
             error that is only known to be below l, the standard error is l/√3.
         gain_error: standard error of the three gains, relative to them, likewise: beyond the
             calibration, or in its place. With a `normal_load`, the third is the error of that.
+        one_channel: whether the radial channel was not recorded. Its readings are zeros then, and
+            nothing is known of the deflection of the force.
         processing: what `process` does with it; of `read_raw` the section of the configuration.
 
     >>> from asperity import FrictionLaw
@@ -203,14 +210,23 @@ class RawData(Record):
     radius: Positive | None = None
     zero_error: ByChannel = field(default=None)
     gain_error: ByChannel = field(default=None)
+    one_channel: Truth = False
     processing: Processing = _USUAL
 
     def _complete(self, given: dict[str, Any]) -> None:
         if not given["recordings"]:
             raise ParameterError("recordings", "must hold at least one recording")
         _refuse_copies(given["recordings"])
-        if given["calibration"] is None:
+        known = given["calibration"]
+        if known is None:
             _refuse_voltages(given["recordings"])
+        elif given["one_channel"] and (
+            abs(known.matrix[[0, 2], 1]).max() > _ROUNDING * abs(known.matrix[1, 1])
+        ):
+            raise ParameterError(
+                "one_channel",
+                "needs a calibration without crosstalk of the radial channel, which is not there",
+            )
 
 
 def _refuse_voltages(runs: tuple[Recording, ...]) -> None:

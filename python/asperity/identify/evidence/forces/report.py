@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,8 +30,9 @@ def write_report(
     path: str | os.PathLike[str],
     title: str,
     figures: Mapping[str, Figure] | None = None,
+    further: Sequence[Section] = (),
 ) -> Path:
-    """Write the report of a fit; the file is complete or not there."""
+    """Write the report of a fit with further sections; the file is complete or not there."""
     from asperity.plot.identification import report_figures
     from asperity.plot.look import png
 
@@ -43,6 +44,7 @@ def write_report(
         Section("Is D = C?", _associativity(fit)),
         Section("Defects of the measured forces", _defects(fit)),
         *_comparison(fit),
+        *further,
     ]
     return report.write_report(path, title, sections)
 

@@ -69,6 +69,11 @@ def samples_of(data: Any) -> Samples:
         phi, force, *given = _series(data)
         turn = given[0] if given else _counted_turns(phi)
         normal = np.broadcast_to(np.float64(1.0), phi.shape)
+    elif getattr(getattr(data, "raw", None), "one_channel", False):
+        raise FitError(
+            "data: one channel tells no direction set: friction_coefficient has the coefficient "
+            "along the sliding, and an isotropic law where there is one"
+        )
     elif all(hasattr(data, name) for name in ("phi", "force", "normal_force", "turn")):
         phi, force, normal, turn = data.phi, data.force, data.normal_force, data.turn
     else:

@@ -23,12 +23,18 @@ _TURN = 2.0 * math.pi
 CHANNELS = ("tangential", "radial", "normal")
 READINGS = ("V", "mV", "raw")
 """Units of channels that only a calibration turns into forces."""
+WITHOUT_RADIAL = (
+    "The deflection of the force needs the radial channel; one_channel = true in [file] does "
+    "without it, for the friction coefficient alone"
+)
 _GRAVITY, _POUND = 9.80665, 0.45359237
 NEWTONS = {
     **{"N": 1.0, "uN": 1e-6, "mN": 1e-3, "cN": 1e-2, "daN": 10.0, "kN": 1e3},
     **{"gf": 1e-3 * _GRAVITY, "kgf": _GRAVITY, "lbf": _POUND * _GRAVITY},
 }
 _READINGS = {**NEWTONS, **dict(zip(READINGS, (1.0, 1e-3, 1.0), strict=True))}
+TORQUES = {"Nm": 1.0, "Ncm": 1e-2, "Nmm": 1e-3, "mNm": 1e-3, "uNm": 1e-6}
+"""Units of a torque about the axis of a disk, which the arm of the friction force divides."""
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
 _SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
 CLOCK, COUNTS = "clock", "counts"
@@ -42,6 +48,7 @@ UNITS: dict[str, dict[str, float]] = {
     # Counts are a turn once it is known how many a turn has.
     "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN, COUNTS: _TURN},
     **dict.fromkeys(CHANNELS, _READINGS),
+    "tangential": {**_READINGS, **TORQUES},
     "turn_rate": {
         "turn/s": 1.0,
         "rpm": 1.0 / 60.0,
@@ -80,14 +87,16 @@ _UNITS = {
     "n": "N", "newton": "N", "newtons": "N", "mn": "mN", "cn": "cN", "dan": "daN", "kn": "kN",
     "un": "uN", "µn": "uN", "g": "gf", "gf": "gf", "p": "gf", "pond": "gf", "gram": "gf",
     "kg": "kgf", "kgf": "kgf", "kp": "kgf", "lbf": "lbf", "lb": "lbf", "lbs": "lbf",
+    "nm": "Nm", "newtonmeter": "Nm", "ncm": "Ncm", "nmm": "Nmm", "mnm": "mNm", "µnm": "uNm",
+    "unm": "uNm",
     "v": "V", "volt": "V", "volts": "V", "mv": "mV", "raw": "raw",
     "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
     "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
 }  # fmt: skip
 """Spellings of units, in small letters; where these differ, kN from KN do not."""
 
-# Mega, and conductances.
-_OTHERS = ("MN", "MV", "mS", "µS")
+# Mega, nanometres, and conductances.
+_OTHERS = ("MN", "MV", "nm", "mS", "µS")
 # Units of one letter that are small in names, such as those of weg_m and of Kraft_N.
 _LETTERS = ("N", "V", "m", "s", "g")
 WORDS = {
@@ -122,7 +131,8 @@ WORDS = {
 _WITH_UNIT = {
     "turn_rate": r"n|speed|velocity",
     "angle": r"a|pos|position",
-    "tangential": "friction|reibung|traction|drag",
+    "tangential": r"friction|reibung|traction|drag|((friction|frictional) )?torque|m ?t|"
+    r"(dreh|reib)moment|moment",
     "velocity": "v",
     "position": "s",
 }
@@ -154,13 +164,16 @@ _LONGEST_UNIT = 12
 
 
 def factors(
-    units: Mapping[str, str] | None, counts_per_turn: float | None = None
+    units: Mapping[str, str] | None,
+    counts_per_turn: float | None = None,
+    arm: float | None = None,
 ) -> dict[str, float]:
     """Return the factors to SI of all columns; a leading minus turns the sign of a channel.
 
     Args:
         units: by column.
         counts_per_turn: of the encoder, where the unit of the angle is its counts.
+        arm: of the friction force in m, where the tangential channel is a torque.
 
     >>> from asperity.identify.records.tables.headings import factors
     >>> factors({"time": "ms", "normal": "-N"})["normal"]
@@ -185,6 +198,16 @@ def factors(
     elif counts_per_turn is not None:
         raise ParameterError(
             "counts_per_turn", f"is for an angle in counts, its unit is {given['angle']!r}"
+        )
+    if given["tangential"].removeprefix("-") in TORQUES:
+        if arm is None:
+            raise ParameterError(
+                "arm", "must be given, in m, where the tangential channel is a torque"
+            )
+        found["tangential"] /= arrays.positive(arm, "arm")
+    elif arm is not None:
+        raise ParameterError(
+            "arm", f"is for a torque, the unit of the tangential channel is {given['tangential']!r}"
         )
     return found
 
@@ -475,9 +498,10 @@ def assigned(
     roles: dict[int, str] = {}
     notes: list[str] = []
     for role, places in candidates.items():
-        # A column with a unit is surer than one without, one in N than one in V.
+        # A column with a unit is surer than one without, one in N than one in V or N m.
         first, *rest = sorted(
-            places, key=lambda at: (not head.units[at], unit(head.units[at]) in READINGS)
+            places,
+            key=lambda at: (not head.units[at], unit(head.units[at]) in (*READINGS, *TORQUES)),
         )
         one = values[:, first]
         others = [at for at in rest if not np.array_equal(values[:, at], one, equal_nan=True)]

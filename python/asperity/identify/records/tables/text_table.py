@@ -22,6 +22,7 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.headings import (
     CLOCK,
+    WITHOUT_RADIAL,
     Headings,
     headings,
     known_units,
@@ -202,8 +203,8 @@ class _Wanted:
 
     def places(self, head: Headings, *, also: str = "") -> tuple[list[int], dict[str, str]]:
         """Return where the columns are, and their units."""
-        places = [_position(one, head, self.source, self.form, also) for one in
-                  self.columns.values()]  # fmt: skip
+        places = [_position(one, head, self.source, self.form, also, role) for role, one in
+                  self.columns.items()]  # fmt: skip
         refuse_twice(self.columns, places)
         found = dict(self.units)
         for (role, named), at in zip(self.columns.items(), places, strict=True):
@@ -483,7 +484,9 @@ def heading_cells(line: str, form: Format, width: int) -> list[str]:
     return next((one for one in (names, apart) if len(one) == width), names)
 
 
-def _position(column: str | int, head: Headings, source: str, form: Format, also: str = "") -> int:
+def _position(
+    column: str | int, head: Headings, source: str, form: Format, also: str = "", role: str = ""
+) -> int:
     if isinstance(column, bool) or not isinstance(column, str | int):
         raise ParameterError("columns", f"must hold names or numbers, got {column!r}")
     if isinstance(column, int):
@@ -505,6 +508,9 @@ def _position(column: str | int, head: Headings, source: str, form: Format, also
         message += "in another line, give its number, or the numbers of the columns, which "
         message += "count from 0"
         options = ("names", *options)
+    if role == "radial":
+        message += f". {WITHOUT_RADIAL}"
+        options = (*options, "one_channel")
     raise RecordError(source, message, options)
 
 

@@ -1,0 +1,152 @@
+"""What a campaign says of the coefficient along the sliding: all there is to say of one channel."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from asperity._base.report import Block, Grid, Picture, Section, Text
+from asperity._base.tables import write_columns, write_csv
+from asperity.errors import FitError, ParameterError
+from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.evidence.coefficient.result import FrictionCoefficient
+from asperity.identify.models.coordinates import Estimate
+from asperity.law import Provenance
+
+FIRST = "runs.csv"
+"""What every result of forces has."""
+
+TABLES = (FIRST, "turns.png")
+STROKES = ("breakaway.csv", "loop.csv", "loop.png")
+"""What results of strokes have besides, loops those along one line."""
+
+
+def write_coefficient(found: FrictionCoefficient, folder: Path) -> list[Section]:
+    """Write tables and pictures of a coefficient; return the sections of a report about it."""
+    from asperity.plot import save_figure
+    from asperity.plot.coefficient import loop_figure, turns_figure
+    from asperity.plot.look import png
+
+    heading, *rows = found.rows()
+    write_csv(folder / FIRST, heading, rows)
+    figure = turns_figure(found)
+    save_figure(figure, folder / "turns.png")
+    blocks: list[Block] = [Grid(heading, rows), Text(found.summary())]
+    if found.breakaway is not None:
+        found.breakaway.to_csv(folder / "breakaway.csv")
+        blocks.append(Text(found.breakaway.summary()))
+    sections = [
+        Section("Friction coefficient of the runs", *blocks),
+        Section("Coefficient over turns", Picture("coefficient over turns", png(figure))),
+    ]
+    try:
+        loop = found.loop()
+    except FitError:
+        return sections
+    place = "position [m]" if found.has_length else "position [rad]"
+    columns = {place: loop.position, "forwards": loop.forwards, "backwards": loop.backwards}
+    write_columns(folder / "loop.csv", columns)
+    figure = loop_figure(loop, place)
+    save_figure(figure, folder / "loop.png")
+    return [*sections, Section("Hysteresis loop", Picture("hysteresis loop", png(figure)))]
+
+
+@dataclass(frozen=True)
+class OneChannel:
+    """What a campaign with one friction channel tells.
+
+    Attributes:
+        coefficient: along the sliding.
+        law: the isotropic law, where it was asked for.
+        provenance: where it comes from.
+    """
+
+    coefficient: FrictionCoefficient
+    law: IdentifiedLaw | None
+    provenance: Provenance
+
+    @classmethod
+    def of(
+        cls, found: FrictionCoefficient, provenance: Provenance, *, reservoir: str, direction: str
+    ) -> OneChannel:
+        """Return it with a law if both models are circles.
+
+        Raises:
+            ParameterError: for models that one channel cannot tell.
+            FitError: where there is no isotropic law.
+        """
+        pair = {reservoir, direction}
+        if pair not in ({"circle"}, {"superellipse"}):
+            raise ParameterError(
+                "reservoir",
+                "one channel tells no direction set: circle for both models makes an isotropic "
+                "law, without them there is the coefficient alone",
+            )
+        law = found.isotropic_law() if pair == {"circle"} else None
+        if law is not None:
+            law = law.replace(provenance=provenance)
+        return cls(found, law, provenance)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the intervals do not include."""
+        data, one = self.coefficient.processed, self.coefficient
+        found = []
+        if data.goes_round and data.zero_covariance is None:
+            found.append(
+                "no records without load: an error of the zeros of 1 % of the normal force would "
+                "change the coefficient by 0.01: record it, or state zero_error"
+            )
+        if data.calibration_covariance is None:
+            found.append(
+                "no calibration: an error of the gains of 1 % would change the coefficient by 1 %: "
+                "record it, or state gain_error"
+            )
+        found += [
+            f"{run.name}: one {'turn' if data.goes_round else 'stroke'} has no scatter, and the "
+            "coefficient no interval"
+            for run in one.runs
+            if math.isnan(run.coefficient.low)
+        ]
+        if any(run.coefficient.value <= 0.0 for run in one.runs):
+            found.append("the force goes with the sliding: a minus before its unit turns its sign")
+        return tuple(found)
+
+    def summary(self) -> str:
+        """Return a few paragraphs of text."""
+        parts = [self.coefficient.text()]
+        parts.append(
+            "One channel: the force across the sliding is not known, and neither is a direction "
+            "set." + (f" Isotropic law: {self.law.law}." if self.law is not None else "")
+        )
+        if self.warnings:
+            parts.append("\n".join(f"warning: {sentence}" for sentence in self.warnings))
+        return "\n\n".join(parts)
+
+    def results(self) -> dict[str, Any]:
+        """Return the same as numbers and texts, for ``--json``."""
+        return {"coefficient": self.coefficient.data(), "warnings": list(self.warnings)}
+
+    def write(self, folder: Path, *, title: str) -> None:
+        """Write tables, pictures and the report into a folder, and the law if there is one."""
+        from asperity._base.report import write_report
+
+        if self.law is not None:
+            self.law.save(folder / "law.toml")
+        self.coefficient.to_csv(folder / "turns.csv")
+        sections = write_coefficient(self.coefficient, folder)
+        head = Section("", *(Text(one, "warning") for one in self.warnings))
+        write_report(folder / "report.html", title, [head, *sections])
+
+
+def estimate_data(one: Estimate) -> dict[str, float | bool]:
+    """Return an estimate as numbers."""
+    return {
+        "value": one.value,
+        "low": one.low,
+        "high": one.high,
+        "standard_error": one.standard_error,
+        "identifiable": one.identifiable,
+    }

@@ -1,0 +1,1 @@
+"""Friction coefficients along the sliding: over turns, runs, loads and speeds; breakaway."""

@@ -1,0 +1,587 @@
+"""The friction coefficient of a campaign: by runs, grouped by load and speed, over turns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
+from asperity._base.tables import aligned
+from asperity.errors import FitError, ParameterError
+from asperity.identify.estimator.covariance import level_of
+from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.evidence.coefficient.static import (
+    Breakaway,
+    breakaway,
+    segments,
+    starts_of,
+)
+from asperity.identify.evidence.coefficient.stribeck import StribeckFit, fit_stribeck
+from asperity.identify.evidence.coefficient.turns import (
+    Turns,
+    by_direction,
+    independent,
+    interval,
+    runs_of,
+    shared_variance,
+    turns_of,
+)
+from asperity.identify.forces.dependence import LEAST_RATIO, Dependence
+from asperity.identify.forces.processing import ProcessedData
+from asperity.identify.forces.turns import bin_numbers
+from asperity.identify.models.coordinates import Estimate
+from asperity.law import FrictionLaw
+
+# An isotropic law is refused where the coefficient changes by more than this over the directions
+# (root mean square, without its noise), in so many bins.
+_ISOTROPIC, _BINS = 0.02, 24
+# More groups of one run each are not spoken of one by one.
+_SHOWN = 4
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run: a file, or a window of one.
+
+    Attributes:
+        name: of the file, with the window.
+        load: mean λ_N in N.
+        speed: mean ‖γ‖ in m/s; NaN where it is not known.
+        line: along which its strokes are, φ in rad from 0 to π; NaN of turns.
+        turns: number of its turns or strokes.
+        coefficient: mean of l_t/λ_N, with its interval from the scatter of turns or strokes.
+        change: of the coefficient from the first to the last turn, relative, by a straight line.
+    """
+
+    name: str
+    load: float
+    speed: float
+    line: float
+    turns: int
+    coefficient: Estimate
+    change: Estimate
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs at one load and one speed.
+
+    Attributes:
+        load, speed: means over the runs.
+        runs: their numbers.
+        coefficient: mean of the runs. Its interval comes from the scatter of two runs or more, for
+            each of which the pin was set down anew; of a single run from that of its turns.
+        within: standard deviation of turns or strokes within runs, relative.
+        between: standard deviation of the runs, relative, beyond what turns explain; NaN for one.
+        next: interval of the coefficient of one more mounting; NaN for one run.
+    """
+
+    load: float
+    speed: float
+    runs: tuple[int, ...]
+    coefficient: Estimate
+    within: float
+    between: float
+    next: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The hysteresis loop of strokes: mean force per unit normal force over the place.
+
+    Attributes:
+        position: of the stage, or of the pin on the disk, from the middle of strokes in m (in rad
+            for a disk without a radius), ``(k,)``.
+        forwards: −λ/λ_N along the axis while it moves forwards, ``(k,)``.
+        backwards: likewise backwards.
+    """
+
+    position: Array
+    forwards: Array
+    backwards: Array
+
+    @property
+    def offset(self) -> float:
+        """Mean of both branches: what the zero of the sensor or a slope of the surface adds."""
+        return float(0.5 * np.mean(self.forwards + self.backwards))
+
+    @property
+    def work(self) -> float:
+        """Area of the loop: work of friction in a cycle per unit normal force, in m."""
+        return float(np.trapezoid(self.forwards - self.backwards, self.position))
+
+
+@dataclass(frozen=True, repr=False)
+class FrictionCoefficient(TableResult):
+    """Coefficients of friction along the sliding; made by `friction_coefficient`.
+
+    Attributes:
+        processed: data.
+        confidence: of all intervals.
+        names: of the runs by their numbers in `over_turns`.
+        over_turns: coefficient, load and speed of every turn or stroke: the running-in curve.
+        runs: with their means.
+        groups: of runs at one load and one speed.
+    """
+
+    processed: ProcessedData
+    confidence: float
+    names: tuple[str, ...]
+    over_turns: Turns
+    runs: tuple[Run, ...]
+    groups: tuple[Group, ...]
+
+    @property
+    def mean(self) -> Estimate:
+        """The coefficient, where all runs have one load and one speed.
+
+        Raises:
+            ParameterError: where they do not: `groups` has one for each.
+        """
+        if len(self.groups) > 1:
+            raise ParameterError("data", "has runs at several loads or speeds: see `groups`")
+        return self.groups[0].coefficient
+
+    @property
+    def mountings_differ(self) -> bool:
+        """Whether runs of a group differ by more than their turns scatter."""
+        return any(group.between > group.within for group in self.groups)
+
+    @cached_property
+    def load_dependence(self) -> Dependence | None:
+        """μ ∝ λ_Nⁿ over the runs at the speed that most have; None at one load."""
+        return self._dependence("load", "speed")
+
+    @cached_property
+    def speed_dependence(self) -> Dependence | None:
+        """μ ∝ ‖γ‖ⁿ over the runs at the load that most have; None at one speed."""
+        return self._dependence("speed", "load")
+
+    @cached_property
+    def stribeck(self) -> StribeckFit | str:
+        """The Stribeck factor over the runs at the load that most have, or why there is none."""
+        one = self._dependence("speed", "load")
+        if one is None:
+            return "speeds do not vary"
+        try:
+            return fit_stribeck(
+                one.values, coefficients=one.coefficients, confidence=self.confidence
+            )
+        except FitError as error:
+            return str(error).removeprefix("speeds: ")
+
+    @cached_property
+    def breakaway(self) -> Breakaway | None:
+        """Static coefficients of strokes; None for turns."""
+        return (
+            None
+            if self.processed.goes_round
+            else breakaway(self.processed, confidence=self.confidence)
+        )
+
+    @property
+    def has_length(self) -> bool:
+        """Whether the way of the sliding is known in m, and not as an angle of a disk alone."""
+        raw = self.processed.raw
+        return raw.radius is not None or raw.recordings[0].velocity is not None
+
+    def _dependence(self, name: str, other: str) -> Dependence | None:
+        """Return how coefficients depend on one quantity over the runs at one value of another."""
+        chosen: list[Run] = max(
+            (
+                [self.runs[k] for k in part]
+                for part in _alike([getattr(run, other) for run in self.runs])
+            ),
+            key=lambda runs: len(_alike([getattr(run, name) for run in runs])),
+        )
+        values = [getattr(run, name) for run in chosen]
+        lines = np.nan_to_num([2.0 * run.line for run in chosen])
+        if len(_alike(values)) < 2 or len(by_direction(lines)) > 1:
+            return None
+        coefficients = [run.coefficient.value for run in chosen]
+        return Dependence(values, coefficients, confidence=self.confidence)
+
+    def loop(self, bins: int = 100) -> Loop:
+        """Return the hysteresis loop: means of all strokes in equal bins of the place.
+
+        Args:
+            bins: number k of bins.
+
+        Raises:
+            FitError: for turns, or strokes along several lines.
+        """
+        count = arrays.count(bins, "bins")
+        if self.processed.goes_round or len(by_direction(2.0 * self.over_turns.direction)) > 1:
+            raise FitError("data: a hysteresis loop needs strokes there and back along one line")
+        strokes = list(segments(self.processed))
+        half = 0.5 * float(np.median([one.path.max() for one in strokes]))
+        sums = np.zeros((2, 2, count))
+        for one in strokes:
+            sign = 1.0 if one.forwards else -1.0
+            at = np.floor((sign * (one.path - half) / half + 1.0) * 0.5 * count).astype(np.intp)
+            inside = (at >= 0) & (at < count)
+            branch = 0 if one.forwards else 1
+            sums[branch, 0] += np.bincount(at[inside], minlength=count)
+            sums[branch, 1] += np.bincount(at[inside], sign * one.force[inside], count)
+        held = (sums[:, 0] > 0.0).all(axis=0)
+        position = half * ((np.arange(count) + 0.5) * 2.0 / count - 1.0)
+        forces = sums[:, 1, held] / sums[:, 0, held]
+        return Loop(position[held], forces[0], forces[1])
+
+    def isotropic_law(self) -> IdentifiedLaw:
+        """Return the isotropic law with this coefficient and its uncertainty.
+
+        A friction force along the sliding tells no direction set: D is the disk that C is.
+
+        Raises:
+            FitError: where not all directions are recorded, or the coefficient depends on them.
+        """
+        if not self.processed.goes_round:
+            raise FitError(
+                "data: strokes along some lines do not tell whether friction is the same in all "
+                "directions; FrictionLaw.isotropic takes it for granted"
+            )
+        spread = self.anisotropy
+        if spread > _ISOTROPIC:
+            raise FitError(
+                f"data: the coefficient changes by {spread:.1%} (root mean square) over the "
+                "directions of sliding: a law of such a surface needs the radial channel"
+            )
+        mean = self.mean
+        zero, gain = shared_variance(self.processed, self.over_turns.kept)
+        scatter = max(mean.standard_error**2 - zero - gain, 0.0)
+        known = self.processed.zero_covariance, self.processed.calibration_covariance
+        own = len(self.groups[0].runs)
+        values = own if own > 1 else self._values(0).size
+
+        def part(variance: float) -> list[list[float]]:
+            return [[variance / mean.value**2]]
+
+        return IdentifiedLaw(
+            FrictionLaw.isotropic(mean.value),
+            reservoir_model="circle",
+            direction_model="circle",
+            values=[mean.value],
+            turns=None if math.isnan(mean.standard_error) else part(scatter),
+            calibration=None if known[1] is None else part(gain),
+            zeros=None if known[0] is None else part(zero),
+            degrees_of_freedom=(max(values - 1.0, 1.0), math.inf, math.inf),
+        )
+
+    @cached_property
+    def anisotropy(self) -> float:
+        """Root mean square change of the coefficient over the directions of turns, relative.
+
+        What the scatter of the turns makes of it is taken off.
+        """
+        data, turns = self.processed, self.over_turns
+        cell = data.turn[turns.kept] * _BINS + bin_numbers(data.phi[turns.kept], _BINS)
+        y = np.sum(
+            data.force[turns.kept]
+            * np.stack([np.cos(data.phi[turns.kept]), np.sin(data.phi[turns.kept])], axis=-1),
+            axis=1,
+        )
+        size = data.turns * _BINS
+        sums = np.bincount(cell, y / data.normal_force[turns.kept], size)
+        means = (sums / np.maximum(np.bincount(cell, minlength=size), 1)).reshape(-1, _BINS)
+        means = means / means.mean(axis=1)[:, None]
+        noise = means.var(axis=0, ddof=1).mean() / len(means) if len(means) > 1 else 0.0
+        return math.sqrt(max(float(means.mean(axis=0).var(ddof=1)) - float(noise), 0.0))
+
+    def _values(self, number: int) -> Array:
+        own = self.over_turns.coefficient[self.over_turns.run == number]
+        return independent(own[np.isfinite(own)], pairs=not self.processed.goes_round)
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return what the runs mean for predictions with their coefficient or law."""
+        unit = "turns" if self.processed.goes_round else "strokes"
+        found = []
+        for group in self.groups:
+            where = f" at {group.load:.4g} N" if len(self.groups) > 1 else ""
+            if len(group.runs) > 1:
+                low, high = group.next
+                found.append(
+                    f"Mountings{where} differ by {group.between:.2%} (standard deviation), beside "
+                    f"{group.within:.2%} of {unit} within runs: the coefficient of the next "
+                    f"mounting is expected within {max(low, 0.0):.4g} … {high:.4g}."
+                )
+        if all(len(group.runs) < 2 for group in self.groups):
+            found.append(
+                "No load and speed was recorded twice: intervals leave out what setting down the "
+                "pin anew changes."
+            )
+        for one, what, unit in (
+            (self.load_dependence, "load", "N"),
+            (self.speed_dependence, "speed", "m/s"),
+        ):
+            if one is not None:
+                found.append(_of_power(one, what, unit))
+        if self.speed_dependence is not None:
+            fit = self.stribeck
+            found.append(
+                f"No Stribeck factor is fitted: {fit}."
+                if isinstance(fit, str)
+                else fit.summary() + f" For predictions: law.replace(rate={fit.rate!r}), with C at "
+                "rest."
+            )
+        for run in self.runs:
+            if run.change.low > 0.0 or run.change.high < 0.0:
+                found.append(
+                    f"In {run.name} the coefficient changes by {run.change.value:+.2%} from the "
+                    "first to the last of its turns: predictions hold for their mean, not for a "
+                    "surface that is new or run in."
+                )
+        return tuple(found)
+
+    def summary(self) -> str:
+        """Return the coefficients of runs or groups, and what they mean, in sentences."""
+        level = f"{self.confidence:.0%} intervals"
+        shown = self.groups
+        if len(shown) > _SHOWN:
+            # The table of the runs has them too.
+            shown = tuple(group for group in shown if len(group.runs) > 1)
+        lines = [
+            f"The friction coefficient along the sliding is {group.coefficient} at "
+            f"{group.load:.4g} N"
+            + (f" and {group.speed:.4g} m/s" if math.isfinite(group.speed) else "")
+            + f" ({counted(len(group.runs), 'run')}, {level})."
+            for group in shown
+        ]
+        return "\n".join([*lines, *self.sentences()])
+
+    def __repr__(self) -> str:
+        means = ", ".join(f"{group.coefficient.value:.4g}" for group in self.groups)
+        return f"<FrictionCoefficient: {means}, {counted(len(self.runs), 'run')}>"
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Return the table of the runs as texts, with its heading."""
+        rows: list[tuple[str, ...]] = [
+            ("run", "load N", "speed m/s", "turns", "coefficient", "from", "to", "change")
+        ]
+        for run in self.runs:
+            one = run.coefficient
+            numbers = (run.load, run.speed, run.turns, one.value, one.low, one.high)
+            cells = ("–" if math.isnan(x) else f"{x:.4g}" for x in numbers)
+            change = "–" if math.isnan(run.change.value) else f"{run.change.value:+.2%}"
+            rows.append((run.name, *cells, change))
+        return rows
+
+    def text(self) -> str:
+        """Return the table of the runs, and what they mean."""
+        table = aligned(self.rows(), right=range(1, 8))
+        static = [] if self.breakaway is None else [self.breakaway.summary()]
+        return "\n\n".join([table, self.summary(), *static])
+
+    def data(self) -> dict[str, Any]:
+        """Return the same as numbers and texts, for ``--json``."""
+        fit, static = self.stribeck, self.breakaway
+        return {
+            "confidence": self.confidence,
+            "runs": [
+                {**vars(run), "coefficient": _json(run.coefficient), "change": _json(run.change)}
+                for run in self.runs
+            ],
+            "groups": [{**vars(one), "coefficient": _json(one.coefficient)} for one in self.groups],
+            "turns": {
+                name: getattr(self.over_turns, name).tolist()
+                for name in ("coefficient", "load", "speed", "run")
+            },
+            **{
+                f"{name}_exponent": None if one is None else [one.exponent, one.low, one.high]
+                for name, one in (("load", self.load_dependence), ("speed", self.speed_dependence))
+            },
+            "stribeck": fit
+            if isinstance(fit, str)
+            else {name: _json(getattr(fit, name)) for name in ("static", "ratio", "speed")},
+            "breakaway": None
+            if static is None
+            else {
+                "compliance": static.compliance,
+                "has_excess": static.has_excess,
+                "directions": [
+                    {
+                        "direction": one.direction,
+                        **{n: _json(getattr(one, n)) for n in ("static", "kinetic", "ratio")},
+                    }
+                    for one in static.directions
+                ],
+            },
+            "sentences": list(self.sentences()),
+        }
+
+    def _table(self) -> Table:
+        turns = self.over_turns
+        number = Axis(np.arange(turns.coefficient.size), "", "number of the turn or stroke")
+        columns = (
+            ("run", turns.run, "", "number of the run"),
+            ("coefficient", turns.coefficient, NO_UNIT, "friction along the sliding over load"),
+            ("load", turns.load, "N", "mean normal force"),
+            ("speed", turns.speed, "m/s", "mean speed of sliding"),
+        )
+        series = {name: Series(v, ("turn",), unit, words) for name, v, unit, words in columns}
+        return Table({"turn": number}, series, {"confidence": self.confidence})
+
+
+def _json(one: Estimate) -> dict[str, float]:
+    return {"value": one.value, "low": one.low, "high": one.high}
+
+
+def _of_power(one: Dependence, what: str, unit: str) -> str:
+    """Return what a power of the load or the speed means for predictions."""
+    span = f"{one.values.min():.4g} … {one.values.max():.4g} {unit}"
+    twice = 2.0**one.exponent - 1.0
+    if not math.isfinite(one.low):
+        return (
+            f"Over {span} the coefficient goes with {what}^{one.exponent:.3g}, by two runs: "
+            "whether that is the mounting they do not tell; record one of them again."
+        )
+    power = f"{what}^{one.exponent:.3g} ({one.low:.3g} … {one.high:.3g})"
+    if one.is_independent:
+        most = max(abs(2.0**one.low - 1.0), abs(2.0**one.high - 1.0))
+        return (
+            f"No dependence on the {what} is found over {span}, {power}: one law serves all, to "
+            f"{most:.1%} for twice the {what}."
+        )
+    return (
+        f"Over {span} the coefficient goes with {power}: at twice the {what} forces per unit load "
+        f"change by {twice:+.1%}; identify the law at the {what} that is predicted."
+    )
+
+
+def _alike(values: Sequence[float]) -> list[list[int]]:
+    """Return numbers of values that are within 5 %, in the order of the values; NaN is one."""
+    groups: list[list[int]] = []
+    for k in sorted(range(len(values)), key=lambda k: (math.isnan(values[k]), values[k])):
+        first = values[groups[-1][0]] if groups else math.inf
+        same = math.isnan(values[k]) if math.isnan(first) else values[k] < LEAST_RATIO * first
+        if groups and same:
+            groups[-1].append(k)
+        else:
+            groups.append([k])
+    return groups
+
+
+def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> FrictionCoefficient:
+    """Return friction coefficients along the sliding, over turns, runs, loads and speeds.
+
+    μ = mean of l_t/λ_N, friction against the sliding over the normal force, of each turn, or of
+    each stroke while the pin slips. One channel is enough. Turns are independent values, of many
+    their means over 20 groups, and strokes count in pairs, there and back, in which the zero of
+    the sensor cancels. Runs at one load and one speed, both within 5 %, are mountings of one
+    pairing: the interval of their mean comes from what differs between them, Student's t. Strokes
+    along different lines are groups of their own. Errors of calibration and zeros are included
+    where they are known.
+
+    Args:
+        data: processed runs.
+        confidence: of all intervals.
+
+    Reference: [WL19] §3, Def. 10; DerSimonian & Laird 1986 for the variance between runs.
+
+    >>> from asperity import FrictionLaw
+    >>> from asperity.identify import VirtualTribometer, friction_coefficient, process
+    >>> virtual = VirtualTribometer(FrictionLaw.isotropic(0.2), normal_force=10.0, turns=4, seed=1)
+    >>> found = friction_coefficient(process(virtual.record()))
+    >>> found.mean.covers(0.2), len(found.over_turns.coefficient)
+    (True, 4)
+    """
+    level = level_of(confidence) or 0.95
+    turns = turns_of(data) if data.goes_round else starts_of(data).turns
+    zero, gain = shared_variance(data, turns.kept)
+    known = zero + gain
+    held = np.isfinite(turns.coefficient)
+    names = _names(data)
+    runs, values = [], []
+    for number in np.unique(turns.run[held]).tolist():
+        at = held & (turns.run == number)
+        own = turns.coefficient[at]
+        values.append(independent(own, pairs=not data.goes_round))
+        runs.append(
+            Run(
+                names[number],
+                float(turns.load[at].mean()),
+                float(turns.speed[at].mean()),
+                float(turns.direction[at][0]) % math.pi,
+                int(at.sum()),
+                interval(values[-1], level, known=known),
+                _change(values[-1], level),
+            )
+        )
+    if not runs:
+        raise FitError("data: the pin does not slip in any stroke")
+    alike = [
+        [part[k] for k in same]
+        for part in _alike([run.load for run in runs])
+        for same in _alike([runs[k].speed for k in part])
+    ]
+    lines = np.nan_to_num([2.0 * run.line for run in runs])
+    groups = tuple(
+        _group([part[k] for k in one], runs, values, level, known)
+        for part in alike
+        for one in by_direction(lines[part])
+    )
+    return FrictionCoefficient(data, level, names, turns, tuple(runs), groups)
+
+
+def _names(data: ProcessedData) -> tuple[str, ...]:
+    """Return the names of the runs by their numbers, those without one by these."""
+    numbers = runs_of(data).tolist()
+    found = dict(zip(numbers, data.raw.recordings, strict=True))
+    files = (found[k].file.replace("\\", "/").rpartition("/")[2] for k in sorted(found))
+    return tuple(name or f"run {k + 1}" for k, name in enumerate(files))
+
+
+def _change(values: Array, level: float) -> Estimate:
+    """Return the relative change from first to last value of a straight line through them."""
+    from scipy.stats import t
+
+    n = values.size
+    if n < 4:
+        return Estimate(math.nan, math.nan, math.nan, math.nan)
+    at = np.linspace(-0.5, 0.5, n)
+    slope = float(at @ values) / float(at @ at)
+    left = values - values.mean() - slope * at
+    error = math.sqrt(float(left @ left) / (n - 2) / float(at @ at))
+    mean = float(values.mean())
+    half = float(t.ppf(0.5 + 0.5 * level, n - 2)) * error
+    return Estimate(slope / mean, (slope - half) / mean, (slope + half) / mean, error / mean)
+
+
+def _group(
+    part: list[int],
+    runs: Sequence[Run],
+    values: Sequence[Array],
+    level: float,
+    known: float,
+) -> Group:
+    from scipy.stats import t
+
+    own = [runs[k] for k in part]
+    load, speed = (
+        float(np.mean([getattr(one, name) for one in own])) for name in ("load", "speed")
+    )
+    some = [values[k] for k in part]
+    degrees = sum(one.size - 1 for one in some)
+    squares = sum(float(((one - one.mean()) ** 2).sum()) for one in some)
+    scatter = squares / degrees if degrees else math.nan
+    means = np.array([one.mean() for one in some])
+    mean, between, ahead = own[0].coefficient, math.nan, (math.nan, math.nan)
+    if len(part) > 1:
+        mean = interval(means, level, known=known)
+        variance = float(means.var(ddof=1))
+        own_part = scatter * float(np.mean([1.0 / one.size for one in some]))
+        between = math.sqrt(max(variance - (own_part if degrees else 0.0), 0.0)) / mean.value
+        half = float(t.ppf(0.5 + 0.5 * level, len(part) - 1)) * math.sqrt(
+            variance * (1.0 + 1.0 / len(part)) + known
+        )
+        ahead = mean.value - half, mean.value + half
+    return Group(
+        load, speed, tuple(part), mean, math.sqrt(scatter) / abs(mean.value), between, ahead
+    )

@@ -1,0 +1,545 @@
+"""Breakaway: the static coefficient from the starts of strokes, beside the kinetic one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
+from asperity._base.result import NO_UNIT, Axis, Result, Series, Table, TableResult, counted
+from asperity.errors import FitError
+from asperity.identify.estimator.covariance import level_of
+from asperity.identify.evidence.coefficient.turns import (
+    Turns,
+    by_direction,
+    interval,
+    shared_variance,
+    turns_of,
+)
+from asperity.identify.forces.processing import ProcessedData
+from asperity.identify.models.coordinates import Estimate
+from asperity.identify.records.sliding.stretches import rows_of
+
+# Below this part of the kinetic force the pin sticks for certain.
+_STICKS = 0.8
+# The stick part is a line from so many samples on.
+_FEWEST = 3
+# The peak is looked for up to this multiple of the kinetic force.
+_HIGHEST = 3.0
+# Of the posterior of a mean: places along each axis, the smallest and the largest standard
+# deviation in what values differ by, and the density that is left out.
+_GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
+# A force whose mean falls by so many standard errors below the kinetic one swings; it is looked for
+# in at most so many samples. Inertia that adds less than the last part of the excess is corrected.
+_SURE, _LONGEST, _SMALL = 5.0, 2000, 0.5
+# Samples tell apart what differs by more than so many standard deviations of the noise.
+_APART = 3.0
+# More directions are not spoken of one by one.
+_SHOWN = 4
+# A pin without load does not stick: λ_N is less than this part of the usual one.
+_PRESSED = 0.5
+_NONE = Estimate(math.nan, math.nan, math.nan, math.nan, identifiable=False)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stroke with the reversal or the rest before it.
+
+    Attributes:
+        number: of the stroke.
+        forwards: whether it goes along the axis of the sensor.
+        rows: of its samples, from the reversal on.
+        path: way of the stage or of the disk since then in m (in rad without a radius), ``(k,)``.
+        force: −λ along the stroke over λ_N, ``(k,)``.
+    """
+
+    number: int
+    forwards: bool
+    rows: slice
+    path: Array
+    force: Array
+
+
+def segments(data: ProcessedData) -> Iterator[Segment]:
+    """Yield the strokes of all runs, from reversal to reversal."""
+    usual = data.usual_load
+    for at, (run, turned) in enumerate(zip(data.raw.recordings, data._turned, strict=True)):
+        part = slice(data.run[at], data.run[at + 1])
+        force, normal = data.force[part], data.normal_force[part]
+        place = _place(data, at)
+        found = rows_of(data.turn[part])
+        starts = []
+        for before, rows in zip([None, *found], found, strict=False):
+            first = 0 if before is None else int(before[-1]) + 1
+            way = np.asarray(turned)[rows[0]]
+            e = np.array([math.cos(way), math.sin(way)])
+            along = place[first : rows[0] + 1] @ e
+            # The last place where the pin is as far back as it comes, with load.
+            start = first + along.size - 1 - int(along[::-1].argmin())
+            lifted = np.flatnonzero(normal[start : rows[0] + 1] < _PRESSED * usual)
+            starts.append((start + int(lifted[-1]) + 1 if lifted.size else start, way, e))
+        ends = [start for start, *_ in starts[1:]]
+        for rows, (start, way, e), end in zip(
+            found, starts, [*ends, found[-1][-1] + 1 if found else 0], strict=True
+        ):
+            used = slice(start, max(int(end), int(rows[-1]) + 1))
+            angle = run.angle[used] * (run.velocity is not None) + data.grid_angle + way
+            if run.velocity is None:
+                angle = angle + run.angle[used]
+            along = (force[used] * arrays.unit_vectors(angle)).sum(axis=1)
+            yield Segment(
+                int(data.turn[part][rows[0]]),
+                bool(e[0] > 0.0),
+                slice(part.start + used.start, part.start + used.stop),
+                (place[used] - place[start]) @ e,
+                along / np.where(normal[used] > 0.0, normal[used], np.inf),
+            )
+
+
+def _place(data: ProcessedData, at: int) -> Array:
+    """Return where the pin is on the surface, along the axes of the sensor, ``(n, 2)``."""
+    run = data.raw.recordings[at]
+    place = np.zeros((len(run), 2))
+    if run.velocity is None:
+        place[:, 0] = run.angle * (data.raw.radius or 1.0)
+    elif run._position is not None:
+        place[:, : run._position.shape[1]] = run._position
+    else:
+        middle = 0.5 * (run.velocity[1:] + run.velocity[:-1])
+        place[1:] = np.cumsum(middle * np.diff(run.time)[:, None], axis=0)
+    return place
+
+
+@dataclass(frozen=True, repr=False)
+class DirectionBreakaway(Result):
+    """Breakaway in one direction of sliding.
+
+    Attributes:
+        direction: φ in rad.
+        static: coefficient at which the pin breaks away, along the stroke.
+        kinetic: coefficient while it slides.
+        ratio: static over kinetic.
+        strokes: how many tell the static coefficient.
+        untold: how many do not.
+    """
+
+    direction: float
+    static: Estimate
+    kinetic: Estimate
+    ratio: Estimate
+    strokes: int
+    untold: int
+
+    def summary(self) -> str:
+        """Return the coefficients in a sentence."""
+        where = f"Sliding at {math.degrees(self.direction):.0f}°"
+        if not self.static.identifiable:
+            return f"{where}, the coefficient is {self.kinetic}; the static one is not told."
+        return (
+            f"{where}, the static coefficient is {self.static}, the kinetic one {self.kinetic}, "
+            f"their ratio {self.ratio} ({counted(self.strokes, 'stroke')})."
+        )
+
+    def __repr__(self) -> str:
+        return f"<DirectionBreakaway: static {self.static}, kinetic {self.kinetic}>"
+
+
+@dataclass(frozen=True, repr=False)
+class Breakaway(TableResult):
+    """Static and kinetic coefficients by direction; made by `breakaway`.
+
+    Attributes:
+        directions: those of the strokes.
+        ratio: static over kinetic coefficient of all strokes.
+        compliance: of what holds pin and sensor in m/N; NaN without a radius, or where no stroke
+            tells it.
+        needed_rate: in Hz, without which most strokes have too few samples while the pin sticks;
+            None where they have enough.
+        inertia: what the mass of pin and holder adds to the largest force, over its excess, by how
+            the force swings after the slip; NaN where it does not swing.
+        confidence: of the intervals.
+    """
+
+    directions: tuple[DirectionBreakaway, ...]
+    ratio: Estimate
+    compliance: float
+    needed_rate: float | None
+    inertia: float
+    confidence: float
+
+    @property
+    def has_excess(self) -> bool:
+        """Whether the static coefficient is larger than the kinetic one, beyond the scatter."""
+        return self.ratio.identifiable and self.ratio.low > 1.0
+
+    def summary(self) -> str:
+        """Return what the strokes say, in sentences."""
+        lines = [one.summary() for one in self.directions]
+        told = [one.ratio.value for one in self.directions if one.ratio.identifiable]
+        if len(lines) > _SHOWN:
+            lines = [f"Strokes are along {len(lines)} directions."]
+            if told:
+                lines[0] += (
+                    f" Ratios of static and kinetic coefficient are between {min(told):.4g} and "
+                    f"{max(told):.4g}."
+                )
+        if self.needed_rate is not None:
+            lines.append(
+                "The sampling rate cannot tell the static coefficient: while the pin sticks there "
+                f"are fewer than {_FEWEST} samples in most strokes; it takes at least "
+                f"{self.needed_rate:.2g} Hz, or slower reversals."
+            )
+        elif self.inertia > _SMALL:
+            lines.append(
+                "The force swings after the slip: the stage drags the mass of pin and holder. "
+                f"That may be {min(self.inertia, 1.0):.0%} or more of what the largest readings "
+                "exceed the kinetic force by; slower reversals tell the static coefficient."
+            )
+        elif not self.ratio.identifiable:
+            lines.append(f"Fewer than {_FEWEST} strokes tell no interval of static friction.")
+        elif self.has_excess:
+            lines.append(
+                f"Static friction exceeds the kinetic one (ratio {self.ratio}): predictions of "
+                "stick and slip need a rate factor, and C of the law is that of sliding."
+            )
+        else:
+            lines.append(f"No excess of static over kinetic friction is found ({self.ratio}).")
+        if math.isfinite(self.compliance):
+            lines.append(f"Pin and sensor yield by {self.compliance:.3g} m/N.")
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return f"<Breakaway: {counted(len(self.directions), 'direction')}, ratio {self.ratio}>"
+
+    def _table(self) -> Table:
+        phi = Axis(np.array([one.direction for one in self.directions]), "rad", "direction")
+        series = {
+            f"{name}_{end}": Series(
+                np.array([getattr(getattr(one, name), key) for one in self.directions]),
+                ("phi",),
+                NO_UNIT,
+                f"{name} coefficient" if name != "ratio" else "static over kinetic",
+            )
+            for name in ("static", "kinetic", "ratio")
+            for end, key in (("value", "value"), ("low", "low"), ("high", "high"))
+        }
+        return Table({"phi": phi}, series, {"confidence": self.confidence})
+
+
+def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
+    """Return the static coefficient by direction from reversals and starts of strokes.
+
+    While the pin sticks, pin and sensor yield with the stage: −λ·e/λ_N = a + s/(c λ_N) over the way
+    s, with one compliance c for all strokes, fitted where the force is below 0.8 of the kinetic.
+    The pin slips between the samples that part line and kinetic level with the least sum of
+    squares; the static coefficient lies between the values of the line there. Strokes are
+    independent normal values, of each of which two ends are known. A mass m of pin and holder that
+    the stage drags along with v adds up to a = v √(m/c) to the force, which then swings about the
+    kinetic one: of a largest mean force that is higher by e, √(e² − a²) is friction, with a from
+    the half period of the swing. If a exceeds e/2, the static coefficient is not told.
+    Forces that a filter of the sensor has changed are taken as they are.
+
+    Args:
+        data: strokes of a stage or of a disk that turns back; one channel is enough.
+        confidence: of the intervals.
+
+    Raises:
+        FitError: where nothing goes back and forth.
+
+    Reference: [WL19] §2.1; least squares for the change from one line to another (Quandt 1958).
+
+    >>> import numpy as np
+    >>> from asperity.identify import RawData, Recording, breakaway, process
+    >>> t = np.arange(0.0, 8.0, 1e-3)
+    >>> place = 1e-3 * np.abs((t + 0.5) % 2.0 - 1.0)  # m, back and forth with 1 mm/s
+    >>> speed = np.where((t + 0.5) % 2.0 < 1.0, -1e-3, 1e-3)
+    >>> way = np.abs(place - np.where(speed > 0.0, 0.0, 1e-3))  # since the reversal
+    >>> stick = -3.0 + way / 1e-5  # N, with a compliance of 1e-5 m/N
+    >>> force = np.sign(speed) * np.where(stick < 3.6, stick, 3.0)
+    >>> readings = np.stack([force, 0.0 * t, 10.0 + 0.0 * t], axis=-1)
+    >>> velocity = np.stack([speed, 0.0 * t], axis=-1)
+    >>> run = Recording(t, angle=0.0 * t, readings=readings, velocity=velocity)
+    >>> found = breakaway(process(RawData([run])))
+    >>> round(found.ratio.value, 2), found.has_excess, round(found.compliance * 1e5, 2)
+    (1.2, True, 1.0)
+    """
+    level = level_of(confidence) or 0.95
+    if data.goes_round:
+        raise FitError("data: a disk or a stage that goes round does not reverse")
+    found = starts_of(data)
+    number = np.array([one.number for one in found.strokes], dtype=np.intp)
+    kinetic = found.turns.coefficient[number]
+    ends = np.array(
+        [(math.nan, math.nan) if peak is None else peak.ends for peak in found.peaks]
+    ).reshape(-1, 2)
+    excess, inertia = _swing(found)
+    if inertia > _SMALL * excess:
+        ends = np.full_like(ends, math.nan)
+    elif excess > 0.0:
+        # A mass on a spring has the energy of both at the largest force, past the line.
+        beyond = float(np.nanmean(ends.mean(axis=1) / kinetic)) - 1.0
+        ends -= kinetic[:, None] * (beyond - math.sqrt(excess**2 - inertia**2))
+    told = np.isfinite(ends[:, 0])
+    directions = tuple(
+        _of_direction(data, found.turns, number[at], ends[at], found.error, level)
+        for at in by_direction(found.turns.direction[number])
+    )
+    has_length = data.raw.radius is not None or data.raw.recordings[0].velocity is not None
+    ratio = _NONE
+    if _enough(told):
+        ratio = _over_strokes(ends[told] / kinetic[told, None], found.error / kinetic.mean(), level)
+    share = inertia / excess
+    return Breakaway(
+        directions,
+        ratio,
+        1.0 / (found.slope * data.usual_load) if found.slope > 0.0 and has_length else math.nan,
+        None if told.mean() > 0.5 or share > _SMALL else _needed_rate(data, found),
+        share,
+        level,
+    )
+
+
+class Starts(NamedTuple):
+    """The strokes in which the pin slips, and what their starts say.
+
+    Attributes:
+        turns: coefficients of all strokes while the pin slips.
+        strokes: those in which it does.
+        peaks: of these; None where too few samples tell one.
+        slope: of the force per unit normal force over the way while the pin sticks.
+        noise: standard deviation of the samples from that line.
+        error: standard error of the line of a stroke.
+    """
+
+    turns: Turns
+    strokes: list[Segment]
+    peaks: list[Peak | None]
+    slope: float
+    noise: float
+    error: float
+
+
+def starts_of(data: ProcessedData) -> Starts:
+    """Return where the strokes of all runs change from stick to slip."""
+    turns = turns_of(data)
+    strokes = [one for one in segments(data) if turns.coefficient[one.number] > 0.0]
+    slope = _slope([_stuck(one, turns.coefficient[one.number]) for one in strokes])
+    noise = 0.0
+    for _ in range(2):
+        peaks = [_peak(one, turns.coefficient[one.number], slope, noise) for one in strokes]
+        parts = [
+            (one.path[slice(*peak.stuck)], one.force[slice(*peak.stuck)])
+            for one, peak in zip(strokes, peaks, strict=True)
+            if peak is not None
+        ]
+        slope = _slope(parts)
+        off = [(force - slope * path) for path, force in parts]
+        squares = sum(float(((one - one.mean()) ** 2).sum()) for one in off)
+        count = sum(one.size - 1 for one in off)
+        noise = math.sqrt(squares / count) if count else 0.0
+        left_out = [
+            slice(one.rows.start, one.rows.start + peak.stuck[1])
+            for one, peak in zip(strokes, peaks, strict=True)
+            if peak is not None
+        ]
+        turns = turns_of(data, left_out)
+    slips = [turns.coefficient[one.number] > 0.0 for one in strokes]
+    peaks = [one for one, held in zip(peaks, slips, strict=True) if held]
+    strokes = [one for one, held in zip(strokes, slips, strict=True) if held]
+    error = noise / math.sqrt(1.0 + count / max(len(off), 1))
+    return Starts(turns, strokes, peaks, slope, noise, error)
+
+
+def _enough(told: NDArray[np.bool_]) -> bool:
+    """Return whether most strokes tell the static coefficient, and so many that they scatter."""
+    return bool(told.sum() >= _FEWEST and told.mean() > 0.5)
+
+
+def _stuck(one: Segment, kinetic: float) -> tuple[Array, Array]:
+    """Return way and force of the samples in which the pin sticks for certain."""
+    low, end = _inside(one.force, kinetic)
+    return one.path[low:end], one.force[low:end]
+
+
+def _inside(force: Array, kinetic: float) -> tuple[int, int]:
+    """Return the samples before the force first exceeds a part of the kinetic one, either way."""
+    above = force >= _STICKS * kinetic
+    end = int(above.argmax()) if above.any() else force.size
+    below = np.flatnonzero(force[:end] <= -_STICKS * kinetic)
+    return (int(below[-1]) + 1 if below.size else 0), end
+
+
+def _slope(parts: list[tuple[Array, Array]]) -> float:
+    """Return the common slope of lines through the samples of all strokes; NaN if none tells it."""
+    over, both = 0.0, 0.0
+    for path, force in parts:
+        if path.size > 1:
+            away = path - path.mean()
+            over += float(away @ away)
+            both += float(away @ force)
+    return both / over if over > 0.0 else math.nan
+
+
+class Peak(NamedTuple):
+    """Between which coefficients the pin slips, NaN if it does not, and where it sticks before."""
+
+    ends: tuple[float, float]
+    stuck: tuple[int, int]
+
+
+def _peak(one: Segment, kinetic: float, slope: float, noise: float) -> Peak | None:
+    """Return the force before the pin slips; None if too few samples tell it.
+
+    Where the force rises by more than the noise from sample to sample, all places are taken
+    together that the noise does not tell apart: of ratios near 1 a sample may be of either part.
+    """
+    low, end = _inside(one.force, kinetic)
+    if not slope > 0.0 or end - low < _FEWEST - 1 or end >= one.force.size:
+        return None
+    y, s = one.force, one.path
+    stuck = slice(low, end)
+    start = float((y[stuck] - slope * s[stuck]).mean())
+    line = start + slope * s
+    beyond = line[end:] > _HIGHEST * kinetic
+    past = end + (int(beyond.argmax()) if beyond.any() else line.size - end)
+    sticks = np.cumsum((y[end:past] - line[end:past]) ** 2)
+    slides = np.cumsum(((y[end:past] - kinetic) ** 2)[::-1])[::-1]
+    cost = np.append(0.0, sticks) + np.append(slides, 0.0)
+    # Of the samples from `end` on, so many still stick.
+    last = end + int(cost.argmin())
+    if last >= past:
+        # It does not slip before the record ends.
+        return Peak((math.nan, math.nan), (low, past))
+    if last - low < _FEWEST:
+        return None
+    start = float((y[low:last] - slope * s[low:last]).mean())
+    step = slope * float(s[last] - s[last - 1])
+    near = np.flatnonzero(cost <= cost.min() + (_APART * noise) ** 2)
+    if step > _APART * noise:
+        earliest, latest = end + int(near[0]), min(end + int(near[-1]), past - 1)
+    else:
+        earliest = latest = last
+    ends = start + slope * s[[earliest - 1, latest]]
+    return Peak((float(ends.min()), float(ends.max())), (low, last))
+
+
+def _swing(found: Starts) -> tuple[float, float]:
+    """Return what the largest mean force exceeds the kinetic one by, and what inertia adds of it.
+
+    Both are relative to the kinetic force, and NaN where the force does not swing after the slip.
+    """
+    parts = [
+        (one.force / found.turns.coefficient[one.number], peak)
+        for one, peak in zip(found.strokes, found.peaks, strict=True)
+        if peak is not None and math.isfinite(peak.ends[0])
+    ]
+    lengths = [peak.stuck[1] - peak.stuck[0] for _, peak in parts]
+    half = min(int(np.median(lengths)), _LONGEST) if parts else 0
+    waves = [
+        force[peak.stuck[1] - half : peak.stuck[1] + half]
+        for force, peak in parts
+        if half <= peak.stuck[1] <= force.size - half
+    ]
+    if len(waves) < _FEWEST:
+        return math.nan, math.nan
+    wave = np.mean(waves, axis=0) - 1.0
+    kinetic = np.mean([found.turns.coefficient[one.number] for one in found.strokes])
+    noise = found.noise / float(kinetic) / math.sqrt(len(waves))
+    depth = -float(wave[half:].min())
+    if depth < _SURE * noise:
+        return math.nan, math.nan
+    # Half a period after the largest force the mass is farthest below; later swings count less.
+    first = half + int((wave[half:] < -0.5 * depth).argmax())
+    again = np.flatnonzero(wave[first:] > 0.0)
+    until = first + int(again[0]) if again.size else wave.size
+    lowest = first + int(wave[first:until].argmin())
+    top = int(wave[:lowest].argmax())
+    rise = np.mean([np.diff(peak.ends)[0] for _, peak in parts]) / kinetic
+    return float(wave[top]), float(rise) * (lowest - top) / math.pi
+
+
+def _of_direction(
+    data: ProcessedData,
+    turns: Turns,
+    number: NDArray[np.intp],
+    ends: Array,
+    noise: float,
+    level: float,
+) -> DirectionBreakaway:
+    told = np.isfinite(ends[:, 0])
+    zero, gain = shared_variance(data, turns.kept & np.isin(data.turn, number))
+    kinetic = turns.coefficient[number]
+    static = ratio = _NONE
+    if _enough(told):
+        more = float((ends[told].mean() / kinetic.mean()) ** 2)
+        static = _over_strokes(ends[told], noise, level, known=zero + gain * more)
+        ratio = _over_strokes(ends[told] / kinetic[told, None], noise / kinetic.mean(), level)
+    return DirectionBreakaway(
+        float(turns.direction[number[0]]) % (2.0 * math.pi),
+        static,
+        interval(kinetic, level, known=zero + gain),
+        ratio,
+        int(told.sum()),
+        int((~told).sum()),
+    )
+
+
+def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0) -> Estimate:
+    """Return the mean of values of which only ends are known, ``(n, 2)``, as normal ones.
+
+    The interval is that of the posterior of the mean with the flat prior of mean and logarithm of
+    the standard deviation σ: Student's t where ends are close beside the scatter, and what all
+    intervals have in common where the scatter is small.
+    """
+    from scipy.special import ndtr, ndtri
+
+    middle, n = ends.mean(axis=1), len(ends)
+    width = float(np.diff(ends).mean())
+    size = float(middle.std(ddof=1)) + width
+    least = max(noise, _SMALLEST * size)
+    sigma = np.geomspace(least, max(_WIDEST * size, 2.0 * least), _GRID)[:, None, None]
+    centre, reach = float(np.median(middle)), _WIDEST * size / math.sqrt(n)
+    low, high = centre - reach, centre + reach
+    for _ in range(3):
+        mean = np.linspace(low, high, _GRID)
+        off = (ends - mean[:, None, None]) / sigma[..., None]
+        with np.errstate(divide="ignore"):
+            inside = np.log(ndtr(off[..., 1]) - ndtr(off[..., 0])).sum(axis=2)
+        weight = np.exp(inside - inside.max()).sum(axis=0)
+        held = np.flatnonzero(weight > _NEGLIGIBLE * weight.max())
+        low = float(mean[max(held[0] - 1, 0)])
+        high = float(mean[min(held[-1] + 1, _GRID - 1)])
+    tails = 0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level
+    share = np.cumsum(weight) - 0.5 * weight
+    first, value, last = np.interp(tails, share / weight.sum(), mean)
+    # Strokes in step with the samples have one pair of ends, and may have no scatter at all.
+    common = np.array([ends[:, 0].max() - noise, ends[:, 1].min() + noise])
+    if common[0] < common[1]:
+        low, high = common[0] + np.array([tails[0], tails[2]]) * (common[1] - common[0])
+        first, last = min(first, low), max(last, high)
+    variance = float((weight * (mean - value) ** 2).sum() / weight.sum())
+    more = float(ndtri(tails[2])) ** 2 * known
+    return Estimate(
+        float(value),
+        float(value - math.sqrt((value - first) ** 2 + more)),
+        float(value + math.sqrt((last - value) ** 2 + more)),
+        math.sqrt(variance + known),
+    )
+
+
+def _needed_rate(data: ProcessedData, found: Starts) -> float:
+    """Return a sampling rate without which most strokes have too few samples of stick."""
+    rate = max(run.sample_rate for run in data.raw.recordings)
+    counts = [
+        end - low
+        for low, end in (
+            _inside(one.force, found.turns.coefficient[one.number]) for one in found.strokes
+        )
+    ]
+    return rate * (_FEWEST + 1) / max(float(np.median(counts)) if counts else 0.0, 0.5)

@@ -1,0 +1,369 @@
+"""Friction coefficients along the sliding: one channel, mountings, loads, speeds, breakaway."""
+
+import json
+
+import asperity as asp
+import laboratory_files as lab
+import numpy as np
+import pytest
+import virtual_strokes
+from asperity import identify
+from asperity.commands.main import main
+from asperity.errors import FitError, ParameterError, RecordError
+from asperity.identify import (
+    VirtualTribometer,
+    breakaway,
+    fit_law,
+    fit_stribeck,
+    friction_coefficient,
+    process,
+)
+from scipy.stats import binom
+
+G = 9.80665
+POUND = 0.45359237 * G
+ISOTROPIC = asp.FrictionLaw.isotropic(0.3)
+
+
+def machine(mu=0.3, **options):
+    given = {"normal_force": 10.0, "turns": 6, "turn_rate": 0.5, "sample_rate": 50.0}
+    return VirtualTribometer(asp.FrictionLaw.isotropic(mu), **{**given, **options})
+
+
+def hits_of(seeds, covers, *, parts=1):
+    """Assert that as many of all intervals hold the truth as 95 % allow: one test in 10⁴ fails."""
+    hits = np.sum([covers(seed) for seed in range(seeds)], axis=0)
+    low, high = binom.interval(1.0 - 1e-4 / parts, seeds, 0.95)
+    if seeds >= 2000:
+        low, high = 0.935 * seeds, 0.965 * seeds
+    assert np.all((low <= hits) & (hits <= high)), hits / seeds
+
+
+SEEDS = pytest.mark.parametrize("seeds", [100, pytest.param(2000, marks=pytest.mark.long)])
+
+RUN = lab.run(sample_rate=250.0)
+T, A, X, _, Z = lab.table(RUN).T
+# Of the law that made the readings.
+MEAN = lab.LAW.resistance(2.0 * np.pi * (np.arange(3600) + 0.5) / 3600)[0].mean()
+HELD = {
+    "s": T, "ms": 1e3 * T, "min": T / 60.0, "rad": A, "deg": np.rad2deg(A) % 360.0,
+    "rev": A / (2.0 * np.pi), "cts": np.floor(A / (2.0 * np.pi) * 4096) % 4096,
+    "rpm": np.full(T.size, 30.0), "x": X, "mx": 1e3 * X, "kgx": X / G, "gx": 1e3 * X / G,
+    "lbx": X / POUND, "dax": 0.1 * X, "z": Z, "-z": -Z, "mz": 1e3 * Z, "kgz": Z / G,
+    "lbz": Z / POUND, "kz": 1e-3 * Z, "Nm": 0.04 * X, "Nmm": 40.0 * X, "mNm": 40.0 * X,
+    "Ncm": 4.0 * X, "cof": X / Z, "T": 20.0 + 0.01 * T, "wear": np.sin(T), "n": np.arange(T.size),
+}  # fmt: skip
+ARM = {"file": {"arm": 0.04}}
+# The line of names, columns, and what a user adds to what is found.
+HEADINGS = [
+    ("Time [s],Angle [deg],Friction force [N],Normal force [N]", "s deg x z", {}),
+    ("Time (s);Rotation (rev);Ff (N);Fn (N);COF", "s rev x z cof", {}),
+    ("Zeit [s];Winkel [°];Reibkraft [N];Normalkraft [N]", "s deg x z", {}),
+    ("t_s,phi_rad,Ft_N,Fn_N", "s rad x z", {}),
+    ("time_ms,angle_deg,friction_force_mN,load_mN", "ms deg mx mz", {}),
+    ("Time[min]\tSpeed[rpm]\tFt[N]\tFz[N]", "min rpm x z", {}),
+    ("Time s,Angle deg,Drag force kgf,Load kgf", "s deg kgx kgz", {}),
+    ("Time (sec),Fx (lbf),Fz (lbf),Angle (deg)", "s lbx lbz deg", {}),
+    ("Timestamp,DAQ.Fx (N),DAQ.Fz (N),Rotary.Angle (deg)", "s x -z deg", {}),
+    ("T,Time,Phi,Ft,Fn", "T s rad x z", {}),
+    ("Temps [s];Angle [rad];Force tangentielle [N];Force normale [N]", "s rad x z", {}),
+    ("Time [s],Angle [°],Friction force [N],Normal force [N],Wear [V]", "s deg x z wear", {}),
+    ("Time [s],Angle [deg],Torque [N m],Normal force [N]", "s deg Nm z", ARM),
+    ("t [s];n [rpm];Reibmoment [Nmm];Last [N]", "s rpm Nmm z", ARM),
+    ("time_s,angle_deg,torque_mNm,Fn_N", "s deg mNm z", ARM),
+    ("Zeit;Winkel;Drehmoment;Fz\ns;°;Ncm;N", "s deg Ncm z", ARM),
+    ("Time [s],Angle [deg],Friction force [daN],Normal force [kN]", "s deg dax kz", {}),
+    (
+        "Time [s],Encoder [counts],Traction force [N],Normal force [N]",
+        "s cts x z",
+        {"file": {"counts_per_turn": 4096}},
+    ),
+    (
+        "Time [s],Angle [deg],Friction [gf]",
+        "s deg gx",
+        {"tribometer": {"normal_load": lab.LOAD}},
+    ),
+    (
+        "index,Friction force [N],Normal force [N]",
+        "n x z",
+        {"file": {"sample_rate": 250.0, "turn_rate": 0.5}},
+    ),
+]  # fmt: skip
+
+
+def written(path, names, columns):
+    mark = next(one for one in ";\t," if one in names)
+    rows = zip(*(HELD[name] for name in columns.split()), strict=True)
+    path.write_text("\n".join([names, *(mark.join(f"{x:.9g}" for x in r) for r in rows)]))
+    return path
+
+
+@pytest.mark.parametrize(("names", "columns", "more"), HEADINGS, ids=[h[0] for h in HEADINGS])
+def test_one_channel_is_read_under_the_headings_of_laboratories(tmp_path, names, columns, more):
+    file = written(tmp_path / "run.txt", names, columns)
+    found = identify.inspect_file(file)
+    assert "one_channel = true in [file]" in found.summary()
+    sections = {name: dict(part) for name, part in found.sections.items()}
+    for name, part in {"file": {}, **more}.items():
+        sections[name] = {**sections.get(name, {}), **part}
+    with pytest.raises(RecordError, match="one_channel = true in"):
+        identify.load(file, sections)
+    sections["file"]["one_channel"] = True
+    coefficient = friction_coefficient(identify.load(file, sections)).mean
+    # A normal force that is taken for constant leaves its ripple of 3 % in, which turns average.
+    assert coefficient.value == pytest.approx(MEAN, rel=2e-3)
+    assert coefficient.low < coefficient.value < coefficient.high
+
+
+def test_one_channel_tells_no_direction_set():
+    raw = machine(calibration_loads=0, crosstalk=0.0).record()
+    readings = raw.recordings[0].readings * [1.0, 0.0, 1.0]
+    one = raw.replace(recordings=[raw.recordings[0].replace(readings=readings)], one_channel=True)
+    data = process(one)
+    with pytest.raises(FitError, match="one channel tells no direction set"):
+        fit_law(data, reservoir="circle", direction="circle")
+    with pytest.raises(ParameterError, match="tells no sets"):
+        _ = data.sets
+    found = friction_coefficient(data)
+    law = found.isotropic_law()
+    assert law.law == asp.FrictionLaw.isotropic(found.mean.value)
+    assert law.standard_errors[0] == pytest.approx(found.mean.standard_error)
+    mixed = machine(crosstalk=0.05).record()
+    with pytest.raises(ParameterError, match="crosstalk of the radial channel"):
+        mixed.replace(one_channel=True)
+
+
+def test_an_isotropic_law_is_refused_where_directions_do_not_allow_one():
+    raw = identify.RawData([RUN.replace(readings=RUN.readings * [1.0, 0.0, 1.0])], one_channel=True)
+    with pytest.raises(FitError, match=r"changes by .* over the directions"):
+        friction_coefficient(process(raw)).isotropic_law()
+    strokes = virtual_strokes.processed(virtual_strokes.records(1, compliance=1e-6))
+    with pytest.raises(FitError, match="strokes along some lines do not tell"):
+        friction_coefficient(strokes).isotropic_law()
+
+
+@SEEDS
+def test_intervals_of_one_channel_hold_the_truth(seeds):
+    """The zeros are known from records without load."""
+
+    def covers(seed):
+        virtual = machine(
+            seed=seed, noise=0.05, crosstalk=0.0, calibration_loads=0, no_load_time=10.0, drift=0.0
+        )
+        raw = virtual.record().replace(one_channel=True)
+        return friction_coefficient(process(raw)).mean.covers(0.3)
+
+    hits_of(seeds, covers)
+
+
+def mountings(random, count, **options):
+    """Return one campaign of several mountings, whose coefficients scatter by 3 %."""
+    given = {"turns": 3, "noise": 0.01, "no_load_time": 0.0, "drift": 0.0, "zero": 0.0, **options}
+    runs = [
+        machine(mu, seed=seed, crosstalk=0.0, calibration_loads=0, **given).record().recordings[0]
+        for mu, seed in zip(random.normal(0.3, 0.009, count), range(count), strict=True)
+    ]
+    return process(identify.RawData(runs, radius=0.05))
+
+
+@SEEDS
+def test_the_mean_of_mountings_is_in_its_interval(seeds):
+    def covers(seed):
+        random = np.random.default_rng(seed)
+        found = friction_coefficient(mountings(random, 2 + seed % 4))
+        return found.mean.covers(0.3)
+
+    hits_of(seeds, covers)
+
+
+def test_the_next_mounting_and_the_spread_between_them_are_told():
+    found = friction_coefficient(mountings(np.random.default_rng(7), 40))
+    (group,) = found.groups
+    assert group.between == pytest.approx(0.03, rel=0.3)
+    assert group.within < 0.003
+    low, high = group.next
+    assert (high - low) / 0.6 == pytest.approx(2.02 * 0.03, rel=0.3)
+    assert found.mountings_differ
+    assert "Mountings differ by" in found.summary()
+
+
+@SEEDS
+def test_parameters_of_a_stribeck_factor_are_in_their_intervals(seeds):
+    truth = asp.Stribeck(0.03, ratio=0.6)
+    speeds = np.geomspace(0.002, 0.5, 8)
+
+    def covers(seed):
+        scatter = 0.01 * np.random.default_rng(1000 + seed).normal(size=8)
+        found = fit_stribeck(speeds, coefficients=0.4 * truth(speeds) * np.exp(scatter))
+        return found.static.covers(0.4), found.ratio.covers(0.6), found.speed.covers(0.03)
+
+    hits_of(seeds, covers, parts=3)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "coefficients", "words"),
+    [
+        ([0.1, 0.2, 0.4], [0.4, 0.35, 0.32], "3 that differ by 5 %"),
+        ([0.1, 0.101, 0.2, 0.4, 0.401], [0.4, 0.4, 0.35, 0.32, 0.32], "3 that differ by 5 %"),
+        (
+            np.geomspace(0.01, 1.0, 8),
+            0.3 + 0.001 * np.cos(9.0 * np.arange(8)),
+            "do not depend|tell",
+        ),
+        (np.geomspace(0.01, 1.0, 8), 0.4 - 0.1 * np.exp(-np.geomspace(0.1, 10.0, 8)), "rises"),
+        (
+            np.geomspace(1.0, 2.0, 8),
+            0.3 - 0.02 * np.geomspace(1.0, 2.0, 8) + 0.001 * np.cos(9.0 * np.arange(8.0)),
+            "lies at their end",
+        ),
+    ],
+)
+def test_a_stribeck_factor_is_refused_where_speeds_do_not_tell_it(speeds, coefficients, words):
+    with pytest.raises(FitError, match=words):
+        fit_stribeck(speeds, coefficients=coefficients)
+
+
+def campaign(folder, *, loads=(10.0,), rates=(0.5,), repeats=1, power=0.0, one_channel=True):
+    """Write runs at loads and speeds; return the arguments of the command."""
+    names = []
+    for k, (load, rate) in enumerate(
+        (load, rate) for load in loads for rate in rates for _ in range(repeats)
+    ):
+        speed = 2.0 * np.pi * rate * 0.05
+        mu = 0.4 * asp.Stribeck(0.1, ratio=0.7)(speed) * (load / 10.0) ** power
+        mu *= 1.0 + 0.002 * np.cos(2.0 + 7.0 * k)
+        virtual = machine(
+            mu, normal_force=load, turn_rate=rate, sample_rate=100.0 * rate, turns=3, seed=k,
+            no_load_time=0.0, calibration_loads=0, crosstalk=0.0, zero=0.0, drift=0.0, radius=0.05,
+        )  # fmt: skip
+        identify.write_raw(virtual.record(), folder / f"m{k}")
+        names.append(str(folder / f"m{k}" / "run_1.csv"))
+    config = folder / "m0" / "tribometer.toml"
+    text = config.read_text()
+    assert "[file]" not in text
+    config.write_text(("[file]\none_channel = true\n\n" if one_channel else "") + text)
+    return ["identify", *names, "--config", str(config), "--out", str(folder / "out")]
+
+
+def test_the_command_tells_load_speed_and_mountings(tmp_path, capsys):
+    options = campaign(tmp_path, loads=(10.0, 20.0), repeats=2, power=-0.1, one_channel=False)
+    circles = ["--reservoir", "circle", "--direction", "circle"]
+    assert main([*options, *circles, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)["coefficient"]
+    assert [len(group["runs"]) for group in found["groups"]] == [2, 2]
+    assert [round(group["load"]) for group in found["groups"]] == [10, 20]
+    exponent, low, high = found["load_exponent"]
+    assert low < -0.1 < high
+    assert exponent == pytest.approx(-0.1, abs=0.02)
+    assert found["speed_exponent"] is None
+    assert found["stribeck"] == "speeds do not vary"
+    assert len(found["turns"]["coefficient"]) == 12
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "the coefficient of the next mounting is expected within" in text
+    assert "forces per unit load change by" in text
+    assert (tmp_path / "out" / "runs.csv").read_text().count("\n") == 5
+
+
+def test_the_command_fits_a_stribeck_factor_where_speeds_vary(tmp_path, capsys):
+    assert main(campaign(tmp_path, rates=np.geomspace(0.05, 2.0, 8))) == 1
+    printed = capsys.readouterr().out
+    assert "For predictions: law.replace(rate=Stribeck(" in printed
+    assert "identify the law at the speed that is predicted" in printed
+
+
+def test_two_runs_at_two_loads_do_not_tell_the_load_from_the_mounting(tmp_path, capsys):
+    assert main(campaign(tmp_path, loads=(10.0, 20.0))) == 1
+    printed = capsys.readouterr().out
+    assert "by two runs: whether that is the mounting they do not tell" in printed
+    assert "No load and speed was recorded twice" in printed
+
+
+def test_the_command_reads_one_channel_on_request_only(tmp_path, capsys):
+    raw = machine(calibration_loads=0, crosstalk=0.0, zero=0.0, drift=0.0).record()
+    table = lab.table(raw.recordings[0])[:, [0, 1, 2, 4]]
+    rows = "\n".join(",".join(f"{x:.9g}" for x in row) for row in table)
+    (tmp_path / "run.csv").write_text(f"time,angle,tangential,normal\n{rows}\n")
+    config = tmp_path / "rig.toml"
+    options = ["identify", str(tmp_path / "run.csv"), "--config", str(config)]
+    options += ["--out", str(tmp_path / "out")]
+    config.write_text("[file]\nheader = 1\n")
+    assert main(options) == 2
+    assert "one_channel = true in [file] does without it" in capsys.readouterr().err
+    config.write_text("[file]\none_channel = true\n")
+    assert main(options) == 1
+    printed = capsys.readouterr().out
+    assert "neither is a direction set" in printed
+    names = {file.name for file in (tmp_path / "out").iterdir()}
+    assert names == {"runs.csv", "turns.csv", "turns.png", "report.html"}
+    assert main([*options, "--reservoir", "ellipse"]) == 2
+    assert "one channel tells no direction set" in capsys.readouterr().err
+    assert main([*options, "--reservoir", "circle", "--direction", "circle"]) == 1
+    law = identify.IdentifiedLaw.load(tmp_path / "out" / "law.toml")
+    assert law.law.reservoir.radius(0.0) == pytest.approx(0.3, rel=0.01)
+
+
+def test_the_zero_of_the_sensor_cancels_in_strokes_there_and_back():
+    given = virtual_strokes.records(6, ratio=1.0, scatter=0.0, zero=0.3, seed=4)
+    for at in range(6):
+        found = friction_coefficient(virtual_strokes.processed(given, at))
+        assert found.mean.value == pytest.approx(given["kinetic"][at], rel=2e-3)
+        loop = found.loop()
+        assert loop.offset == pytest.approx(0.03, abs=0.02)
+
+
+def test_the_work_of_a_loop_is_that_of_friction_and_of_what_yields():
+    given = virtual_strokes.records(1, ratio=1.0, scatter=0.0, compliance=2e-6, cycles=6)
+    mu, half = given["kinetic"][0], np.abs(given["place"]).max()
+    loop = friction_coefficient(virtual_strokes.processed(given)).loop(bins=400)
+    # The pin does not slide while it sticks, a way of 2 μ λ_N c at each reversal.
+    slides = 4.0 * half - 2.0 * 2.0 * mu * 10.0 * 2e-6
+    assert loop.work == pytest.approx(mu * slides, rel=5e-3)
+
+
+RECORDS = pytest.mark.parametrize("count", [16, pytest.param(100, marks=pytest.mark.long)])
+
+
+@RECORDS
+@pytest.mark.parametrize("sine", [False, True])
+def test_breakaway_is_in_its_interval(sine, count):
+    given = virtual_strokes.records(count, seed=1, sine=sine)
+    hits, excess = 0, 0
+    for at in range(count):
+        found = breakaway(virtual_strokes.processed(given, at))
+        first = found.directions[0]
+        hits += first.static.identifiable and first.static.covers(given["static"][at])
+        excess += found.has_excess
+        assert found.compliance == pytest.approx(given["compliance"][at], rel=0.05)
+        assert first.kinetic.value == pytest.approx(given["kinetic"][at], rel=0.01)
+    # Of 100, 90 to 99; of fewer, what 95 % allow in all but one test of 10⁴.
+    assert (90 <= hits <= 99) if count == 100 else hits >= binom.ppf(1e-4, count, 0.95)
+    assert excess > 0.7 * count
+
+
+@RECORDS
+def test_no_excess_is_found_where_there_is_none(count):
+    given = virtual_strokes.records(count, seed=2, ratio=1.0, scatter=0.0)
+    found = [breakaway(virtual_strokes.processed(given, at)).has_excess for at in range(count)]
+    assert sum(found) <= (5 if count == 100 else binom.isf(1e-4, count, 0.025))
+
+
+def test_a_sampling_rate_that_cannot_tell_is_said():
+    given = virtual_strokes.records(1, compliance=1e-7, rate=500.0, seed=3)
+    found = breakaway(virtual_strokes.processed(given))
+    assert not found.ratio.identifiable
+    assert not found.has_excess
+    assert "The sampling rate cannot tell the static coefficient" in found.summary()
+    # Where there is no sample of stick, a rate is a lower bound.
+    rates = [500.0]
+    while found.needed_rate is not None:
+        rates.append(found.needed_rate)
+        enough = virtual_strokes.records(1, compliance=1e-7, rate=rates[-1], seed=3)
+        found = breakaway(virtual_strokes.processed(enough))
+    assert found.ratio.identifiable
+    assert 4000.0 <= rates[-1] <= 50_000.0
+    assert len(rates) <= 4
+
+
+def test_turns_have_no_breakaway():
+    with pytest.raises(FitError, match="does not reverse"):
+        breakaway(process(machine().record()))
