@@ -80,6 +80,17 @@ def test_no_strip_is_too_thin_to_be_noticed():
     assert [event.kind for event in motion.events] == ["border"] * 24 + ["stick"]
 
 
+@pytest.mark.parametrize("size", [1e3, 1e6, 1e9])
+def test_a_border_is_where_it_is_however_far_its_region_extends(size):
+    factor = asp.FrictionRegions(
+        [([(0.1, -size), (size, -size), (size, size), (0.1, size)], 0.2 / MU)]
+    )
+    motion = asp.integrate(puck(factor, speed=1.5), t_end=3.0)
+    left = 0.5 * 1.5**2 - GRAVITY * MU * 0.1
+    # Rounding of vertices that are so far away.
+    assert abs(way(motion) - 0.1 - left / (GRAVITY * 0.2)) < 1e-9 + 4e-15 * size
+
+
 def test_of_regions_that_overlap_or_touch_the_later_one_counts():
     """A ring of polygons that share corners and edges, crossed along edges' ends and centres."""
     inner = [(0.2, -0.1), (0.4, -0.1), (0.4, 0.1), (0.2, 0.1)]
@@ -196,6 +207,66 @@ def test_both_integrators_agree_on_a_box_that_turns_over_a_border():
     assert errors[1] < 0.3 * errors[0]
 
 
+def sledge(half, *, speed, factor, law, yaw_rate=0.0, order=1, laws=None):
+    """A box on its four lower corners, with the same law or with those of front and rear feet."""
+    body = asp.Body.box(
+        1.0,
+        half_sizes=half,
+        position=(0.0, 0.0, half[2]),
+        velocity=(speed, 0.0, 0.0),
+        angular_velocity=(0.0, 0.0, yaw_rate),
+    )
+    corners = [(x, y, -1.0) * np.array(half) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]
+    plane = asp.Plane(friction_factor=factor)
+    feet = [
+        asp.PointPlane(
+            0, point=corner, plane=plane, law=law if laws is None else laws[int(corner[0] > 0.0)]
+        )
+        for corner in corners[::order]
+    ]
+    return asp.RigidBodies([body], pairs=feet)
+
+
+@pytest.mark.parametrize("mus", [(0.5, 0.15), (0.15, 0.5)])
+def test_feet_on_both_sides_of_a_border_have_loads_of_equal_compliance(mus):
+    """Rear and front feet keep to their sides: each has the law that a floor without map gives it.
+
+    With a rounding of yaw they slip alike, but not with the same force: a load on two feet across
+    from each other would turn the box.
+    """
+    half, law = (0.1, 0.06, 0.02), asp.FrictionLaw.isotropic(MU)
+    corners = [(0.05, -9.0), (9.0, -9.0), (9.0, 9.0), (0.05, 9.0)]
+    regions = asp.FrictionRegions([(corners, mus[1] / MU)], elsewhere=mus[0] / MU)
+    laws = [asp.FrictionLaw.isotropic(mu) for mu in mus]
+    for order in (1, -1):
+        common = {"speed": 1.0, "law": law, "yaw_rate": 1e-10, "order": order}
+        ends = [
+            run.q[-1]
+            for factor, given in ((regions, None), (None, laws))
+            for system in [sledge(half, factor=factor, laws=given, **common)]
+            for run in (
+                asp.integrate(system, t_end=0.1),
+                asp.simulate(system, dt=1e-3, t_end=0.1),
+                asp.simulate(system, dt=1e-4, t_end=0.1),
+            )
+        ]
+        # Steps are of first order where it slips, alike for both.
+        assert np.abs(np.array(ends[:3]) - ends[3:]).max() < 1e-10
+        assert np.abs(np.array(ends)[:, 3:] - [1.0, 0.0, 0.0, 0.0]).max() < 1e-9
+
+
+def test_feet_that_reach_a_border_at_once_cross_it_together():
+    """A tall box whose front edge catches on rough ground tips over its edge, and only over it."""
+    factor = beyond(0.15, 0.0, 5.0)
+    law = asp.FrictionLaw.isotropic(0.2)
+    system = sledge((0.05, 0.05, 0.2), speed=1.5, factor=factor, law=law)
+    motion = asp.integrate(system, t_end=0.15)
+    crossing = [event for event in motion.events if event.kind is asp.EventKind.BORDER]
+    assert len({event.time for event in crossing}) == 1
+    assert {event.contact for event in crossing} == {2, 3}
+    assert np.abs(motion.q[:, [1, 4, 6]]).max() < 1e-9
+
+
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_rest_holds_as_long_as_friction_there_does(share):
     factor = beyond(0.1, 0.0, 0.2 / MU)
@@ -266,8 +337,9 @@ def test_what_is_not_a_factor_is_refused_by_name():
     for argument, make in wrong.items():
         with pytest.raises(asp.ParameterError, match=argument):
             make()
-    with pytest.raises(asp.ParameterError, match="regions"):
-        asp.FrictionRegions([(square, -0.5)])
+    for regions in ([(square, -0.5)], 3, None):
+        with pytest.raises(asp.ParameterError, match="regions"):
+            asp.FrictionRegions(regions)
     rated = asp.FrictionLaw.isotropic(MU).replace(rate=asp.Stribeck(speed=0.1, ratio=0.7))
     with pytest.raises(asp.ParameterError, match="depends on the speed"):
         puck(asp.FrictionRegions([(square, 0.5)]), speed=1.0, law=rated)
@@ -275,6 +347,14 @@ def test_what_is_not_a_factor_is_refused_by_name():
         asp.simulate(puck(lambda x1, x2: -1.0, speed=1.0), dt=1e-3, t_end=0.1)
     with pytest.raises(asp.ParameterError, match="depends on the place"):
         asp.stability(puck(asp.FrictionRegions([(square, 0.5)]), speed=1.0))
+
+
+def test_a_run_that_is_interrupted_at_its_start_says_so():
+    def factor(x1, x2):
+        raise KeyboardInterrupt
+
+    with pytest.raises(asp.errors.SimulationInterrupted, match="before the first sample"):
+        asp.integrate(puck(factor, speed=1.0), t_end=1.0)
 
 
 def test_a_scenario_has_a_floor_with_ice(tmp_path):

@@ -217,9 +217,10 @@ class SimulationInterrupted(KeyboardInterrupt):
         self.trajectory = trajectory
 
     def __str__(self) -> str:
-        return (
-            f"interrupted at t = {self.trajectory.t[-1]:.9g} s; .trajectory holds the part before"
-        )
+        times = self.trajectory.t
+        if len(times) == 0:
+            return "interrupted before the first sample"
+        return f"interrupted at t = {times[-1]:.9g} s; .trajectory holds the part before"
 
 
 class EnsembleInterrupted(KeyboardInterrupt):

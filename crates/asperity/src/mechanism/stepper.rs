@@ -13,7 +13,7 @@ use crate::contact::{
     BlockMatrix, ContactProblem, ContactState, Delassus, Memory, NormalForce, Phase,
 };
 use crate::law::{FrictionLaw, Law};
-use crate::solver::{Certificate, Shares, SolveReport, Solver, Status, Stop, Workspace};
+use crate::solver::{Certificate, Given, Shares, SolveReport, Solver, Status, Stop, Workspace};
 
 /// What an item remembers.
 #[derive(Debug, Clone, Copy, Default)]
@@ -141,7 +141,8 @@ impl ContactStepper {
         history.clone_from(&memory.states);
         let mut report = solver.solve_prepared(problem, stop, memory, workspace);
         if report.status == Status::Converged {
-            let shared = shares.find(problem, stop, &report, history, memory, workspace);
+            let given = Given { report: &report, history, by_place: None };
+            let shared = shares.find(problem, stop, &given, memory, workspace);
             report = shared.unwrap_or(report);
         }
         self.expand();

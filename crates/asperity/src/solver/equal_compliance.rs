@@ -44,6 +44,15 @@ const ROUNDED: f64 = 1e-9;
 /// Makes what is found as accurate as rounding allows, so that it does not depend on the start.
 const POLISH: Solver = Solver::SemismoothNewton { max_iterations: 8 };
 
+/// What is known of a problem whose shares are asked for.
+pub(crate) struct Given<'a> {
+    pub(crate) report: &'a SolveReport,
+    /// What the contacts did before.
+    pub(crate) history: &'a [ContactState],
+    /// The factors of friction by place that rows have, if some differ.
+    pub(crate) by_place: Option<&'a [f64]>,
+}
+
 /// What shares are found with, kept from one step to the next as long as contacts and laws stay.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shares {
@@ -55,15 +64,14 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// Puts the percussions of equal compliance in place of those of a solution with this `report`, in every island whose
-    /// contacts all meet each other, as those of one body do, and whose motion depends on their shares; the new report, if
-    /// there is such an island. `history` is what the contacts did before. Islands of piles would have to be solved once more.
+    /// Puts the percussions of equal compliance in place of those of a solution, in every island whose contacts all meet each
+    /// other, as those of one body do, and whose motion depends on their shares; the new report, if there is such an island.
+    /// Islands of piles would have to be solved once more.
     pub(crate) fn find(
         &mut self,
         problem: &ContactProblem,
         stop: Stop<'_>,
-        report: &SolveReport,
-        history: &[ContactState],
+        &Given { report, history, by_place }: &Given<'_>,
         memory: &mut Memory,
         workspace: &mut Workspace,
     ) -> Option<SolveReport> {
@@ -73,7 +81,7 @@ impl Shares {
         let mut shared = false;
         for number in 0..workspace.members().count() {
             let contacts = workspace.members().of(number);
-            let feet = Feet { problem, contacts, velocity: workspace.velocity() };
+            let feet = Feet { problem, contacts, velocity: workspace.velocity(), by_place };
             if feet.meet_each_other() && feet.motion_depends_on_shares(memory, &mut self.normals) {
                 if !shared {
                     self.before.copy_from(memory);
@@ -107,6 +115,7 @@ struct Feet<'p> {
     problem: &'p ContactProblem,
     contacts: &'p [usize],
     velocity: &'p [f64],
+    by_place: Option<&'p [f64]>,
 }
 
 impl Feet<'_> {
@@ -174,6 +183,8 @@ impl Feet<'_> {
                     None => continue,
                 }
             }
+            let by_place = self.by_place.map_or(1.0, |factors| factors[rows.offset]);
+            let friction = friction.map(|force| by_place * force);
             let first = *first.get_or_insert(friction);
             differ |= friction.iter().zip(&first).any(|(a, b)| (a - b).abs() > SAME);
         }

@@ -13,8 +13,11 @@ use crate::system::ContactLaw;
 /// A function of the position in a plane, in its axes from its point.
 pub type Field = Arc<dyn Fn([f64; 2]) -> f64 + Send + Sync>;
 
-/// Distance beyond a border, over the size of the map, at which it is crossed: rounding of a place must not cross it back.
+/// Distance beyond a border, over that of the place from the origin, at which it is crossed: rounding of a place must not
+/// cross it back.
 const BEYOND: f64 = 1e-12;
+/// The same over the size of the map, which may be far larger: rounding of distances from its borders.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The factor of friction over the places of a plane, in its axes from its point.
 #[derive(Clone)]
@@ -33,13 +36,15 @@ pub enum FrictionMap {
 pub struct Regions {
     polygons: Vec<Polygon>,
     elsewhere: f64,
-    beyond: f64,
+    size: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct Polygon {
     vertices: Vec<[f64; 2]>,
     factor: f64,
+    /// The least and the largest coordinates of the vertices.
+    bounds: [[f64; 2]; 2],
 }
 
 /// Values at the nodes of a rectangular grid, interpolated bilinearly, and beyond the grid those of its edge.
@@ -47,7 +52,7 @@ struct Polygon {
 pub struct Raster {
     nodes: [Vec<f64>; 2],
     factors: Vec<f64>,
-    beyond: f64,
+    size: f64,
 }
 
 impl fmt::Debug for FrictionMap {
@@ -89,10 +94,14 @@ impl FrictionMap {
                 return refuse("regions", "must have three vertices at least each");
             }
             size = vertices.as_flattened().iter().fold(size, |size, x| size.max(x.abs()));
-            Ok(Polygon { vertices, factor: positive("regions", factor)? })
+            let extreme = |of: fn(f64, f64) -> f64| {
+                [0, 1].map(|k| vertices.iter().map(|v| v[k]).fold(vertices[0][k], of))
+            };
+            let bounds = [extreme(f64::min), extreme(f64::max)];
+            Ok(Polygon { vertices, factor: positive("regions", factor)?, bounds })
         };
         let polygons = polygons.into_iter().map(polygon).collect::<Result<_, _>>()?;
-        Ok(Self::Regions(Regions { polygons, elsewhere, beyond: BEYOND * size }))
+        Ok(Self::Regions(Regions { polygons, elsewhere, size }))
     }
 
     /// The factor at all pairs of a node along `e₁` and one along `e₂`, one row for each of the first.
@@ -110,14 +119,15 @@ impl FrictionMap {
         length("factors", nodes[0].len() * nodes[1].len(), factors.len())?;
         factors.iter().try_for_each(|&factor| positive("factors", factor).map(drop))?;
         let size = nodes.iter().flatten().fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
-        Ok(Self::Raster(Raster { nodes, factors, beyond: BEYOND * size }))
+        Ok(Self::Raster(Raster { nodes, factors, size }))
     }
 
     /// The number of the region of a place.
     pub fn region(&self, place: [f64; 2]) -> usize {
         match self {
             Self::Regions(Regions { polygons, .. }) => {
-                let on_top = polygons.iter().rposition(|polygon| polygon.distance(place) <= 0.0);
+                let holds = |p: &Polygon| p.apart(place) <= 0.0 && p.distance(place) <= 0.0;
+                let on_top = polygons.iter().rposition(holds);
                 on_top.unwrap_or(polygons.len())
             }
             Self::Raster(raster) => {
@@ -142,17 +152,23 @@ impl FrictionMap {
     /// A continuous function of the place that becomes positive just outside of a region.
     pub(crate) fn outside(&self, region: usize, place: [f64; 2]) -> f64 {
         match self {
-            Self::Regions(Regions { polygons, beyond, .. }) => {
+            Self::Regions(Regions { polygons, size, .. }) => {
                 let own = polygons.get(region).map_or(f64::NEG_INFINITY, |p| p.distance(place));
                 let above = if region < polygons.len() { region + 1 } else { 0 };
-                let covered = polygons[above..].iter().map(|polygon| -polygon.distance(place));
-                covered.fold(own, f64::max) - beyond
+                let covered = polygons[above..].iter().fold(own, |most, polygon| {
+                    let apart = polygon.apart(place);
+                    if apart > 0.0 && -apart <= most {
+                        return most;
+                    }
+                    most.max(-polygon.distance(place))
+                });
+                covered - beyond(*size, place)
             }
             Self::Raster(raster) => {
                 let cell = raster.cell(region);
                 let out =
                     cell.iter().zip(place).map(|(range, x)| (range.start - x).max(x - range.end));
-                out.fold(f64::NEG_INFINITY, f64::max) - raster.beyond
+                out.fold(f64::NEG_INFINITY, f64::max) - beyond(raster.size, place)
             }
             Self::Function(_) => -1.0,
         }
@@ -162,7 +178,11 @@ impl FrictionMap {
     pub(crate) fn leaves(&self, region: usize, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
         let mut crossings = match self {
             Self::Regions(Regions { polygons, .. }) => {
-                polygons.iter().flat_map(|polygon| polygon.crossings(a, b)).collect()
+                let near = polygons.iter().filter(|polygon| {
+                    let [low, high] = polygon.bounds;
+                    (0..2).all(|k| a[k].min(b[k]) <= high[k] && a[k].max(b[k]) >= low[k])
+                });
+                near.flat_map(|polygon| polygon.crossings(a, b)).collect()
             }
             _ => Vec::new(),
         };
@@ -181,10 +201,22 @@ impl FrictionMap {
     }
 }
 
+/// How far beyond a border a place is outside of a region.
+fn beyond(size: f64, [x1, x2]: [f64; 2]) -> f64 {
+    BEYOND * size.min(x1.abs().max(x2.abs())) + ROUNDING * size
+}
+
 impl Polygon {
     fn edges(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
         let ends = self.vertices.iter().cycle().skip(1);
         self.vertices.iter().zip(ends).map(|(start, end)| [*start, *end])
+    }
+
+    /// A distance that the polygon has at least; zero within its bounds.
+    fn apart(&self, place: [f64; 2]) -> f64 {
+        let [low, high] = self.bounds;
+        let out = [0, 1].map(|k| (low[k] - place[k]).max(place[k] - high[k]));
+        out[0].max(out[1]).max(0.0)
     }
 
     /// Distance from the polygon, negative within it.
@@ -194,13 +226,17 @@ impl Polygon {
             let (along, from) = ([x2 - x1, y2 - y1], [x - x1, y - y1]);
             let square = along[0] * along[0] + along[1] * along[1];
             let part = (from[0] * along[0] + from[1] * along[1]) / square;
+            let height = along[0] * from[1] - along[1] * from[0];
             // An edge of length zero is a point.
-            let part = if square > 0.0 { part.clamp(0.0, 1.0) } else { 0.0 };
-            let off = [from[0] - part * along[0], from[1] - part * along[1]];
-            nearest = nearest.min(off[0].hypot(off[1]));
+            nearest = nearest.min(if part > 0.0 && part < 1.0 {
+                height.abs() / square.sqrt()
+            } else if part >= 1.0 {
+                (x - x2).hypot(y - y2)
+            } else {
+                from[0].hypot(from[1])
+            });
             let rises = y2 > y1;
-            let left = along[0] * from[1] - along[1] * from[0] > 0.0;
-            inside ^= (y1 > y) != (y2 > y) && rises == left;
+            inside ^= (y1 > y) != (y2 > y) && rises == (height > 0.0);
         }
         if inside { -nearest } else { nearest }
     }

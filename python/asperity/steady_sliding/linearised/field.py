@@ -140,7 +140,7 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
         for pair in getattr(system, "pairs", ())
     ):
         raise ParameterError(
-            "system", "has friction that depends on the place, of which the stability is not known"
+            "system", "has friction that depends on the place, which is not linearised"
         )
     return q
 

@@ -19,7 +19,7 @@ _Polygons: TypeAlias = tuple[tuple[tuple[tuple[float, float], ...], float], ...]
 
 def _polygons(given: Any, argument: str) -> _Polygons:
     polygons = []
-    for part in given:
+    for part in arrays.several(given, argument):
         if not isinstance(part, tuple | list) or len(part) != 2:
             raise ParameterError(argument, f"must be pairs of vertices and a factor, got {part!r}")
         vertices = arrays.array(part[0], argument, (None, 2))
@@ -45,8 +45,8 @@ class FrictionRegions(Record):
 
     Args:
         regions: pairs of the vertices of a polygon in m, shape ``(n, 2)``, and its factor φ > 0; of
-            polygons that overlap the later one counts. Coordinates are those along the plane's e₁
-            and e₂ from its point.
+            polygons that overlap the later one counts, and where one covers itself twice it is
+            left open. Coordinates are those along the plane's e₁ and e₂ from its point.
         elsewhere: the factor outside of all polygons.
 
     Raises:

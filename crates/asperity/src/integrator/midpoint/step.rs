@@ -7,7 +7,7 @@ use super::outcome::StepError;
 use super::rated::Correction;
 use super::stepper::Stepper;
 use crate::contact::{ContactRows, Memory};
-use crate::solver::{self, Shares, SolveReport, Status, Stop};
+use crate::solver::{self, Given, Shares, SolveReport, Status, Stop};
 use crate::system::Step;
 use crate::vectors::{are_finite, largest, square};
 
@@ -121,8 +121,9 @@ impl Stepper<'_> {
         if closed.problem.is_uncoupled() || report.status != Status::Converged {
             return report;
         }
-        let (problem, states) = (&closed.problem, &before.states);
-        shares.find(problem, stop, &report, states, memory, workspace).unwrap_or(report)
+        let (history, (_, by_place)) = (&before.states[..], assembly.factors_of_forces());
+        let given = Given { report: &report, history, by_place };
+        shares.find(&closed.problem, stop, &given, memory, workspace).unwrap_or(report)
     }
 
     #[inline(never)]

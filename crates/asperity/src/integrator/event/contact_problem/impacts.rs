@@ -52,7 +52,7 @@ pub(crate) fn collide(
         terms.for_each(|((term, e), before)| *term = e * before);
     }
     let solved = match participants.solve(&problem, solving) {
-        Ok(solved) => participants.shared(&problem, solved, solving),
+        Ok(solved) => participants.shared(dynamics, &problem, solved, solving),
         Err(outcome) => return Ok(Decision::Ended(outcome)),
     };
     let responses = participants.responses.chunks_exact(dynamics.n);

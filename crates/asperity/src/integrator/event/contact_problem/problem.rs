@@ -8,7 +8,7 @@ use crate::integrator::event::outcome::{Outcome, Stagnation};
 use crate::integrator::event::resolution::{NOTHING, SOLVED};
 use crate::integrator::event::state::EvaluationError;
 use crate::integrator::observer::Observer;
-use crate::solver::{self, Shares, Solver, Status, Stop, Unsolvable, Workspace};
+use crate::solver::{self, Given, Shares, Solver, Status, Stop, Unsolvable, Workspace};
 use crate::vectors::{dot, largest, norm};
 
 /// Sweeps suffice for the few contacts that meet at an event; where they stagnate, other methods take over. Where
@@ -213,6 +213,7 @@ impl Participants {
     /// The solution with percussions of equal compliance, where the problem leaves them open.
     pub(crate) fn shared(
         &self,
+        dynamics: &Dynamics<'_>,
         problem: &ContactProblem,
         mut solved: Solved,
         solving: &Solving<'_, '_>,
@@ -221,9 +222,11 @@ impl Participants {
         workspace.prepare(problem);
         let (stop, history) = (Stop::at(TOLERANCE), self.states(solving.memory));
         let report = solver::grade(problem, stop, &solved.found, &mut workspace);
+        let by_place = |row: &usize| dynamics.contacts[row / ROWS].by_place;
+        let by_place: Vec<f64> = self.rows.iter().map(by_place).collect();
+        let given = Given { report: &report, history: &history, by_place: Some(&by_place) };
         let found = &mut solved.found;
-        if Shares::default().find(problem, stop, &report, &history, found, &mut workspace).is_some()
-        {
+        if Shares::default().find(problem, stop, &given, found, &mut workspace).is_some() {
             solved.velocity = workspace.velocity;
         }
         solved

@@ -38,7 +38,7 @@ impl Integration<'_> {
     /// The event of a contact, of the section, or at a border of friction at the present state.
     pub(crate) fn handle_event(&mut self, number: usize) -> Ending {
         if number > self.memory.len() {
-            return self.cross_border(number - self.memory.len() - 1);
+            return self.cross_border();
         }
         if number == self.memory.len() {
             let counts = self.options.section.as_ref().is_some_and(|s| self.state.t > s.after);
@@ -85,19 +85,29 @@ impl Integration<'_> {
         }
     }
 
-    /// A contact goes on in the next region of its map of friction.
-    fn cross_border(&mut self, i: usize) -> Ending {
-        self.dynamics.contacts[i].region = None;
+    /// Contacts go on in the next regions of their maps of friction: all that reach a border at once, to rounding.
+    fn cross_border(&mut self) -> Ending {
+        let contacts = self.dynamics.contacts.iter_mut();
+        let left: Vec<Option<usize>> = contacts.map(|contact| contact.region.take()).collect();
         let State { t, q, u } = &self.state;
         self.dynamics.kinematics(*t, q, u)?;
-        let map = self.dynamics.chart.friction_place(*t, i);
-        if !map.is_some_and(|(map, _)| map.jumps()) {
+        let crosses = |&i: &usize| {
+            let (contact, map) =
+                (&self.dynamics.contacts[i], self.dynamics.chart.friction_place(self.state.t, i));
+            !contact.is_free()
+                && contact.region != left[i]
+                && map.is_some_and(|(map, _)| map.jumps())
+        };
+        let crossing: Vec<usize> = (0..left.len()).filter(crosses).collect();
+        if crossing.is_empty() {
             self.linearised = None;
             self.reset_event_functions(false);
             return Ok(None);
         }
-        self.record_event(Some(i), EventKind::Border, false);
-        self.uncounted += 1;
+        for &i in &crossing {
+            self.record_event(Some(i), EventKind::Border, false);
+        }
+        self.uncounted += crossing.len();
         let before = self.modes();
         for k in 0..self.memory.len() {
             if self.dynamics.contacts[k].mode != Phase::Open {
