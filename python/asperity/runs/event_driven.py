@@ -129,8 +129,7 @@ def integrate(
             seen at five times of a step: set this to the length of pulses, else they are missed.
             At least 1e-10 of all the time. A `Signal` needs none: steps end where it is not smooth.
         section: where to stop; its ``after`` is by the same clock.
-        max_events: number of events after which the integration gives up, kinks and borders
-            apart.
+        max_events: number of events after which the integration gives up, kinks apart.
         progress: ``True`` for a bar of tqdm, or a function of (t, t_end) called a few times a
             second.
 

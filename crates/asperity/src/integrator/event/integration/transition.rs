@@ -107,7 +107,6 @@ impl Integration<'_> {
         for &i in &crossing {
             self.record_event(Some(i), EventKind::Border, false);
         }
-        self.uncounted += crossing.len();
         let before = self.modes();
         for k in 0..self.memory.len() {
             if self.dynamics.contacts[k].mode != Phase::Open {
