@@ -211,8 +211,8 @@ class ContactStepper:
         """Solve a step.
 
         Args:
-            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``; any sparse array or
-                matrix of SciPy, which costs what its entries cost.
+            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``; dense, or a sparse
+                array or matrix of SciPy.
             free_velocity: b in m/s, with e∘γ_B added where there is restitution and γ where a joint
                 is driven at −γ; shape ``(rows,)``.
             items: what the rows are, see the class; integers, shape ``(items,)``.
