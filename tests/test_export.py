@@ -123,6 +123,11 @@ def test_round_laws_get_no_angle():
     assert asp.FrictionLaw.isotropic(0.5).export("exudyn").parameters["dryFrictionAngle"] == 0.0
 
 
+def test_angles_are_at_most_a_quarter_turn():
+    square = asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5)).export("exudyn")
+    assert abs(square.parameters["dryFrictionAngle"]) <= 0.5 * np.pi
+
+
 @pytest.mark.parametrize("target", TARGETS)
 def test_texts_can_be_read_whatever_the_name_of_the_file(target, tmp_path, capsys):
     file = tmp_path / "a---b -- c.toml"

@@ -310,7 +310,8 @@ def test_no_items_are_solved():
         ({"free_velocity": [np.nan, 0.0, 0.0]}, "free_velocity", "finite"),
         ({"delassus": -np.eye(3)}, "delassus", "negative"),
         ({"delassus": np.eye(3) + np.eye(3, k=1), "items": [JOINT] * 3}, "delassus", "symmetric"),
-        ({"delassus": np.eye(3)[:2]}, "delassus", "columns"),
+        ({"delassus": np.eye(3)[:2]}, "delassus", r"entries, 3, got shape \(2, 3\)"),
+        ({"delassus": np.eye(2)}, "delassus", r"entries, 3, got shape \(2, 2\)"),
         ({"items": [DRY] * 3}, "bounds", "item 0"),
         ({"items": [DRY] * 3, "bounds": [1.0]}, "bounds", "one entry per item"),
     ],
@@ -470,7 +471,12 @@ def test_mechanisms_that_do_not_meet_move_as_each_alone():
 
 @pytest.mark.parametrize(
     ("delassus", "message"),
-    [(csr_array(np.eye(2)), "delassus"), (csr_array(np.diag([1.0, np.nan, 1.0])), "finite")],
+    [
+        (csr_array(np.eye(2)), r"entries, 3, got shape \(2, 2\)"),
+        (csr_array(np.eye(3, 2)), r"entries, 3, got shape \(3, 2\)"),
+        (csc_array(np.eye(3, 7)), r"entries, 3, got shape \(3, 7\)"),
+        (csr_array(np.diag([1.0, np.nan, 1.0])), "finite"),
+    ],
 )
 def test_what_is_wrong_with_sparse_matrices_is_named(delassus, message):
     with pytest.raises(ParameterError, match=message) as error:

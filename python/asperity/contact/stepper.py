@@ -211,8 +211,8 @@ class ContactStepper:
         """Solve a step.
 
         Args:
-            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``; any sparse array or
-                matrix of SciPy, which costs what its entries cost.
+            delassus: G = WᵀM⁻¹W in 1/kg, symmetric, shape ``(rows, rows)``; dense, or a sparse
+                array or matrix of SciPy.
             free_velocity: b in m/s, with e∘γ_B added where there is restitution and γ where a joint
                 is driven at −γ; shape ``(rows,)``.
             items: what the rows are, see the class; integers, shape ``(items,)``.
@@ -230,9 +230,10 @@ class ContactStepper:
         """
         arrays.choice(on_failure, "on_failure", ("raise", "record"))
         kinds = _integers(items, "items")
+        free = _floats(free_velocity, "free_velocity", 1)
         step = self._stepper.step(
-            _entries(delassus),
-            _floats(free_velocity, "free_velocity", 1),
+            _entries(delassus, len(free)),
+            free,
             kinds,
             None if bounds is None else _bounds(bounds, kinds),
             None if keys is None else _integers(keys, "keys"),
@@ -272,11 +273,24 @@ def _floats(values: ArrayLike, argument: str, dimensions: int) -> Array:
     return np.ascontiguousarray(arrays.array(values, argument, (None,) * dimensions))
 
 
-def _entries(delassus: Any) -> Any:
+def _entries(delassus: Any, rows: int) -> Any:
     """Return all numbers, or row starts, columns and values of a sparse matrix."""
-    if hasattr(delassus, "tocsr"):
-        return for_core(sparse(delassus, "delassus", (None, None)), None, None)
-    return _floats(delassus, "delassus", 2)
+    if not hasattr(delassus, "tocsr"):
+        entries = _floats(delassus, "delassus", 2)
+        _check_square(entries, rows)
+        return entries
+    matrix = sparse(delassus, "delassus", (None, None))
+    _check_square(matrix, rows)
+    return for_core(matrix, None, None)
+
+
+def _check_square(matrix: Any, rows: int) -> None:
+    if matrix.shape != (rows, rows):
+        raise DimensionError(
+            "delassus",
+            f"must have as many rows and columns as free_velocity has entries, {rows}, got shape "
+            f"{matrix.shape}",
+        )
 
 
 def _integers(values: ArrayLike, argument: str) -> NDArray[np.int64]:

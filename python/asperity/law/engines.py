@@ -133,8 +133,8 @@ def _bullet(
     if arrays.non_negative(spinningFriction, "spinningFriction") > 0.0:
         raise ParameterError(
             "spinningFriction",
-            "is not translated: its torque has a limit of its own with enableConeFriction, and "
-            "none without; how it goes with slip was not found by experiment",
+            "is not translated: it limits the spinning torque with enableConeFriction and does "
+            "nothing without; how that torque depends on slip was not found by experiment",
         )
     if arrays.non_negative(rollingFriction, "rollingFriction") > 0.0:
         raise ParameterError(

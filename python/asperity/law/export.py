@@ -102,7 +102,8 @@ class _Family:
     def axes(self, found: Array | Sequence[float]) -> tuple[float, float, float]:
         a = math.exp(found[0])
         b = math.exp(found[1]) if self.sizes == 2 else a
-        return a, b, float(found[-1]) if self.turns else 0.0
+        # The angle of a nearly round law may go astray; half a turn changes nothing.
+        return a, b, math.remainder(found[-1], math.pi) if self.turns else 0.0
 
     def starts(self, law: FrictionLaw) -> Iterator[list[float]]:
         radius = law.reservoir.radius(_PHI)
