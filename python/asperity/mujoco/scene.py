@@ -430,6 +430,7 @@ class Scene:
             m.opt.cone = mj.mjtCone.mjCONE_ELLIPTIC
             contacts = data.contact
             edges = contacts.efc_address, contacts.dim, contacts.friction
+            self._rows.refuse_overflow(data)
             data.efc_force[:] = self._reader.stepper.pyramids(found, data.nefc, *edges)
         else:
             data.efc_force[:] = 0.0 if solution is None else found.forces

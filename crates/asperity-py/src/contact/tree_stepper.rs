@@ -258,7 +258,7 @@ impl TreeStepper {
         let (equalities, joints, limits) = self.identity.counts;
         let begin = equalities + joints + limits;
         let mut edges = vec![0.0; count];
-        if forces.is_empty() {
+        if forces.is_empty() || begin > count {
             return Ok(array(py, edges));
         }
         edges[..begin].copy_from_slice(&forces[..begin]);
