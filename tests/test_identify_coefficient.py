@@ -473,6 +473,15 @@ def test_one_channel_is_true_or_false():
         identify.RawData(machine().record().recordings, one_channel="no")
 
 
+def test_a_law_of_wrong_signs_or_several_loads_is_refused():
+    runs = [machine(normal_force=load, seed=int(load)).record().recordings[0] for load in (5, 20)]
+    with pytest.raises(FitError, match="several loads or speeds"):
+        friction_coefficient(process(identify.RawData(runs))).isotropic_law()
+    one = runs[0].replace(readings=runs[0].readings * [-1.0, -1.0, 1.0])
+    with pytest.raises(FitError, match="a minus before the unit turns the sign"):
+        friction_coefficient(process(identify.RawData([one]))).isotropic_law()
+
+
 def test_turns_have_no_breakaway():
     with pytest.raises(FitError, match="does not reverse"):
         breakaway(process(machine().record()))

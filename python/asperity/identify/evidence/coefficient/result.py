@@ -239,8 +239,13 @@ class FrictionCoefficient(TableResult):
         A friction force along the sliding tells no direction set: D is the disk that C is.
 
         Raises:
-            FitError: where not all directions are recorded, or the coefficient depends on them.
+            FitError: where not all directions are recorded, the coefficient depends on them, or
+                runs have several loads or speeds.
         """
+        if len(self.groups) > 1:
+            raise FitError(
+                "data: runs at several loads or speeds: identify a law from those of one at a time"
+            )
         if not self.processed.goes_round:
             raise FitError(
                 "data: strokes along some lines do not tell whether friction is the same in all "
@@ -253,6 +258,10 @@ class FrictionCoefficient(TableResult):
                 "directions of sliding: a law of such a surface needs the radial channel"
             )
         mean = self.mean
+        if mean.value <= 0.0:
+            raise FitError(
+                f"data: the coefficient is {mean.value:.4g}: a minus before the unit turns the sign"
+            )
         zero, gain = shared_variance(self.processed, self.over_turns.kept)
         scatter = max(mean.standard_error**2 - zero - gain, 0.0)
         known = self.processed.zero_covariance, self.processed.calibration_covariance

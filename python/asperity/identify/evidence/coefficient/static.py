@@ -353,8 +353,8 @@ def starts_of(data: ProcessedData) -> Starts:
             name = data.raw.recordings[int(np.argmax(runs_of(data) == run))].file
             raise FitError(
                 f"data: {name or f'run {run + 1}'}: the pin sticks over {min(share, 1.0):.0%} of "
-                "the strokes, the force follows the stage: there is no kinetic friction to "
-                "measure; it takes longer strokes, or leave the run out"
+                "the strokes, the force follows the stage: too short for kinetic friction to be "
+                "measured; it takes longer strokes, or leave the run out"
             )
     strokes = [one for one in every if turns.coefficient[one.number] > 0.0]
     slope = _slope([_stuck(one, turns.coefficient[one.number]) for one in strokes])
