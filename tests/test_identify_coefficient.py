@@ -456,6 +456,12 @@ def test_forces_that_do_not_oppose_the_sliding_are_said():
             friction_coefficient(one)
 
 
+def test_friction_that_varies_along_the_track_is_not_taken_for_sticking():
+    place = np.abs(np.arange(8000) / 1000.0 % 2.0 - 1.0)
+    data = process(back_and_forth(lambda way: 3.0 * way * (1.0 + 0.8 * (place - 0.5))))
+    assert friction_coefficient(data).mean.value == pytest.approx(0.3, rel=1e-3)
+
+
 def test_runs_of_one_file_name_have_names_of_their_own():
     random = np.random.default_rng(0)
     runs = [
