@@ -1,6 +1,7 @@
 """Friction coefficients along the sliding: one channel, mountings, loads, speeds, breakaway."""
 
 import json
+import math
 
 import asperity as asp
 import laboratory_files as lab
@@ -203,8 +204,12 @@ def test_parameters_of_a_stribeck_factor_are_in_their_intervals(seeds):
 @pytest.mark.parametrize(
     ("speeds", "coefficients", "words"),
     [
-        ([0.1, 0.2, 0.4], [0.4, 0.35, 0.32], "3 that differ by 5 %"),
-        ([0.1, 0.101, 0.2, 0.4, 0.401], [0.4, 0.4, 0.35, 0.32, 0.32], "3 that differ by 5 %"),
+        ([0.1, 0.2, 0.4], [0.4, 0.35, 0.32], "3 speeds that differ by 5 %"),
+        (
+            [0.1, 0.101, 0.2, 0.4, 0.401],
+            [0.4, 0.4, 0.35, 0.32, 0.32],
+            "3 speeds that differ by 5 %",
+        ),
         (
             np.geomspace(0.01, 1.0, 8),
             0.3 + 0.001 * np.cos(9.0 * np.arange(8)),
@@ -362,6 +367,125 @@ def test_a_sampling_rate_that_cannot_tell_is_said():
     assert found.ratio.identifiable
     assert 4000.0 <= rates[-1] <= 50_000.0
     assert len(rates) <= 4
+
+
+@pytest.mark.parametrize("sine", [False, True])
+@pytest.mark.parametrize(
+    ("reach", "sticks"), [(0.2, True), (0.8, True), (1.05, True), (2.0, False)]
+)
+def test_strokes_that_hardly_slip_are_refused(reach, sticks, sine):
+    """The pin slips where half the stroke exceeds c μ λ_N."""
+    for seed in range(3):
+        options = {"seed": seed, "ratio": 1.0, "rate": 2000.0, "zero": 0.5, "sine": sine}
+        first = virtual_strokes.records(1, compliance=1e-6, **options)
+        mu, half = first["kinetic"][0], np.abs(first["place"]).max()
+        given = virtual_strokes.records(1, compliance=half / (reach * mu * 10.0), **options)
+        data = virtual_strokes.processed(given)
+        if sticks:
+            for found in (friction_coefficient, breakaway):
+                with pytest.raises(FitError, match=r"run 1: the pin sticks over .* the strokes"):
+                    found(data)
+        else:
+            assert friction_coefficient(data).mean.value == pytest.approx(mu, rel=0.01)
+
+
+def ringing(c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, seed=0):
+    """Return a record of a pin with mass on a spring, without excess of static friction."""
+    random = np.random.default_rng(seed)
+    sub, period = 4, 4.0 * half / speed
+    dt = 1.0 / rate / sub
+    damping = 0.06 * math.sqrt(mass / c)
+    x = u = 0.0
+    force, way = [], []
+    phase = random.uniform()
+    inertia = mass + 0.5 * dt * damping + 0.25 * dt * dt / c
+    for step in range(int(3.0 * period / dt)):
+        at = (step * dt / period + phase) % 1.0
+        v = speed if at < 0.5 else -speed
+        free = (mass * u - dt * (x + 0.25 * dt * u) / c - 0.5 * dt * damping * u) / inertia
+        new = free + min(max(inertia * (v - free), -mu * load * dt), mu * load * dt) / inertia
+        x, u = x + 0.5 * dt * (u + new), new
+        if step % sub == 0:
+            force.append(x / c)
+            way.append(v)
+    noisy = np.array(force) + 0.005 * mu * load * random.normal(size=len(force))
+    time = np.arange(len(force)) / rate
+    given = {"time": time, "force": noisy[:, None], "velocity": np.array(way)[:, None]}
+    return virtual_strokes.processed({**given, "load": load})
+
+
+def test_a_swing_that_samples_do_not_resolve_is_no_excess():
+    untold = 0
+    for seed, c in enumerate(np.geomspace(3e-7, 1.5e-6, 6)):
+        found = breakaway(ringing(c, 0.3, seed=seed))
+        assert not found.has_excess
+        if found.ratio.identifiable and found.ratio.low > 1.0:
+            untold += 1
+            assert "cannot be told: a mass of pin and holder" in found.summary()
+    assert untold >= 1
+
+
+def back_and_forth(force, **options):
+    """Return a record of strokes with this force along the stage, of 10 N load, and its RawData."""
+    time = np.arange(8000) / 1000.0
+    speed = np.where(time % 2.0 < 1.0, 1e-3, -1e-3)
+    still = np.zeros(time.size)
+    run = identify.Recording(
+        time,
+        angle=still,
+        readings=np.stack([force(np.sign(speed)), still, still + 10.0], axis=-1),
+        velocity=np.stack([speed, still], axis=-1),
+        **options,
+    )
+    return identify.RawData([run], one_channel=True)
+
+
+def test_forces_that_do_not_oppose_the_sliding_are_said():
+    noise = 0.01 * np.random.default_rng(0).normal(size=8000)
+    wrong = process(back_and_forth(lambda way: noise - 3.0 * way))
+    found = friction_coefficient(wrong)
+    assert found.mean.value == pytest.approx(-0.3, rel=1e-3)
+    assert "In run 1 the force goes with the sliding" in found.summary()
+    assert found.breakaway is None
+    assert found.data()["breakaway"] is None
+    with pytest.raises(FitError, match="its sign may be wrong"):
+        breakaway(wrong)
+    for force in (0.0, 3.0):
+        one = process(back_and_forth(lambda way, force=force: 0.0 * way + force))
+        with pytest.raises(FitError, match="run 1: the force is zero, or does not turn"):
+            friction_coefficient(one)
+
+
+def test_friction_that_varies_along_the_track_is_not_taken_for_sticking():
+    place = np.abs(np.arange(8000) / 1000.0 % 2.0 - 1.0)
+    data = process(back_and_forth(lambda way: 3.0 * way * (1.0 + 0.8 * (place - 0.5))))
+    assert friction_coefficient(data).mean.value == pytest.approx(0.3, rel=1e-3)
+
+
+def test_runs_of_one_file_name_have_names_of_their_own():
+    random = np.random.default_rng(0)
+    runs = [
+        back_and_forth(
+            lambda way: 3.0 * way + 0.01 * random.normal(size=8000), source=f"{folder}/run.csv"
+        ).recordings[0]
+        for folder in "aab"
+    ]
+    found = friction_coefficient(process(identify.RawData(runs, one_channel=True)))
+    assert found.names == ("a/run.csv (1)", "a/run.csv (2)", "b/run.csv")
+
+
+def test_one_channel_is_true_or_false():
+    with pytest.raises(ParameterError, match="one_channel: must be True or False, got 'no'"):
+        identify.RawData(machine().record().recordings, one_channel="no")
+
+
+def test_a_law_of_wrong_signs_or_several_loads_is_refused():
+    runs = [machine(normal_force=load, seed=int(load)).record().recordings[0] for load in (5, 20)]
+    with pytest.raises(FitError, match="several loads or speeds"):
+        friction_coefficient(process(identify.RawData(runs))).isotropic_law()
+    one = runs[0].replace(readings=runs[0].readings * [-1.0, -1.0, 1.0])
+    with pytest.raises(FitError, match="a minus before the unit turns the sign"):
+        friction_coefficient(process(identify.RawData([one]))).isotropic_law()
 
 
 def test_turns_have_no_breakaway():

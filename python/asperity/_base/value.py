@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity._base import arrays
+from asperity.errors import ParameterError
 
 # Longer arrays are not printed.
 _LONGEST = 24
@@ -233,6 +234,12 @@ def optional(check: Check) -> Check:
     return lambda value, name: None if value is None else check(value, name)
 
 
+def _truth(value: Any, name: str) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise ParameterError(name, f"must be True or False, got {value!r}")
+    return bool(value)
+
+
 # Numbers that a field of a `Record` may hold; the check says what else it refuses.
 Number: TypeAlias = Annotated[float, arrays.number]
 Positive: TypeAlias = Annotated[float, arrays.positive]
@@ -240,7 +247,7 @@ NonNegative: TypeAlias = Annotated[float, arrays.non_negative]
 Fraction: TypeAlias = Annotated[float, arrays.fraction]
 Count: TypeAlias = Annotated[int, arrays.count]
 Index: TypeAlias = Annotated[int, lambda value, name: arrays.count(value, name, least=0)]
-Truth: TypeAlias = Annotated[bool, lambda value, _: bool(value)]
+Truth: TypeAlias = Annotated[bool, _truth]
 
 
 def unchecked(value: Any, _: str) -> Any:

@@ -281,7 +281,8 @@ def _key_of(word: str) -> int | str:
 def _takes_truth(parameter: inspect.Parameter) -> bool:
     # Annotations are texts, those of named tuples references to what a text names.
     annotation = parameter.annotation
-    return "bool" in (annotation, getattr(annotation, "__forward_arg__", None))
+    name = getattr(annotation, "__forward_arg__", annotation)
+    return name in ("bool", "Truth")
 
 
 def _check_table(table: Any, key: str, words: str) -> None:

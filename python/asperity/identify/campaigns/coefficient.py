@@ -110,7 +110,7 @@ class OneChannel:
             for run in one.runs
             if math.isnan(run.coefficient.low)
         ]
-        if any(run.coefficient.value <= 0.0 for run in one.runs):
+        if any(run.coefficient.value < 0.0 for run in one.runs):
             found.append("the force goes with the sliding: a minus before its unit turns its sign")
         return tuple(found)
 

@@ -179,12 +179,10 @@ class FrictionCoefficient(TableResult):
 
     @cached_property
     def breakaway(self) -> Breakaway | None:
-        """Static coefficients of strokes; None for turns."""
-        return (
-            None
-            if self.processed.goes_round
-            else breakaway(self.processed, confidence=self.confidence)
-        )
+        """Static coefficients of strokes; None for turns and for forces along the sliding."""
+        if self.processed.goes_round or not np.any(self.over_turns.coefficient > 0.0):
+            return None
+        return breakaway(self.processed, confidence=self.confidence)
 
     @property
     def has_length(self) -> bool:
@@ -241,8 +239,13 @@ class FrictionCoefficient(TableResult):
         A friction force along the sliding tells no direction set: D is the disk that C is.
 
         Raises:
-            FitError: where not all directions are recorded, or the coefficient depends on them.
+            FitError: where not all directions are recorded, the coefficient depends on them, or
+                runs have several loads or speeds.
         """
+        if len(self.groups) > 1:
+            raise FitError(
+                "data: runs at several loads or speeds: identify a law from those of one at a time"
+            )
         if not self.processed.goes_round:
             raise FitError(
                 "data: strokes along some lines do not tell whether friction is the same in all "
@@ -255,6 +258,10 @@ class FrictionCoefficient(TableResult):
                 "directions of sliding: a law of such a surface needs the radial channel"
             )
         mean = self.mean
+        if mean.value <= 0.0:
+            raise FitError(
+                f"data: the coefficient is {mean.value:.4g}: a minus before the unit turns the sign"
+            )
         zero, gain = shared_variance(self.processed, self.over_turns.kept)
         scatter = max(mean.standard_error**2 - zero - gain, 0.0)
         known = self.processed.zero_covariance, self.processed.calibration_covariance
@@ -301,15 +308,20 @@ class FrictionCoefficient(TableResult):
 
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
-        unit = "turns" if self.processed.goes_round else "strokes"
-        found = []
+        word = "turns" if self.processed.goes_round else "strokes"
+        found = [
+            f"In {run.name} the force goes with the sliding: a minus before its unit "
+            "turns its sign."
+            for run in self.runs
+            if run.coefficient.value < 0.0
+        ]
         for group in self.groups:
             where = f" at {group.load:.4g} N" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
                 low, high = group.next
                 found.append(
                     f"Mountings{where} differ by {group.between:.2%} (standard deviation), beside "
-                    f"{group.within:.2%} of {unit} within runs: the coefficient of the next "
+                    f"{group.within:.2%} of {word} within runs: the coefficient of the next "
                     f"mounting is expected within {max(low, 0.0):.4g} … {high:.4g}."
                 )
         if all(len(group.runs) < 2 for group in self.groups):
@@ -335,7 +347,7 @@ class FrictionCoefficient(TableResult):
             if run.change.low > 0.0 or run.change.high < 0.0:
                 found.append(
                     f"In {run.name} the coefficient changes by {run.change.value:+.2%} from the "
-                    "first to the last of its turns: predictions hold for their mean, not for a "
+                    f"first to the last of its {word}: predictions hold for their mean, not for a "
                     "surface that is new or run in."
                 )
         return tuple(found)
@@ -405,6 +417,10 @@ class FrictionCoefficient(TableResult):
             else {
                 "compliance": static.compliance,
                 "has_excess": static.has_excess,
+                "ratio": _json(static.ratio),
+                "needed_rate": static.needed_rate,
+                "inertia": static.inertia,
+                "unseen": static.unseen,
                 "directions": [
                     {
                         "direction": one.direction,
@@ -503,6 +519,11 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
         at = held & (turns.run == number)
         own = turns.coefficient[at]
         values.append(independent(own, pairs=not data.goes_round))
+        if not values[-1].any():
+            raise FitError(
+                f"data: {names[number]}: the force is zero, or does not turn with the sliding: is "
+                "the sensor connected?"
+            )
         runs.append(
             Run(
                 names[number],
@@ -534,8 +555,15 @@ def _names(data: ProcessedData) -> tuple[str, ...]:
     """Return the names of the runs by their numbers, those without one by these."""
     numbers = runs_of(data).tolist()
     found = dict(zip(numbers, data.raw.recordings, strict=True))
-    files = (found[k].file.replace("\\", "/").rpartition("/")[2] for k in sorted(found))
-    return tuple(name or f"run {k + 1}" for k, name in enumerate(files))
+    paths = [found[k].file.replace("\\", "/") for k in sorted(found)]
+    files = [path.rpartition("/")[2] for path in paths]
+    # Files of one name in several folders are told apart by these, windows by their numbers.
+    for one in (paths, [f"{path} ({k + 1})" for k, path in enumerate(paths)]):
+        files = [b if files.count(a) > 1 else a for a, b in zip(files, one, strict=True)]
+    return tuple(
+        name if path else f"run {k + 1}"
+        for k, (name, path) in enumerate(zip(files, paths, strict=True))
+    )
 
 
 def _change(values: Array, level: float) -> Estimate:

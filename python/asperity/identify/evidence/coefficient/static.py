@@ -19,6 +19,7 @@ from asperity.identify.evidence.coefficient.turns import (
     Turns,
     by_direction,
     interval,
+    runs_of,
     shared_variance,
     turns_of,
 )
@@ -38,10 +39,15 @@ _GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
 # A force whose mean falls by so many standard errors below the kinetic one swings; it is looked for
 # in at most so many samples. Inertia that adds less than the last part of the excess is corrected.
 _SURE, _LONGEST, _SMALL = 5.0, 2000, 0.5
+# A quarter of a period with fewer samples shows no swing.
+_UNRESOLVED = 1.5
 # Samples tell apart what differs by more than so many standard deviations of the noise.
 _APART = 3.0
 # More directions are not spoken of one by one.
 _SHOWN = 4
+# Where the pin sticks over more than this part of the way, the rest tells no kinetic force;
+# ends of the way are this part of it. A rise below this part of the level is no sticking.
+_STUCK, _END, _FLAT = 0.8, 0.05, 0.5
 # A pin without load does not stick: λ_N is less than this part of the usual one.
 _PRESSED = 0.5
 _NONE = Estimate(math.nan, math.nan, math.nan, math.nan, identifiable=False)
@@ -77,7 +83,7 @@ def segments(data: ProcessedData) -> Iterator[Segment]:
         starts = []
         for before, rows in zip([None, *found], found, strict=False):
             first = 0 if before is None else int(before[-1]) + 1
-            way = np.asarray(turned)[rows[0]]
+            way = np.broadcast_to(turned, len(run))[rows[0]]
             e = np.array([math.cos(way), math.sin(way)])
             along = place[first : rows[0] + 1] @ e
             # The last place where the pin is as far back as it comes, with load.
@@ -163,6 +169,8 @@ class Breakaway(TableResult):
             None where they have enough.
         inertia: what the mass of pin and holder adds to the largest force, over its excess, by how
             the force swings after the slip; NaN where it does not swing.
+        unseen: largest excess over the kinetic force, relative to it, that may be inertia of a
+            mass whose swing the samples do not show.
         confidence: of the intervals.
     """
 
@@ -171,12 +179,13 @@ class Breakaway(TableResult):
     compliance: float
     needed_rate: float | None
     inertia: float
+    unseen: float
     confidence: float
 
     @property
     def has_excess(self) -> bool:
-        """Whether the static coefficient is larger than the kinetic one, beyond the scatter."""
-        return self.ratio.identifiable and self.ratio.low > 1.0
+        """Whether the static coefficient exceeds the kinetic one beyond scatter and inertia."""
+        return self.ratio.identifiable and self.ratio.low > 1.0 + self.unseen
 
     def summary(self) -> str:
         """Return what the strokes say, in sentences."""
@@ -203,6 +212,12 @@ class Breakaway(TableResult):
             )
         elif not self.ratio.identifiable:
             lines.append(f"Fewer than {_FEWEST} strokes tell no interval of static friction.")
+        elif 1.0 < self.ratio.low <= 1.0 + self.unseen:
+            lines.append(
+                f"Whether static friction exceeds the kinetic one (ratio {self.ratio}) cannot be "
+                f"told: a mass of pin and holder whose swing the samples do not show may add up to "
+                f"{self.unseen:.2%} to the force; sample faster, or reverse more slowly."
+            )
         elif self.has_excess:
             lines.append(
                 f"Static friction exceeds the kinetic one (ratio {self.ratio}): predictions of "
@@ -273,6 +288,8 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     if data.goes_round:
         raise FitError("data: a disk or a stage that goes round does not reverse")
     found = starts_of(data)
+    if not found.strokes:
+        raise FitError("data: no stroke has a force against the sliding: its sign may be wrong")
     number = np.array([one.number for one in found.strokes], dtype=np.intp)
     kinetic = found.turns.coefficient[number]
     ends = np.array(
@@ -301,6 +318,7 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         1.0 / (found.slope * data.usual_load) if found.slope > 0.0 and has_length else math.nan,
         None if told.mean() > 0.5 or share > _SMALL else _needed_rate(data, found),
         share,
+        0.0 if math.isfinite(inertia) else _unseen(found),
         level,
     )
 
@@ -328,7 +346,17 @@ class Starts(NamedTuple):
 def starts_of(data: ProcessedData) -> Starts:
     """Return where the strokes of all runs change from stick to slip."""
     turns = turns_of(data)
-    strokes = [one for one in segments(data) if turns.coefficient[one.number] > 0.0]
+    every = list(segments(data))
+    for run in np.unique(turns.run):
+        own = [one for one in every if turns.run[one.number] == run]
+        if (share := _stuck_share(own, turns.direction)) > _STUCK:
+            name = data.raw.recordings[int(np.argmax(runs_of(data) == run))].file
+            raise FitError(
+                f"data: {name or f'run {run + 1}'}: the pin sticks over {min(share, 1.0):.0%} of "
+                "the strokes, the force follows the stage: too short for kinetic friction to be "
+                "measured; it takes longer strokes, or leave the run out"
+            )
+    strokes = [one for one in every if turns.coefficient[one.number] > 0.0]
     slope = _slope([_stuck(one, turns.coefficient[one.number]) for one in strokes])
     noise = 0.0
     for _ in range(2):
@@ -354,6 +382,31 @@ def starts_of(data: ProcessedData) -> Starts:
     strokes = [one for one, held in zip(strokes, slips, strict=True) if held]
     error = noise / math.sqrt(1.0 + count / max(len(off), 1))
     return Starts(turns, strokes, peaks, slope, noise, error)
+
+
+def _stuck_share(strokes: list[Segment], direction: Array) -> float:
+    """Return over which part of the way the pin sticks, by a line that goes over into a level.
+
+    The mean of such a force lies below the level by half the rise times that part. Means over both
+    directions have no zero of the sensor.
+    """
+    ways = np.array([direction[one.number] for one in strokes])
+    found = []
+    for at in by_direction(ways):
+        parts = []
+        for one in (strokes[k] for k in at):
+            s, y = one.path[: int(one.path.argmax()) + 1], one.force[: int(one.path.argmax()) + 1]
+            if s.size > 1 and s[-1] > 0.0:
+                first, last = y[s <= _END * s[-1]], y[s >= (1.0 - _END) * s[-1]]
+                mean = float(np.trapezoid(y, s)) / float(s[-1] - s[0])
+                parts.append((float(first.mean()), mean, float(last.mean())))
+        if parts:
+            found.append(np.median(parts, axis=0))
+    if not found:
+        return 0.0
+    start, mean, level = np.mean(found, axis=0)
+    rise = level - start
+    return float(2.0 * (level - mean) / rise) if rise > _FLAT * abs(level) else 0.0
 
 
 def _enough(told: NDArray[np.bool_]) -> bool:
@@ -462,6 +515,25 @@ def _swing(found: Starts) -> tuple[float, float]:
     top = int(wave[:lowest].argmax())
     rise = np.mean([np.diff(peak.ends)[0] for _, peak in parts]) / kinetic
     return float(wave[top]), float(rise) * (lowest - top) / math.pi
+
+
+def _unseen(found: Starts) -> float:
+    """Return what the mass of a swing that is not found may add to the kinetic force, relative.
+
+    The line goes on to the largest force, a quarter of a period after the slip: of half a period
+    of up to three samples the rise over 1.5 of them. Longer ones are seen from a depth of some
+    standard errors of the mean stroke on.
+    """
+    rises, kinetic = [], []
+    for one, peak in zip(found.strokes, found.peaks, strict=True):
+        if peak is not None and math.isfinite(peak.ends[0]):
+            last = peak.stuck[1]
+            rises.append(found.slope * float(one.path[last] - one.path[last - 1]))
+            kinetic.append(float(found.turns.coefficient[one.number]))
+    if not rises:
+        return math.nan
+    noise = _SURE * found.noise / math.sqrt(len(rises))
+    return max(_UNRESOLVED * float(np.median(rises)), noise) / float(np.mean(kinetic))
 
 
 def _of_direction(

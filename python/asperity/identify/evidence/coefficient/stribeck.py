@@ -103,9 +103,11 @@ def fit_stribeck(
         if values.min(initial=1.0) <= 0.0:
             arrays.positive(float(values.min()), name)
     ordered = np.sort(v)
-    apart = 1 + int(np.count_nonzero(np.diff(np.log(ordered)) > math.log(_SAME)))
+    apart = min(v.size, 1) + int(np.count_nonzero(np.diff(np.log(ordered)) > math.log(_SAME)))
     if v.size < _FEWEST or apart < _FEWEST:
-        raise FitError(f"speeds: {apart} that differ by 5 %, a Stribeck curve needs {_FEWEST}")
+        raise FitError(
+            f"speeds: {apart} speeds that differ by 5 %, a Stribeck curve needs {_FEWEST}"
+        )
     ends = ordered[0] / _BEYOND, ordered[-1] * _BEYOND
     tried = _tried(v, y, y, np.geomspace(*ends, _TRIED))
     # Differences relative to the curve, as those relative to noisy values are biased.

@@ -18,6 +18,8 @@ from asperity.identify.records.sliding.stretches import rows_of
 # After a reversal the pin sticks until the force has grown: where it has come to this part of the
 # usual force of the stroke, the rest of the way follows from a straight line, with some more.
 _NEARLY, _MORE = 0.8, 1.1
+# A stroke that starts with more than this part of it slides on a surface whose friction varies.
+_SLIDES = 0.5
 # Strokes whose directions differ by less are of one direction.
 _SAME = math.radians(2.0)
 # Turns that follow each other are no independent values where friction drifts: an interval comes
@@ -105,7 +107,7 @@ def runs_of(data: ProcessedData) -> NDArray[np.intp]:
 def _stick(y: Array, usual: float) -> int:
     """Return how many samples of a stroke pass until the pin surely slips; all if it does not."""
     near = _NEARLY * usual
-    if usual <= 0.0 or y[0] >= near:
+    if usual <= 0.0 or y[0] >= _SLIDES * usual:
         return 0
     slips = y >= near
     at = int(slips.argmax()) if slips.any() else y.size
