@@ -54,6 +54,25 @@ def main() -> None:
             "one sparse LU factorisation of its Delassus operator by SciPy",
             "how many factorisations a solution is worth",
         )
+    box = problems.stack(1)
+    building = timed(
+        lambda: [
+            asp.ContactProblem.from_bodies(
+                box.mass,
+                directions=box.directions,
+                free_velocity=box.free_velocity,
+                laws=box.laws[0],
+            )
+            for _ in range(500)
+        ]
+    )
+    floor = timed(lambda: [sp.csr_array(box.directions.T) for _ in range(500)])
+    ratio(
+        "a problem of the four contacts of a box, made of its bodies",
+        building / floor,
+        "one transposition of W by SciPy",
+        "what it costs to check and keep a small problem",
+    )
 
 
 if __name__ == "__main__":

@@ -1,12 +1,14 @@
 """Random problems of 10 to 100 contacts with all kinds of laws, bodies and contacts."""
 
+import itertools
+
 import asperity as asp
 import numpy as np
 import pytest
 from profiles import every
-from random_problems import LAWS, pile
+from random_problems import LAW, LAWS, pile
 from samples import identify
-from scipy.sparse import csr_array
+from scipy.sparse import block_diag, coo_array, csr_array
 
 ASSOCIATED = [law for law in LAWS if law.is_associated]
 PLANAR = [law for law in ASSOCIATED if law.dimension < 3]
@@ -313,3 +315,78 @@ def test_default_solver_follows_the_rule_of_selection():
         different += np.abs(exact.percussion - auto.percussion).max() > 1e-6
     assert ambiguous > 0
     assert different == 0
+
+
+def test_bodies_in_every_form_are_one_problem_with_g_as_by_hand():
+    rng = np.random.default_rng(5)
+    for case in range(30):
+        bodies, contacts = rng.integers(1, 5, size=2)
+        roots = rng.normal(size=(bodies, 3, 3))
+        blocks = roots @ roots.transpose(0, 2, 1) + np.eye(3)
+        mass = np.asarray(block_diag(list(blocks)).toarray())
+        mass = 0.5 * (mass + mass.T)
+        directions = rng.normal(size=(3 * bodies, 3 * contacts))
+        directions[1:][rng.random((len(directions) - 1, 3 * contacts)) < 0.5] = 0.0
+        # The same with its columns in any order, and with every entry in two halves.
+        rows, columns = directions.nonzero()
+        order = rng.permutation(rows.size)
+        twice = np.tile(rows, 2), np.tile(columns, 2)
+        halves = np.tile(0.5 * directions[rows, columns], 2), twice
+        shuffled = csr_array(directions)
+        for start, end in itertools.pairwise(shuffled.indptr):
+            shuffled.indices[start:end] = shuffled.indices[start:end][::-1]
+            shuffled.data[start:end] = shuffled.data[start:end][::-1]
+        shuffled.has_sorted_indices = True
+        triplets = directions[rows, columns][order], (rows[order], columns[order])
+        forms = [
+            directions,
+            csr_array(directions),
+            csr_array(directions).tocsc(),
+            csr_array(directions).tolil(),
+            coo_array(triplets, shape=directions.shape),
+            coo_array(halves, shape=directions.shape),
+            shuffled,
+        ]
+        masses = [mass, csr_array(mass), csr_array(mass).tocsc(), csr_array(mass).tobsr((3, 3))]
+        by_hand = directions.T @ np.linalg.solve(mass, directions)
+        made = [
+            asp.ContactProblem.from_bodies(
+                masses[k % len(masses)], directions=form, free_velocity=by_hand[0], laws=LAW
+            )
+            for k, form in enumerate(forms)
+        ]
+        for problem in made:
+            assert problem == made[0], case
+            assert hash(problem) == hash(made[0]), case
+            assert np.array_equal(problem.mass.toarray(), mass), case
+            assert np.array_equal(problem.directions.toarray(), directions), case
+            assert problem.directions.indices.dtype == np.int64, case
+        size = 1e-13 * max(1.0, np.abs(by_hand).max())
+        assert np.abs(made[0].delassus.toarray() - by_hand).max() < size, case
+        # The core's own G.
+        percussion = rng.normal(size=3 * contacts)
+        solution = made[0].solve(on_failure="record", start=percussion)
+        expected = by_hand @ solution.percussion + by_hand[0]
+        largest = max(1.0, np.abs(solution.percussion).max())
+        assert np.abs(solution.velocity - expected).max() < 10.0 * size * largest, case
+
+
+@pytest.mark.parametrize(
+    ("mass", "words"),
+    [
+        ([[1.0, 0.1], [0.2, 1.0]], "symmetric, it is off by 0.1"),
+        ([[1.0, 0.1], [0.0, 1.0]], "symmetric, it is off by 0.1"),
+        ([[1.0, 0.0], [0.0, 0.0]], "diagonal is not positive"),
+        ([[1.0, 2.0], [2.0, 1.0]], "positive definite"),
+    ],
+)
+def test_masses_that_are_none_are_refused_in_words(mass, words):
+    for form in (np.array, csr_array):
+        with pytest.raises(asp.ParameterError, match=words) as caught:
+            asp.ContactProblem.from_bodies(
+                form(mass),
+                directions=np.eye(2, 3),
+                free_velocity=np.zeros(3),
+                laws=LAW,
+            )
+        assert caught.value.argument == "mass"

@@ -25,10 +25,7 @@ _PLAIN, _NESTED = frozenset((np.ndarray, float, int)), (list, tuple)
 def array(value: ArrayLike, argument: str, shape: Sequence[int | None] | None = None) -> Array:
     """Return a finite C-contiguous float64 array; ``None`` in `shape` stands for any length."""
     converted = with_gaps(value, argument, shape)
-    # The sum of finite numbers is finite unless it overflows: a cheap test for the usual case.
-    with np.errstate(over="ignore", invalid="ignore"):
-        total = float(converted.sum())
-    if not math.isfinite(total) and not np.isfinite(converted).all():
+    if not np.isfinite(converted).all():
         raise ParameterError(argument, "must be finite, it holds NaN or infinity")
     return converted
 
@@ -77,13 +74,14 @@ def _is_masked(value: Any) -> bool:
 
 def check_shape(value: Any, argument: str, shape: Sequence[int | None]) -> None:
     """Refuse an array, dense or sparse, that does not have the shape."""
-    fits = value.ndim == len(shape) and all(
-        wanted in (None, length) for wanted, length in zip(shape, value.shape, strict=True)
-    )
-    if not fits:
+    found = value.shape
+    if found != shape and (
+        len(found) != len(shape)
+        or any(wanted not in (None, length) for wanted, length in zip(shape, found, strict=True))
+    ):
         lengths = ", ".join("n" if length is None else str(length) for length in shape)
         wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"
-        raise DimensionError(argument, f"must have shape {wanted}, got {value.shape}")
+        raise DimensionError(argument, f"must have shape {wanted}, got {found}")
 
 
 def points(value: ArrayLike, argument: str, dimension: int) -> tuple[Array, tuple[int, ...]]:

@@ -60,11 +60,13 @@ def normal_forces(normal_force: Any, contacts: int) -> tuple[float | None, ...]:
 
 def fractions(value: ArrayLike, argument: str, contacts: int) -> Array:
     """Return one number between 0 and 1 per contact."""
+    if type(value) is float:
+        return np.full(contacts, arrays.fraction(value, argument))
     converted = arrays.array(value, argument)
     if converted.ndim == 0:
         converted = np.full(contacts, converted)
-    converted = arrays.array(converted, argument, (contacts,))
+    arrays.check_shape(converted, argument, (contacts,))
     outside = (converted < 0.0) | (converted > 1.0)
     if outside.any():
         arrays.fraction(converted[outside.argmax()], argument)
-    return arrays.read_only(converted)
+    return converted

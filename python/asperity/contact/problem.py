@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array, sparray, spmatrix
 
 Measure = Literal["contact", "global"]
+_OPERATOR = ("delassus", "mass", "directions")
 _FEW = 4
 """Contacts of problems that are shown with all their numbers."""
 
@@ -74,8 +75,6 @@ class ContactProblem(Value):
     normal_restitution: Array
     tangential_restitution: Array
     initial_velocity: Array
-    mass: csr_array | None
-    directions: csr_array | None
     _core: _core.Problem
 
     def __init__(
@@ -96,8 +95,10 @@ class ContactProblem(Value):
         contacts = len(chosen_laws)
         normal = normal_forces(normal_force, contacts)
         rows = sum(sizes(chosen_laws, normal))
-        free = arrays.array(free, "free_velocity", (rows,))
-        initial = np.zeros(rows) if initial_velocity is None else initial_velocity
+        arrays.check_shape(free, "free_velocity", (rows,))
+        initial = np.zeros(rows)
+        if initial_velocity is not None:
+            initial = arrays.array(initial_velocity, "initial_velocity", (rows,))
         self._set(
             **operator.parameters(delassus, mass, directions, rows),
             free_velocity=free,
@@ -107,24 +108,31 @@ class ContactProblem(Value):
             tangential_restitution=fractions(
                 tangential_restitution, "tangential_restitution", contacts
             ),
-            initial_velocity=arrays.array(initial, "initial_velocity", (rows,)),
+            initial_velocity=initial,
         )
-        core = _core.Problem(
-            operator.for_core(self._parameters["delassus"], self.mass, self.directions),
-            self.free_velocity,
-            [law._core for law in chosen_laws],
-            list(normal),
-            self.normal_restitution,
-            self.tangential_restitution,
-            self.initial_velocity,
-        )
+        try:
+            core = _core.Problem(
+                operator.for_core(*(self._parameters[name] for name in _OPERATOR)),
+                self.free_velocity,
+                [law._core for law in chosen_laws],
+                list(normal),
+                self.normal_restitution,
+                self.tangential_restitution,
+                self.initial_velocity,
+            )
+        except ParameterError as error:
+            if error.argument == "mass":
+                # Which of its properties it lacks takes longer to find than to refuse it.
+                operator.check_mass(self._parameters["mass"])
+            raise
         self._keep(_core=core)
 
     def __repr__(self) -> str:
         contacts = len(self.laws)
         if contacts <= _FEW:
             return super().__repr__()
-        rows, bodies = self.free_velocity.size, "" if self.mass is None else ", of bodies"
+        rows = self.free_velocity.size
+        bodies = "" if self._parameters["mass"] is None else ", of bodies"
         return f"<ContactProblem: {contacts} contacts, {rows} rows{bodies}>"
 
     @classmethod
@@ -188,10 +196,23 @@ class ContactProblem(Value):
     @cached_property
     def delassus(self) -> Array | csr_array:
         """The Delassus operator G in 1/kg, shape ``(rows, rows)``; of bodies, assembled."""
-        given: Array | csr_array | None = self._parameters["delassus"]
-        if given is not None:
-            return given
-        return operator.assembled(self._parameters["mass"], self._parameters["directions"])
+        given = self._parameters["delassus"]
+        if given is None:
+            mass, directions = self._parameters["mass"], self._parameters["directions"]
+            return operator.assembled(mass.tocsr(), directions.tocsr())
+        return given.tocsr() if hasattr(given, "tocsr") else given
+
+    @cached_property
+    def mass(self) -> csr_array | None:
+        """M of the bodies in kg and kg m², shape ``(n, n)``."""
+        mass = self._parameters["mass"]
+        return None if mass is None else mass.tocsr()
+
+    @cached_property
+    def directions(self) -> csr_array | None:
+        """[W_N W] of the bodies, shape ``(n, rows)``."""
+        directions = self._parameters["directions"]
+        return None if directions is None else directions.tocsr()
 
     @property
     def row_slices(self) -> tuple[slice, ...]:

@@ -14,7 +14,7 @@ import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact.certificate import Certificate
-from asperity.contact.operator import for_core, sparse
+from asperity.contact.compressed import compressed
 from asperity.errors import ConvergenceError, DimensionError, NoSolutionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.solvers import Solver, chosen
@@ -279,9 +279,9 @@ def _entries(delassus: Any, rows: int) -> Any:
         entries = _floats(delassus, "delassus", 2)
         _check_square(entries, rows)
         return entries
-    matrix = sparse(delassus, "delassus", (None, None))
+    matrix = compressed(delassus, "delassus", (None, None))
     _check_square(matrix, rows)
-    return for_core(matrix, None, None)
+    return matrix.triple
 
 
 def _check_square(matrix: Any, rows: int) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.contact import operator
+from asperity.contact import compressed
 from asperity.contact.files import laws as law_files
 from asperity.contact.problem import ContactProblem
 from asperity.errors import DimensionError, ParameterError
@@ -212,13 +212,13 @@ def matrix(
         )
     given: Any
     if form == "coo":
-        operator.check_triplets((second, first), entries.size, shape, name)
+        compressed.check_triplets((second, first), entries.size, shape, name)
         given = entries, (second, first)
     else:
-        compressed = shape if form == "csr" else shape[::-1]
-        operator.check_compressed(first, second, entries.size, compressed, name)
+        lengths = shape if form == "csr" else shape[::-1]
+        compressed.check_compressed(first, second, entries.size, lengths, name)
         given = parts
-    return operator.sparse(getattr(sparse, f"{form}_array")(given, shape=shape), name, shape)
+    return compressed.sparse(getattr(sparse, f"{form}_array")(given, shape=shape), name, shape)
 
 
 def built(

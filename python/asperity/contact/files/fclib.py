@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.storage.files import atomic
-from asperity.contact import operator
+from asperity.contact import compressed, operator
 from asperity.contact.files import contents
 from asperity.contact.files.contents import Percussions
 from asperity.contact.problem import ContactProblem
@@ -196,7 +196,7 @@ def _mass(source: _Group) -> csr_array:
     from scipy.sparse import diags_array
 
     both = mass + mass.T - diags_array(mass.diagonal())
-    return operator.sparse(both, "fclib_global/M", mass.shape)
+    return compressed.sparse(both, "fclib_global/M", mass.shape)
 
 
 def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float64]:
@@ -212,7 +212,7 @@ def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float6
         mass = operator.checked_mass(bodies.mass)
     except ParameterError as error:
         raise type(error)("fclib_global/M", error.message) from None
-    return bodies.directions.T @ (operator.inverse(mass) @ force) + gap
+    return bodies.directions.T @ (operator.inverse(mass.tocsr()) @ force) + gap
 
 
 def _write(
