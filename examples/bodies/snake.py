@@ -19,9 +19,9 @@ LINKS, WAVES, AMPLITUDE = 24, 2, 0.9  # lengths relative to the snake's, times t
 # %%
 # Scales
 # ------
-# A link that slides with γ feels −λ/λ_N = F γ/‖γ‖, F = diag(μ along, μ across) in its axes, so that
-# the force is not opposite to the sliding. The coefficients are those of a milk snake on cloth: 0.11
-# forwards, 0.14 backwards and 0.20 across (Hu, Nirody, Scott and Shelley, 2009).
+# A link that slides with γ feels −λ/λ_N = F γ/‖γ‖, F = diag(μ along, μ across) in its axes, so
+# that the force is not opposite to the sliding. The coefficients are those of a milk snake on
+# cloth: 0.11 forwards, 0.14 backwards and 0.20 across [HuNirodyScottShelley2009].
 
 FORWARDS, BACKWARDS, ACROSS = 0.11, 0.14, 0.20
 
@@ -92,8 +92,8 @@ run = slither(asp.FrictionLaw.tensor_function(friction), periods=3)
 # %%
 # The balance of forces
 # ---------------------
-# Without sets and percussions: three equations for the velocities of centre and θ at each time, with
-# γ/√(‖γ‖² + ε²) for the direction, and the midpoint rule.
+# Without sets and percussions: three equations for the velocities of centre and θ at each time,
+# with γ/√(‖γ‖² + ε²) for the direction, and the midpoint rule.
 
 
 def wrench(u, t, angle, epsilon):
@@ -150,6 +150,8 @@ with asp.plot.style():
     left.legend(loc="upper left", fontsize="small")
     right.semilogx(ratios, gained, "o-", color="#D55E00", label="links on scales")
     right.axhline(1.0, color="#999999", linestyle="--", label="along its own track")
-    right.set(xlabel="friction across over friction along", ylabel="speed over J₀(A) × waves")
+    right.set(
+        xlabel="friction across over friction along", ylabel="speed over J₀(A) × speed of the waves"
+    )
     right.legend(loc="lower right")
 plt.show()
