@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 class CompressedRows:
     """The parts of a `csr_array`, read-only, with columns that ascend and none of them twice."""
 
-    __slots__ = ("data", "indices", "indptr", "shape")
     format = "csr"
     ndim = 2
 
@@ -37,10 +37,16 @@ class CompressedRows:
     def __reduce__(self) -> tuple[Any, ...]:
         return CompressedRows, (self.data, self.indices, self.indptr, self.shape)
 
-    @property
+    @cached_property
     def rows(self) -> NDArray[np.int64]:
         """The row of each entry."""
         return np.arange(self.shape[0]).repeat(self.indptr[1:] - self.indptr[:-1])
+
+    @property
+    def ascends(self) -> bool:
+        """Whether columns ascend within each row, as SciPy may claim in error."""
+        place = self.rows * self.shape[1] + self.indices
+        return bool((place[1:] > place[:-1]).all())
 
     @property
     def triple(self) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
@@ -78,15 +84,15 @@ def compressed(value: Any, argument: str, shape: Sequence[int | None]) -> Compre
         raise ParameterError(argument, f"must hold real numbers, has dtype {value.dtype}")
     arrays.check_shape(value, argument, shape)
     _check_indices(value, argument)
-    if value.format != "csr" or not _is_canonical(value):
+    matrix = _listed(value) if value.format in ("csr", "csc") else None
+    if matrix is None or not matrix.ascends:
         from scipy.sparse import csr_array
 
         value = csr_array(value, dtype=np.float64, copy=True)
         value.sum_duplicates()
-    entries = value.indptr[-1]
-    data = arrays.array(value.data[:entries].astype(np.float64), argument)
-    indices = value.indices[:entries].astype(np.int64)
-    return CompressedRows(data, indices, value.indptr.astype(np.int64), value.shape)
+        matrix = _listed(value)
+    arrays.array(matrix.data, argument)
+    return matrix.transposed() if value.format == "csc" else matrix
 
 
 def sparse(value: Any, argument: str, shape: Sequence[int | None]) -> csr_array:
@@ -100,12 +106,15 @@ def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return starts
 
 
-def _is_canonical(matrix: Any) -> bool:
-    """Whether columns ascend within each row, whatever SciPy remembers of it."""
-    starts, indices = matrix.indptr, matrix.indices[: matrix.indptr[-1]]
-    rows = np.arange(len(starts) - 1).repeat(starts[1:] - starts[:-1])
-    place = rows * matrix.shape[1] + indices
-    return bool((place[1:] > place[:-1]).all())
+def _listed(matrix: Any) -> CompressedRows:
+    """Return the parts of a CSR array, or of the transpose of a CSC array, without spare room."""
+    entries = matrix.indptr[-1]
+    return CompressedRows(
+        matrix.data[:entries].astype(np.float64),
+        matrix.indices[:entries].astype(np.int64),
+        matrix.indptr.astype(np.int64),
+        matrix.shape if matrix.format == "csr" else matrix.shape[::-1],
+    )
 
 
 def _check_indices(matrix: Any, argument: str) -> None:
