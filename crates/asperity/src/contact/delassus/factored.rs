@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::blocks::rows_of;
 use super::{BlockMatrix, Csr, Selection};
@@ -182,20 +182,18 @@ fn add_part(
     let Some(factor) = factor else {
         return refuse("mass", "must be symmetric positive definite");
     };
-    let column = |row: usize| {
-        let mut out = DVector::zeros(n);
+    let rows = contacts.iter().flat_map(|&i| blocks.offsets()[i]..blocks.offsets()[i + 1]);
+    let mut own = DMatrix::zeros(n, rows.clone().count());
+    for (mut own, row) in own.column_iter_mut().zip(rows) {
         let (columns, values) = directions.row(row);
         for (&dof, value) in columns.iter().zip(values) {
             if dofs.get(position[dof]) == Some(&dof) {
-                out[position[dof]] = *value;
+                own[position[dof]] = *value;
             }
         }
-        out
-    };
-    let rows: Vec<usize> =
-        contacts.iter().flat_map(|&i| blocks.offsets()[i]..blocks.offsets()[i + 1]).collect();
-    let columns: Vec<DVector<f64>> = rows.iter().map(|&row| column(row)).collect();
-    let responses: Vec<DVector<f64>> = columns.iter().map(|c| factor.solve(c)).collect();
+    }
+    let responses = factor.solve(&own);
+    let (own, responses) = (own.as_slice(), responses.as_slice());
     let mut first = 0;
     for &i in contacts {
         let mut other = 0;
@@ -208,7 +206,14 @@ fn add_part(
             let (_, block) = blocks.block_mut(i, k);
             for a in 0..rows {
                 for b in 0..width {
-                    block[a * width + b] += columns[first + a].dot(&responses[other + b]);
+                    // Rows of a body are so short that a call per product would take most of the time.
+                    let (along, response) =
+                        (&own[n * (first + a)..], &responses[n * (other + b)..]);
+                    let mut product = 0.0;
+                    for d in 0..n {
+                        product += along[d] * response[d];
+                    }
+                    block[a * width + b] += product;
                 }
             }
             other += width;
