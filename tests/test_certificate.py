@@ -1,6 +1,7 @@
 """Certificates against hand calculations, and what they say at solutions."""
 
 import copy
+import itertools
 import pickle
 
 import asperity as asp
@@ -461,9 +462,94 @@ def test_hinges_with_restitution_have_a_solution_or_a_proof():
         assert smooth.solve().converged
         assert not proves_no_solution(smooth, solution.infeasibility)
         assert solution.status is Status.NO_SOLUTION, k
-        assert solution.infeasibility.kind == "one_contact"
+        assert solution.infeasibility.kind == "cases"
         assert proves_no_solution(problem, solution.infeasibility), k
     assert without > 20
+
+
+def hinges(rng):
+    """Two or three hinges of one body on a line that have bounced."""
+    count, freedoms = rng.integers(2, 4), rng.integers(2, 4)
+    seen = [np.outer(rng.normal(size=freedoms), rng.normal(size=2)) for _ in range(count)]
+    directions = np.hstack(seen)
+    return asp.ContactProblem(
+        directions.T @ directions,
+        free_velocity=directions.T @ rng.normal(size=freedoms),
+        laws=asp.FrictionLaw.isotropic(rng.uniform(0.3, 1.5), dimension=1),
+        normal_restitution=0.8,
+        initial_velocity=directions.T @ rng.normal(size=freedoms),
+    )
+
+
+def has_a_solution(problem):
+    """Whether a linear program finds one where every contact is open, sticks or slips one way."""
+    count = len(problem.laws)
+    mu = problem.laws[0].reservoir.gauge(np.array([1.0])) ** -1
+    free = problem.free_velocity.copy()
+    free[::2] += 0.8 * problem.initial_velocity[::2]
+    # Percussions, then velocities.
+    unit, motion = np.eye(4 * count), np.hstack([-problem.delassus, np.eye(2 * count)])
+    for states in itertools.product(range(4), repeat=count):
+        above, zero = [], []
+        for k, state in enumerate(states):
+            first = 2 * (count + k)
+            push, pull, lift, slip = unit[[2 * k, 2 * k + 1, first, first + 1]]
+            if state == 0:
+                zero, above = [*zero, push, pull], [*above, lift]
+            elif state == 1:
+                zero, above = [*zero, lift, slip], [*above, mu * push - pull, mu * push + pull]
+            else:
+                sign = 1.0 if state == 2 else -1.0
+                zero = [*zero, lift, pull + sign * mu * push]
+                above = [*above, push, sign * slip]
+        found = linprog(
+            np.zeros(4 * count),
+            A_ub=-np.array(above),
+            b_ub=np.zeros(len(above)),
+            A_eq=np.vstack([motion, *zero]),
+            b_eq=np.concatenate([free, np.zeros(len(zero))]),
+            bounds=(None, None),
+        )
+        if found.status == 0:
+            return True
+    return False
+
+
+def test_hinges_that_bounce_together_have_a_solution_or_a_proof():
+    without = proven = 0
+    for seed in range(150):
+        problem = hinges(np.random.default_rng(seed))
+        solution = problem.solve(on_failure="record")
+        solvable = has_a_solution(problem)
+        if solution.status is Status.NO_SOLUTION:
+            assert not solvable, seed
+            assert proves_no_solution(problem, solution.infeasibility), seed
+            proven += 1
+        without += not solvable
+    assert proven == without > 10
+
+
+def test_the_checker_asks_for_all_cases_and_for_vectors_that_separate():
+    rng = np.random.default_rng(5)
+    while True:
+        problem = hinges(rng)
+        proof = problem.solve(on_failure="record").infeasibility
+        if proof is not None and proof.kind == "cases":
+            break
+    assert proves_no_solution(problem, proof)
+    vectors = [k for k, case in enumerate(proof.cases) if not isinstance(case, int)]
+    for k in range(len(proof.cases)):
+        shorter = proof.cases[:k] + proof.cases[k + 1 :]
+        assert not proves_no_solution(problem, proof.replace(cases=shorter)), k
+    for k in vectors:
+        for wrong in (-proof.cases[k], 0.0 * proof.cases[k], proof.cases[k][:-1]):
+            cases = (*proof.cases[:k], wrong, *proof.cases[k + 1 :])
+            assert not proves_no_solution(problem, proof.replace(cases=cases)), k
+    for cases in ((), (0,), (len(problem.laws),), (*proof.cases, 0)):
+        assert not proves_no_solution(problem, proof.replace(cases=cases))
+    smooth = problem.replace(laws=asp.FrictionLaw.isotropic(1e-3, dimension=1))
+    assert has_a_solution(smooth)
+    assert not proves_no_solution(smooth, proof)
 
 
 @pytest.mark.parametrize("seed", [18, 114, 312])
@@ -521,6 +607,9 @@ def test_solutions_check_what_they_hold(wrong):
         ("closing_velocity", -0.1),
         ("residual", np.nan),
         ("residual", -1.0),
+        ("cases", [-1]),
+        ("cases", [0.5]),
+        ("cases", [[np.nan]]),
     ],
 )
 def test_proofs_hold_what_they_can_hold(argument, value):
