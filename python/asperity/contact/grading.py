@@ -87,7 +87,7 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     regular block.
 
     A proof of the kind ``"cases"`` divides all that the contacts can do, see `Infeasibility`, until
-    each case has its z. Up to rounding of 16 ε Σ sᵢ|zᵢ| in scaled rows, z·ξ ≤ 0 holds at the ends
+    each case has its z. Up to rounding of 8 ε Σ sᵢ|zᵢ| in scaled rows, z·ξ ≤ 0 holds at the ends
     of sectors and (Gᵀz)·P ≥ 0 in the directions of above; a remainder η bounds percussions and
     velocities of any solution from below, which must be 5e9 times the largest |b|/s. It is checked
     for p = 1 and p = 2.
@@ -230,6 +230,7 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
     if z.shape != free.shape or not z.any() or problem.directions is not None or scale.min() == 0.0:
         return False
     y, gap, left, size = problem.delassus.T @ z, z @ free, 0.0, scale @ np.abs(z)
+    loads = (np.abs(free) / scale).max()
     contacts = zip(_contacts(problem), problem.laws, states, strict=True)
     for (rows, force), law, state in contacts:
         tangent = slice(rows.start + (force is None), rows.stop)
@@ -242,16 +243,15 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
             return False
         if state == "open":
             continue
-        pulled = (_friction_of(law, state) @ y[tangent]).min()
+        friction = _friction_of(law, state)
+        pulled, pulling = friction @ y[tangent], np.abs(friction) @ scale[tangent]
         if force is None:
-            left = max(left, -(y[rows.start] + pulled) / scale[rows.start])
+            left = max(left, (-(y[rows.start] + pulled) / (scale[rows.start] + pulling)).max())
         else:
-            gap += force * pulled
-    called_for = (np.abs(free) / scale).max()
-    return bool(
-        left <= 16.0 * _EPSILON * size
-        and gap >= _HUGE * (left + 0.5 * _EPSILON * size) * called_for
-    )
+            gap += force * pulled.min()
+            loads = max(loads, force * pulling.max())
+    beyond = _HUGE * (left + 0.5 * _EPSILON * size) * loads
+    return bool(left <= 8.0 * _EPSILON * size and gap >= beyond)
 
 
 def _friction_of(law: FrictionLaw, state: State) -> Array:

@@ -194,7 +194,14 @@ fn certify(problem: &ContactProblem, contacts: &[usize], weights: &[f64]) -> Opt
         _ => brought_to_rows(problem, contacts, &direction, closing),
     };
     let (kind, residual) = (InfeasibilityKind::Closing, residual.filter(|_| closes)?);
-    Some(Infeasibility { kind, contact, direction, closing_velocity: closing, residual, cases: Vec::new() })
+    Some(Infeasibility {
+        kind,
+        contact,
+        direction,
+        closing_velocity: closing,
+        residual,
+        cases: Vec::new(),
+    })
 }
 
 /// The largest load of a contact along its normal and its plane; drilling has another unit.

@@ -1,4 +1,4 @@
-use asperity_set::{Convex, Ellipse, Superellipse};
+use asperity_set::{Convex, Ellipse, Star, Superellipse};
 
 use super::*;
 use crate::random::random;
@@ -30,7 +30,8 @@ fn with_a_solution(seed: &mut u64) -> ContactProblem {
             Law::Three(_) => unreachable!(),
         };
         let friction = -z / law.gauge(&z.as_slice()[..p]);
-        let normal = if bilateral { NormalForce::Prescribed(size) } else { NormalForce::Unilateral };
+        let normal =
+            if bilateral { NormalForce::Prescribed(size) } else { NormalForce::Unilateral };
         let state = pick(seed, 3) + usize::from(bilateral);
         let (push, lift, friction, slip) = match state {
             0 => (0.0, near, friction, unit(angle) * random(seed)),
@@ -61,13 +62,13 @@ fn law(seed: &mut u64, p: usize) -> Law {
     let ellipse = Convex::from(Ellipse::new(axes).unwrap()).rotated(PI * random(seed)).unwrap();
     match pick(seed, 3) {
         0 => FrictionLaw::<2>::isotropic(mu).unwrap().into(),
-        1 => FrictionLaw::associated(ellipse).unwrap().into(),
+        1 => FrictionLaw::associated(ellipse).into(),
         _ => {
             let exponent = 3.6 + 2.4 * random(seed);
             let axes = Vector::<2>::new(1.0, 0.6 + 0.4 * random(seed));
-            let direction = Convex::from(Superellipse::new(axes, exponent).unwrap());
-            let direction = direction.rotated(PI * random(seed)).unwrap();
-            FrictionLaw::new(ellipse, direction).unwrap().into()
+            let direction = Star::from(Superellipse::new(axes, exponent).unwrap());
+            let direction = direction.as_convex().unwrap().rotated(PI * random(seed)).unwrap();
+            FrictionLaw::new(Star::Convex(ellipse), direction).unwrap().into()
         }
     }
 }
