@@ -160,28 +160,27 @@ def walk(seeds):
 EXPECTED = ("agrees", "ambiguous", "events", "no solution")
 # What else happens among the first 10,000 systems. Such a run ends with an error that says so, but
 # it should not end; integrators that stay apart should mark a choice. Whoever mends one takes it
-# out. Not listed are 115 more, which the long test names: nearly all are hinges, and feet that
-# repeat each other, that bounce without a solution, which a proof by cases showed before.
+# out.
 KNOWN = {
     # Several contacts have a second solution together only, which is not marked: 4041 rests in a
     # corner or slips out of it (found by linear programs over all that its two contacts can do),
     # 5900 jams between a hinge and a stop or slips on. 9835 has two impacts within 3e-7 s, which
-    # every step takes for one. 3622 meets four feet at once, which steps do one by one. 7171 and
-    # 9850 are not looked into.
-    "apart": {3622, 4041, 5900, 7171, 9835, 9850},
-    # 13, 14, 41, 137, 172, 444, 1080: hinges beside other contacts, 105: two hinges that bounce
-    # have no solution, as their four cases show by hand. 503: a wedge jams, with a proof at
-    # shorter steps only. 1454, 3892, 7937: stops that nearly or wholly repeat each other, of which
-    # `integrate` does not find the forces; `simulate` does. 9963: a hinge beside another contact,
-    # whose percussions run away though they need not.
-    "unsolved": {13, 14, 41, 105, 137, 172, 444, 503, 1080, 1454, 3892, 7937, 9963},
-    # 2390: a hinge and a stop jam; `simulate` proves that there is no solution, `integrate` says
-    # that events follow each other without time passing. 5263: two hinges, 6051, 8502 and 8700:
-    # feet that repeat each other: `simulate` goes on and marks its steps as ambiguous. 893, 3033:
-    # steps of `integrate` fail however short they are, 2701: Painlevé's paradox of a foot.
-    "failed": {893, 2390, 2701, 3033, 5263, 6051, 8502, 8700},
-    # 3033 fails after 5 s now and then, steps of 9303 that bounce on a hinge take 4 s in all.
-    "late": {3033, 9303},
+    # every step takes for one. 3622 meets four feet at once, which steps do one by one. 9850 and
+    # 893 are not looked into.
+    "apart": {893, 3622, 4041, 5900, 9835, 9850},
+    # 1454, 3892, 7937: stops that nearly or wholly repeat each other, of which `integrate` does not
+    # find the forces; `simulate` does. 1459, 2844, 6434, 7895, 9334, 9932: hinges and feet that
+    # bounce, where G leaves more to rounding than a proof may. 8187, 8660: sectors of slip are
+    # halved down to 1e-6. 4554, 6023, 6231 and 8277: steps of `integrate` fail however short they
+    # are. 977, 3272, 7437 and 8823 are not looked into.
+    "unsolved": {977, 1454, 1459, 2844, 3272, 3892, 4554, 6023, 6231, 6434}
+    | {7437, 7895, 7937, 8187, 8277, 8660, 8823, 9334, 9932},
+    # 5263: two hinges, 6051, 8502 and 8700: feet that repeat each other: `simulate` goes on and
+    # marks its steps as ambiguous. 893, 3033: steps of `integrate` fail however short they are.
+    # 658, 7706: time hardly passes, a slip that no percussion stops.
+    "failed": {658, 893, 3033, 5263, 6051, 7706, 8502, 8700},
+    # 3033 and 8277 fail after 5 s now and then, steps of 9303 that bounce on a hinge take 4 s.
+    "late": {3033, 8277, 9303},
 }
 
 
@@ -202,29 +201,21 @@ def test_hinges_carry_no_forces_that_cancel(seed):
     assert outcome in ("agrees", "ambiguous"), message
 
 
-# Hinges with restitution, alone in their impact.
-@pytest.mark.parametrize("seed", [66, 113, 117, 332])
+# Hinges with restitution: alone in their impact (of 3234, 5777, 7468 and 7726 three rows see two
+# directions of motion), beside other contacts, two hinges, a hinge with a belt and feet.
+@pytest.mark.parametrize(
+    "seed", [66, 113, 117, 332, 3234, 5777, 7468, 7726, 14, 137, 172, 444, 1080]
+)
 def test_runs_without_a_solution_end_with_a_proof(seed):
     assert compare(seed)[0] == "no solution"
     system, q0, u0 = random_system(seed)
     with pytest.raises(asp.NoSolutionError) as caught:
         asp.simulate(system, dt=1e-3, t_end=T_END, q0=q0, u0=u0)
     error = caught.value
-    assert error.infeasibility.kind == "one_contact"
+    assert error.infeasibility.kind == "cases"
     assert proves_no_solution(error.problem, error.infeasibility)
     # The problem is that of the step: its own solve finds the same.
     assert error.problem.solve(on_failure="record").status is asp.Status.NO_SOLUTION
-
-
-# Hinges beside other contacts; two hinges; a hinge, a belt and feet: proofs are of one contact or
-# of contacts that close.
-@pytest.mark.parametrize("seed", [14, 137, 172, 444, 1080])
-def test_runs_that_friction_jams_are_not_solved(seed):
-    assert compare(seed)[0] == "unsolved"
-    system, q0, u0 = random_system(seed)
-    with pytest.raises(asp.ConvergenceError) as caught:
-        asp.simulate(system, dt=1e-3, t_end=T_END, q0=q0, u0=u0)
-    assert not isinstance(caught.value, asp.NoSolutionError)
 
 
 CHUNK = 100

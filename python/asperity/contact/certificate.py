@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY
-from typing import Literal
+from typing import Annotated, Any, Literal
 
+import numpy as np
+
+from asperity._base import arrays
+from asperity._base.arrays import Array
 from asperity._base.tables import aligned
 from asperity._base.value import Index, NonNegative, Record, Vector
 
-InfeasibilityKind = Literal["closing", "one_contact"]
+InfeasibilityKind = Literal["closing", "one_contact", "cases"]
+
+
+def _cases(value: Any, name: str) -> tuple[int | Array, ...]:
+    def entry(case: Any) -> int | Array:
+        if np.ndim(case) == 0:
+            return arrays.count(case, name, least=0)
+        return arrays.array(case, name, (None,))
+
+    return tuple(map(entry, value))
 
 
 class Certificate(Record):
@@ -80,16 +93,27 @@ class Infeasibility(Record):
     Kind ``"one_contact"``: a contact that no other one influences has neither an open, nor a
     sticking, nor a slipping state (Painlevé's paradox).
 
-    `asperity.contact.grading.proves_no_solution` checks both without a solver.
+    Kind ``"cases"``: all that a few contacts can do together is divided into cases, which are
+    listed depth first. A number is the contact whose state divides a case: any into open and
+    closed, closed into stick and slip, on a line in directions 1 and −1, in a plane in the
+    quadrants of γ_T, and sectors of directions into halves. An array is a vector z of the rows
+    with z·ξ ≤ 0 for all velocities of a case, (Gᵀz)·P ≥ 0 for all its percussions and
+    z·(b + e∘γ_B) > 0: as z·ξ = (Gᵀz)·P + z·(b + e∘γ_B), the case is empty (Farkas' lemma). A
+    contact with a given normal force begins as closed.
+
+    `asperity.contact.grading.proves_no_solution` checks all of them without a solver.
 
     Attributes:
-        kind: ``"closing"`` or ``"one_contact"``.
-        contact: the contact without a solution, or the one with the largest part in d.
-        direction: d, with sum one, shape ``(rows,)``; of one contact its normal row.
-        closing_velocity: −d·(b + e∘γ_B) in m/s; of one contact the speed at which it approaches
-            without percussions.
+        kind: ``"closing"``, ``"one_contact"`` or ``"cases"``.
+        contact: the contact without a solution, or the one with the largest part in d; of cases the
+            one that approaches fastest without percussions.
+        direction: d, with sum one, shape ``(rows,)``; of the other kinds the contact's normal row.
+        closing_velocity: −d·(b + e∘γ_B) in m/s; of the other kinds the speed at which the contact
+            approaches without percussions.
         residual: max |(Gᵀd)ⱼ|/sⱼ over max sᵢdᵢ, s = √diag G: zero to rounding; of bodies
-            max |(W d)ₖ|/maxⱼ |W_kj| over max dᵢ.
+            max |(W d)ₖ|/maxⱼ |W_kj| over max dᵢ; of cases the most by which rounding violates an
+            inequality, in scaled rows relative to Σ sᵢ|zᵢ|.
+        cases: of a proof by cases, else empty.
 
     >>> import numpy as np
     >>> from asperity import ContactProblem, FrictionLaw
@@ -108,3 +132,4 @@ class Infeasibility(Record):
     direction: Vector
     closing_velocity: NonNegative
     residual: NonNegative
+    cases: Annotated[tuple[int | Array, ...], _cases] = ()

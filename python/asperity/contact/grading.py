@@ -6,7 +6,7 @@ import functools
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,9 @@ from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
 
 __all__ = ["natural_map", "proves_no_solution"]
+
+State: TypeAlias = str | tuple[float, float]
+"""What a contact does: any, open, closed, stick, or slip between two angles."""
 
 _EPSILON = float(np.finfo(float).eps)
 # Percussions, and velocities that they bring to contacts, over those of the loads, beyond which
@@ -81,7 +84,13 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     A proof of the kind ``"one_contact"`` has a contact without entries of G to others, which
     neither opens nor sticks, and whose slip velocity is in none of 20,000 intervals of directions
     parallel to the direction that the friction belongs to. It is checked for p = 1 and p = 2 and a
-    regular block, or the block u wᵀ of a hinge, which slips in a known direction.
+    regular block.
+
+    A proof of the kind ``"cases"`` divides all that the contacts can do, see `Infeasibility`, until
+    each case has its z. Up to rounding of 8 ε Σ sᵢ|zᵢ| in scaled rows, z·ξ ≤ 0 holds at the ends
+    of sectors and (Gᵀz)·P ≥ 0 in the directions of above; a remainder η bounds percussions and
+    velocities of any solution from below, which must be 5e9 times the largest |b|/s. It is checked
+    for p = 1 and p = 2.
 
     Args:
         problem: with any laws.
@@ -99,6 +108,8 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
         return False
     if proof.kind == "one_contact":
         return _has_none(problem, proof.contact, free)
+    if proof.kind == "cases":
+        return _covers(problem, proof.cases, free)
     weights = proof.direction
     normal = np.zeros(free.size, dtype=bool)
     normal[[rows.start for rows, force in _contacts(problem) if force is None]] = True
@@ -155,8 +166,6 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
     unilateral = problem.normal_force[contact] is None
     if alone.any() or not unilateral or law.dimension > 2 or b[0] >= 0.0:
         return False
-    if np.linalg.matrix_rank(block, tol=1e-12 * np.linalg.norm(block)) == 1:
-        return _is_pulled(law, block, b)
     if np.linalg.cond(block) > 1e8:
         return False
     stick = np.linalg.solve(block, -b)
@@ -181,15 +190,81 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
     return not bool((ahead[0] & ahead[1]).any())
 
 
-def _is_pulled(law: FrictionLaw, block: Array, b: Array) -> bool:
-    """Return whether a hinge, ξ = b + u w·P, that cannot open would be pulled as it slips."""
-    slip = b[1:] - block[1:, 0] * b[0] / block[0, 0]
-    if _norm(slip) <= 1e-9 * _norm(b):
+def _covers(problem: ContactProblem, cases: Sequence[int | Array], free: Array) -> bool:
+    """Return whether cases, listed depth first, cover all states and have no solution."""
+    begun: tuple[State, ...]
+    begun = tuple("any" if force is None else "closed" for force in problem.normal_force)
+    left = [begun]
+    for case in cases:
+        if not left:
+            return False
+        states = left.pop()
+        if not isinstance(case, int):
+            if not _is_empty(problem, states, case, free):
+                return False
+        elif case < len(states) and (parts := _parts(states[case], problem.laws[case].dimension)):
+            left += [(*states[:case], part, *states[case + 1 :]) for part in reversed(parts)]
+        else:
+            return False
+    return not left
+
+
+def _parts(state: State, dimension: int) -> list[State]:
+    """Return the states that a state is divided into; none if it is not."""
+    if isinstance(state, tuple):
+        middle = 0.5 * (state[0] + state[1])
+        return [(state[0], middle), (middle, state[1])] if state[0] < state[1] else []
+    if state == "any":
+        return ["open", "closed"]
+    if state != "closed" or dimension > 2:
+        return []
+    if dimension == 1:
+        return ["stick", (0.0, 0.0), (math.pi, math.pi)]
+    return ["stick", *((0.5 * math.pi * k, 0.5 * math.pi * (k + 1)) for k in range(4))]
+
+
+def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free: Array) -> bool:
+    """Return whether z separates a case from its loads, so far that no rounding matters."""
+    scale = np.sqrt(problem.delassus.diagonal())
+    # G may have lost heavy bodies beside light ones.
+    if z.shape != free.shape or not z.any() or problem.directions is not None or scale.min() == 0.0:
         return False
+    y, gap, left, size = problem.delassus.T @ z, z @ free, 0.0, scale @ np.abs(z)
+    loads = (np.abs(free) / scale).max()
+    contacts = zip(_contacts(problem), problem.laws, states, strict=True)
+    for (rows, force), law, state in contacts:
+        tangent = slice(rows.start + (force is None), rows.stop)
+        if state in ("any", "open"):
+            left = max(left, z[rows.start] * scale[rows.start])
+        if isinstance(state, tuple):
+            ends = arrays.unit_vectors(np.array(state))[:, : law.dimension]
+            left = max(left, (ends @ z[tangent]).max() * scale[tangent][0])
+        elif state != "stick" and z[tangent].any():
+            return False
+        if state == "open":
+            continue
+        friction = _friction_of(law, state)
+        pulled, pulling = friction @ y[tangent], np.abs(friction) @ scale[tangent]
+        if force is None:
+            left = max(left, (-(y[rows.start] + pulled) / (scale[rows.start] + pulling)).max())
+        else:
+            gap += force * pulled.min()
+            loads = max(loads, force * pulling.max())
+    beyond = _HUGE * (left + 0.5 * _EPSILON * size) * loads
+    return bool(left <= 8.0 * _EPSILON * size and gap >= beyond)
+
+
+def _friction_of(law: FrictionLaw, state: State) -> Array:
+    """Return friction per unit normal force of a state, all around or of directions of slip."""
     directions, friction = _frictions(law)
-    near = (directions * slip).sum(axis=1) >= (1.0 - 1e-7) * _norm(slip)
-    resistance = 1.0 + friction[near] @ block[0, 1:] / block[0, 0]
-    return bool((resistance < -1e-10).all())
+    if not isinstance(state, tuple):
+        return friction
+    first, last = state
+    middle = arrays.unit_vectors(0.5 * (first + last))[: law.dimension]
+    inside = directions @ middle >= math.cos(0.5 * (last - first))
+    # Along flat sides friction jumps at the ends.
+    beside = arrays.unit_vectors(np.array([first - 1e-7, last + 1e-7]))[:, : law.dimension]
+    return np.vstack([friction[inside], law.force(beside, normal_force=1.0)])
 
 
 @functools.lru_cache(maxsize=16)

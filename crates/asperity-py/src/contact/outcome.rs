@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use asperity::contact::{ContactProblem, NormalForce};
-use asperity::solver::{Certificate, Infeasibility, Solution, Status, Unsolvable};
+use asperity::solver::{Case, Certificate, Infeasibility, Solution, Status, Unsolvable};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 
 use crate::errors::Failure;
 
@@ -32,6 +32,14 @@ fn proven<'py>(py: Python<'py>, proof: &Infeasibility) -> PyResult<Bound<'py, Py
     out.set_item("direction", array(py, proof.direction.clone()))?;
     out.set_item("closing_velocity", proof.closing_velocity)?;
     out.set_item("residual", proof.residual)?;
+    let cases = PyList::empty(py);
+    for case in &proof.cases {
+        match case {
+            Case::Divided(contact) => cases.append(contact)?,
+            Case::Empty(direction) => cases.append(array(py, direction.clone()))?,
+        }
+    }
+    out.set_item("cases", cases)?;
     Ok(out)
 }
 

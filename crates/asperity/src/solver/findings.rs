@@ -1,7 +1,7 @@
 //! The verdict on the percussions in which a method ended.
 
 use super::gauss_seidel::{Iterate, Reached, Task};
-use super::infeasible::{prove_closing, prove_one_contact};
+use super::infeasible::{prove_by_cases, prove_closing, prove_one_contact};
 
 use super::report::{Ended, Findings};
 
@@ -22,6 +22,10 @@ pub(crate) fn judge(task: &Task<'_>, reached: &Reached, iterate: &mut Iterate<'_
     }
     if let (None, Ended::Stuck(contact)) = (&**infeasibility, ended) {
         **infeasibility = prove_one_contact(problem, contact, percussion);
+    }
+    let given_up = matches!(ended, Ended::MaxIterations | Ended::NotApplicable) || stop.early();
+    if infeasibility.is_none() && !(small && flaw.is_none()) && !given_up {
+        **infeasibility = prove_by_cases(problem, stop);
     }
     let without_solution = infeasibility.as_ref().map(|proof| proof.contact);
     Findings { flaw, without_solution, ambiguous: false }

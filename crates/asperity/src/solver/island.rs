@@ -6,7 +6,7 @@
 use super::cascade::Methods;
 use super::findings;
 use super::gauss_seidel::{Iterate, Past, Reached, Sweeper, Swept, Task, mark_ambiguous};
-use super::infeasible::Infeasibility;
+use super::infeasible::{Case, Infeasibility};
 use super::measure::natural_residual::is_worse;
 use super::method::{Order, ProxIteration};
 use super::report::{Method, SolveReport, Stage};
@@ -326,12 +326,17 @@ impl Subproblem {
             put(self.part.rows(), direction, &mut out);
             out
         };
+        let case = |case: &Case| match case {
+            Case::Divided(contact) => Case::Divided(self.part.contacts()[*contact]),
+            Case::Empty(direction) => Case::Empty(spread(direction)),
+        };
         Some(Infeasibility {
             kind: *kind,
             contact: self.part.contacts()[*contact],
             direction: spread(direction),
             closing_velocity: proof.closing_velocity,
             residual: proof.residual,
+            cases: proof.cases.iter().map(case).collect(),
         })
     }
 }

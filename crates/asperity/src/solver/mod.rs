@@ -33,7 +33,7 @@ mod solution;
 mod solve;
 
 pub(crate) use equal_compliance::{DEPENDENT, Given, LIGHT, RANK, SINGULAR, Shares};
-pub use infeasible::{Infeasibility, InfeasibilityKind, Unsolvable};
+pub use infeasible::{Case, Infeasibility, InfeasibilityKind, Unsolvable};
 pub use island::{Island, Islands};
 pub use measure::certificate::Certificate;
 pub use measure::natural_map::natural_map;

@@ -43,7 +43,7 @@ const SMALLEST: f64 = 1e-9;
 const IN_OPERATOR: f64 = 2.0 * f64::EPSILON;
 const IN_DIRECTIONS: f64 = 8.0 * f64::EPSILON;
 /// Percussions over those that normal loads call for, from which on they are no solution: those that `G` cannot hold.
-const HUGE: f64 = 1e10;
+pub(super) const HUGE: f64 = 1e10;
 /// The same of velocities over loads: they grow by no more than the square root of the ratio of masses.
 const FASTEST: f64 = 1e8;
 /// Smallest closing velocity relative to the loads of the contacts, of which it is the rounding.
@@ -194,7 +194,14 @@ fn certify(problem: &ContactProblem, contacts: &[usize], weights: &[f64]) -> Opt
         _ => brought_to_rows(problem, contacts, &direction, closing),
     };
     let (kind, residual) = (InfeasibilityKind::Closing, residual.filter(|_| closes)?);
-    Some(Infeasibility { kind, contact, direction, closing_velocity: closing, residual })
+    Some(Infeasibility {
+        kind,
+        contact,
+        direction,
+        closing_velocity: closing,
+        residual,
+        cases: Vec::new(),
+    })
 }
 
 /// The largest load of a contact along its normal and its plane; drilling has another unit.

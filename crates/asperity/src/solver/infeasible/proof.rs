@@ -12,6 +12,8 @@ pub enum InfeasibilityKind {
     /// A contact that no other contact influences has no solution (Painlevé's paradox): the complete search of
     /// its open, sticking and slipping states finds none.
     OneContact,
+    /// All that a few contacts can do together is divided into cases, each of which is empty.
+    Cases,
 }
 
 impl InfeasibilityKind {
@@ -20,8 +22,18 @@ impl InfeasibilityKind {
         match self {
             Self::Closing => "closing",
             Self::OneContact => "one_contact",
+            Self::Cases => "cases",
         }
     }
+}
+
+/// An entry of a proof by cases, which are listed depth first.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Case {
+    /// The case is divided by what this contact does: its parts follow.
+    Divided(usize),
+    /// The vector `z` of the rows that shows the case to be empty.
+    Empty(Vec<f64>),
 }
 
 /// A proof that a problem has no solution, which can be checked without a solver.
@@ -39,6 +51,8 @@ pub struct Infeasibility {
     /// `max_j |(Gᵀd)_j|/s_j` over `max_i s_i d_i`, `s = √diag G`: what of the closing velocity percussions change; of bodies
     /// `max_k |(W d)_k|/max_j |W_kj|` over `max_i d_i`.
     pub residual: f64,
+    /// Of a proof by cases the cases, of others none.
+    pub cases: Vec<Case>,
 }
 
 /// A contact problem of a motion that has no solution.
