@@ -19,6 +19,8 @@ pub struct Unilateral {
     pub rows: Rows,
     /// A number by which it is known again in the next step.
     pub key: u64,
+    /// Of the velocity with which it closes, in [0, 1].
+    pub restitution: f64,
 }
 
 /// What an engine lists, in the order of its rows.
@@ -80,6 +82,15 @@ pub struct Axis {
 pub struct Turn {
     axes: [[f64; 2]; 2],
     radius: f64,
+    factor: f64,
+}
+
+impl Turn {
+    /// Multiplies the friction of the law: its rows are longer by so much.
+    pub fn scaled(self, factor: f64) -> Self {
+        let axes = self.axes.map(|axis| axis.map(|part| factor * part));
+        Self { axes, radius: factor * self.radius, factor: factor * self.factor }
+    }
 }
 
 impl Axis {
@@ -102,7 +113,7 @@ impl Axis {
         let length = direction[0].hypot(direction[1]);
         let [cos, sin] = direction.map(|part| part / length);
         let first = if self.is_reversed { [-cos, -sin] } else { [cos, sin] };
-        Turn { axes: [first, [-sin, cos]], radius: self.radius }
+        Turn { axes: [first, [-sin, cos]], radius: self.radius, factor: 1.0 }
     }
 }
 
@@ -142,11 +153,15 @@ pub struct TreeStepper {
     surfaces: Vec<[f64; 3]>,
     bounds: Vec<f64>,
     jacobian: Rowwise,
+    /// Velocities in m/s that are added to those of limits and contacts, those before, and a buffer.
+    added: Vec<f64>,
+    opening: Vec<f64>,
     /// What takes part, and whether that is known at this place.
     near: Vec<bool>,
     is_chosen: bool,
     items: Vec<Rows>,
     keys: Vec<u64>,
+    factors: Vec<f64>,
     rows: Vec<StepRow>,
     directions: TreeRows,
     free: Vec<f64>,
@@ -188,10 +203,13 @@ impl TreeStepper {
             surfaces: Vec::new(),
             bounds: Vec::new(),
             jacobian: Rowwise::default(),
+            added: Vec::new(),
+            opening: Vec::new(),
             near: Vec::new(),
             is_chosen: false,
             items: Vec::new(),
             keys: Vec::new(),
+            factors: Vec::new(),
             rows: Vec::new(),
             directions: TreeRows::default(),
             free: Vec::new(),
@@ -281,7 +299,7 @@ impl TreeStepper {
     }
 
     /// Solves a step from the velocities without percussions; `None` if nothing takes part. What equalities have of the velocities
-    /// `before` is reflected.
+    /// `before` is reflected, and a part of those with which gaps would close, where there is restitution.
     ///
     /// # Errors
     ///
@@ -296,9 +314,22 @@ impl TreeStepper {
         length("velocity", self.factor.velocities(), before.len())?;
         finite("free_velocity", free)?;
         let Closing { time, exact, stop } = closing;
-        let opening = |gap: f64| gap.max(0.0) / time;
+        let Self { jacobian, listed, gaps, added, opening, .. } = &mut *self;
+        opening.clear();
+        opening.extend(listed.unilateral.iter().zip(&*gaps).map(|(u, gap)| {
+            let opening = gap.max(0.0) / time;
+            if u.restitution == 0.0 {
+                return opening;
+            }
+            let closing = jacobian.dot(u.row, before);
+            if closing + opening < 0.0 { u.restitution * closing } else { opening }
+        }));
+        if opening != added {
+            std::mem::swap(opening, added);
+            self.is_chosen = false;
+        }
         let approach = |this: &Self, k: usize, velocity: &[f64]| {
-            this.jacobian.dot(this.listed.unilateral[k].row, velocity) + opening(this.gaps[k])
+            this.jacobian.dot(this.listed.unilateral[k].row, velocity) + this.added[k]
         };
         self.given.clear();
         self.given.extend_from_slice(free);
@@ -314,7 +345,7 @@ impl TreeStepper {
         }
         loop {
             if !self.is_chosen {
-                self.choose(opening);
+                self.choose();
             }
             self.change.clear();
             if self.items.is_empty() {
@@ -334,6 +365,7 @@ impl TreeStepper {
                 free_velocity: &self.free,
                 items: &self.items,
                 keys: Some(&self.keys),
+                factors: self.factors.iter().any(|&factor| factor != 1.0).then_some(&self.factors),
             };
             let report = self.stepper.step(&rows, stop)?;
             self.directions.change(&self.factor, self.stepper.percussion(), &mut self.change);
@@ -371,11 +403,35 @@ impl TreeStepper {
         }
         self.is_chosen = false;
         let delassus = Mobility::Trees(&self.directions);
-        let step = StepRows { delassus, free_velocity: before, items: &self.items, keys: None };
+        let step = StepRows {
+            delassus,
+            free_velocity: before,
+            items: &self.items,
+            keys: None,
+            factors: None,
+        };
         self.stepper.forget();
         self.stepper.step(&step, stop)?;
         self.directions.change(&self.factor, self.stepper.percussion(), &mut self.change);
         Ok(&self.change)
+    }
+
+    /// As [`least_change`](Self::least_change), of the equalities, with these values, and of the gaps below the `limit`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] as [`ContactStepper::step`].
+    pub fn close(
+        &mut self,
+        equalities: &[f64],
+        limit: f64,
+        stop: Stop<'_>,
+    ) -> Result<&[f64], ArgumentError> {
+        let own = self.listed.unilateral.iter().zip(&self.gaps).filter(|(_, gap)| **gap < limit);
+        let (mut rows, mut before): (Vec<_>, Vec<_>) = own.map(|(u, gap)| (u.row, *gap)).unzip();
+        rows.splice(..0, 0..self.listed.bilateral);
+        before.splice(..0, equalities.iter().copied());
+        self.least_change(&rows, &before, stop)
     }
 
     /// Forgets the steps before.
@@ -384,22 +440,25 @@ impl TreeStepper {
     }
 
     /// What takes part: equalities, dry joints, and the limits and contacts that are near.
-    fn choose(&mut self, opening: impl Fn(f64) -> f64) {
-        let Self { listed, items, keys, rows, directions, factor, jacobian, .. } = self;
+    fn choose(&mut self) {
+        let Self { listed, items, keys, factors, rows, directions, factor, jacobian, .. } = self;
         items.clear();
         keys.clear();
+        factors.clear();
         rows.clear();
         let plain = |row: usize, added| StepRow { rows: [row; 2], weights: [1.0, 0.0], added };
         for row in 0..listed.bilateral + listed.dry {
             let dry = row.checked_sub(listed.bilateral);
             items.push(dry.map_or(Rows::Bilateral, |k| Rows::DryFriction(self.bounds[k])));
             keys.push(row as u64);
+            factors.push(1.0);
             rows.push(plain(row, 0.0));
         }
         for (k, u) in listed.unilateral.iter().enumerate().filter(|(k, _)| self.near[*k]) {
             items.push(u.rows);
             keys.push(u.key);
-            rows.push(plain(u.row, opening(self.gaps[k])));
+            factors.push(self.turns[k].map_or(1.0, |turn| turn.factor));
+            rows.push(plain(u.row, self.added[k]));
             let surface = self.surfaces.get(k).copied().unwrap_or_default();
             for axis in 0..u.rows.count(self.stepper.laws()).unwrap_or(1) - 1 {
                 rows.push(match self.turns[k] {
@@ -445,6 +504,11 @@ impl TreeStepper {
     /// What takes part, and its velocities without percussions.
     pub fn items(&self) -> (&[Rows], &[u64], &[f64]) {
         (&self.items, &self.keys, &self.free)
+    }
+
+    /// The item that the last step was refused for.
+    pub fn refused(&self) -> Option<usize> {
+        self.stepper.refused()
     }
 
     /// Which limits and contacts took part in the last step.
