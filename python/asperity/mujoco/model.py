@@ -140,11 +140,11 @@ class RowsModel:
 
     def refuse_overflow(self, data: mujoco.MjData) -> None:
         """Refuse data without the memory for all contacts nearby, some of which MuJoCo drops."""
-        for kind in self._full:
-            if data.warning[kind].number:
-                raise ParameterError(
-                    "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
-                )
+        numbers = data.warning.number
+        if any(numbers[kind] for kind in self._full):
+            raise ParameterError(
+                "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
+            )
 
     def item_name(self, data: mujoco.MjData, row: int, pair: tuple[int, int] | None) -> str:
         """Return what the user calls a contact of two geoms, or the row of a joint or tendon."""

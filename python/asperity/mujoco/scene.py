@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
@@ -352,21 +351,40 @@ class Scene:
         reader.read(data)
         stepper = reader.stepper
         stepper.factor(data.qLD)
+        self._accelerate(data, v)
         # Forces at the mean velocity, or a tumbling body would gain energy.
-        free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
-        found = self._percussions(data, free, v)
+        self._accelerate(data, v)
+        found = self._percussions(data, v)
         if found.step is not None:
             # Percussions are part of it, or stiff joints and stuck feet would lend energy.
-            again = self._free(data, v, 0.5 * (v + found.velocity))
-            if not stepper.was_from(again, self._tolerance):
-                found = self._percussions(data, again, v)
+            data.qvel[:] = 0.5 * (v + found.velocity)
+            self._accelerate(data, v)
+            if not stepper.was_from(self._tolerance):
+                found = self._percussions(data, v)
         return found
 
-    def _percussions(self, data: mujoco.MjData, free: Array, v: Array) -> _core.TreeStep:
+    def _accelerate(self, data: mujoco.MjData, v: Array) -> None:
+        """Find the velocities without percussions, by forces at the one of `data`.
+
+        That of `data` becomes their mean with v.
+        """
+        mj, m = self._mj, self._model
+        mj.mj_fwdVelocity(m, data)
+        mj.mj_fwdActuation(m, data)
+        mj.mj_fwdAcceleration(m, data)
+        # Damping is that of v⁺, MuJoCo's that of the velocity here.
+        damping = self._rows.damping if self._rows.is_damped else None
+        stepper = self._reader.stepper
+        if not stepper.accelerate(data.qacc_smooth, v, data.qvel, self._dt, damping):
+            raise ParameterError(
+                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
+            )
+
+    def _percussions(self, data: mujoco.MjData, v: Array) -> _core.TreeStep:
         """Solve the step from the velocities without percussions."""
         stepper, settings = self._reader.stepper, (self._dt, _EXACT, self._tolerance)
         try:
-            found = stepper.step(free, v, *settings)
+            found = stepper.step(v, *settings)
         except ParameterError as error:
             item = stepper.refused()
             if item is None:
@@ -376,30 +394,10 @@ class Scene:
             raise ParameterError("laws", message) from error
         if data.ne and found.step is not None and found.step.status != Status.CONVERGED.value:
             # Anchors that move by what their paths curve may jam contacts: they rest then.
-            rests = stepper.step(free, np.zeros_like(v), *settings)
+            rests = stepper.step(np.zeros_like(v), *settings)
             if rests.step is None or rests.step.status == Status.CONVERGED.value:
                 return rests
         return found
-
-    def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
-        """Return the velocities without percussions, by forces at a velocity."""
-        mj, m = self._mj, self._model
-        data.qvel[:] = at
-        mj.mj_fwdVelocity(m, data)
-        mj.mj_fwdActuation(m, data)
-        mj.mj_fwdAcceleration(m, data)
-        free = self._dt * data.qacc_smooth
-        free += v
-        if self._rows.is_damped and at is not v:
-            # Damping is that of v⁺, MuJoCo's that of the velocity here.
-            change = np.empty((1, m.nv))
-            mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
-            free += change[0]
-        if at is not v and not math.isfinite(float(free @ free)):
-            raise ParameterError(
-                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
-            )
-        return free
 
     def _missed(self, found: _core.TreeStep) -> float:
         """Return from how far contacts came that the step did not know and that end inside."""

@@ -9,7 +9,7 @@ use asperity::mechanism::{
 };
 use asperity::solver::Stop;
 use numpy::ndarray::ArrayView1;
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1};
 use pyo3::prelude::*;
 
 use super::outcome::array;
@@ -330,21 +330,41 @@ impl TreeStepper {
         }
     }
 
+    /// Takes in the velocities without percussions, by accelerations at these `velocities`, which become their mean with those
+    /// `before`; whether they are finite.
+    fn accelerate(
+        &mut self,
+        acceleration: Numbers<'_>,
+        before: Numbers<'_>,
+        mut velocities: PyReadwriteArray1<'_, f64>,
+        h: f64,
+        damping: Option<Numbers<'_>>,
+    ) -> Result<bool, Failure> {
+        let before = numbers(&before, "before")?;
+        let damping = damping.as_ref().map(|d| numbers(d, "damping")).transpose()?;
+        let all = velocities.as_slice_mut();
+        let all = all.map_err(|_| dimension("velocities", "must be contiguous"))?;
+        let acceleration = numbers(&acceleration, "acceleration")?;
+        let is_finite = self.stepper.accelerate(acceleration, before, all, h, damping)?;
+        let free = self.stepper.free_velocity().iter().zip(before);
+        all.iter_mut().zip(free).for_each(|(mean, (free, v))| *mean = 0.5 * (v + free));
+        Ok(is_finite)
+    }
+
     /// Solves a step from the velocities without percussions and those before, with gaps that close in half of it.
     fn step(
         &mut self,
         py: Python<'_>,
-        free: Numbers<'_>,
         before: Numbers<'_>,
         h: f64,
         exact: f64,
         tolerance: f64,
     ) -> Result<TreeStep, Failure> {
-        let (free, before) = (numbers(&free, "free_velocity")?, numbers(&before, "velocity")?);
+        let before = numbers(&before, "velocity")?;
         let stepper = &mut self.stepper;
         let report = asked(py, |cancelled| {
             let stop = Stop::at(tolerance).unless(cancelled);
-            stepper.step(free, before, Closing { time: 0.5 * h, exact, stop })
+            stepper.step(before, Closing { time: 0.5 * h, exact, stop })
         })??;
         let step = report.map(|report| Py::new(py, Step::of(report, stepper.stepper())));
         let step = step.transpose()?;
@@ -361,9 +381,9 @@ impl TreeStepper {
         })
     }
 
-    /// Whether the last step was one from these velocities.
-    fn was_from(&self, free: Numbers<'_>, part: f64) -> Result<bool, Failure> {
-        Ok(self.stepper.was_from(numbers(&free, "free_velocity")?, part))
+    /// Whether the last step was one from these velocities without percussions.
+    fn was_from(&self, part: f64) -> bool {
+        self.stepper.was_from(part)
     }
 
     /// Forces of all rows of the engine, those of contacts along the edges of pyramids at these addresses.

@@ -227,19 +227,21 @@ impl Arranged {
         if is_symmetric {
             return Ok(());
         }
-        let places = 0..self.items.len();
-        let largest = places
-            .clone()
-            .flat_map(|place| (0..self.sizes[place]).map(move |a| self.own(place, a, a)));
-        let rounding = (ROUNDED * largest.fold(0.0, f64::max)).powi(2);
-        for place in places {
+        let rounding = || {
+            let own = |place| (0..self.sizes[place]).map(move |a| self.own(place, a, a));
+            ROUNDED * (0..self.items.len()).flat_map(own).fold(0.0, f64::max)
+        };
+        for place in 0..self.items.len() {
             for (other, block) in self.mobility.row(place) {
                 let back = self.mobility.between(other, place);
                 for (a, row) in block.chunks_exact(self.sizes[other]).enumerate() {
                     for (b, entry) in row.iter().enumerate() {
                         let reverse = back.map_or(0.0, |back| back[b * self.sizes[place] + a]);
-                        let scale = self.own(place, a, a) * self.own(other, b, b);
-                        if (entry - reverse).powi(2) > DRIFT * DRIFT * scale + rounding {
+                        if *entry == reverse {
+                            continue;
+                        }
+                        let scale = (self.own(place, a, a) * self.own(other, b, b)).sqrt();
+                        if (entry - reverse).abs() > DRIFT * scale + rounding() {
                             return refuse("delassus", "must be symmetric");
                         }
                     }

@@ -1,6 +1,7 @@
 //! Steps of kinematic trees: which limits and contacts close, and the velocities afterwards.
 
 use super::arranged::{Mobility, Rows, StepRows};
+use super::closing;
 use super::stepper::ContactStepper;
 use super::trees::{TreeFactor, TreeRows};
 use crate::argument::{ArgumentError, finite, length, refuse};
@@ -166,8 +167,9 @@ pub struct TreeStepper {
     directions: TreeRows,
     free: Vec<f64>,
     change: Vec<f64>,
-    /// Velocities of the trees without percussions.
+    /// Velocities of the trees without percussions, and those of the last step.
     given: Vec<f64>,
+    solved: Vec<f64>,
 }
 
 /// A sparse matrix, row by row.
@@ -215,6 +217,7 @@ impl TreeStepper {
             free: Vec::new(),
             change: Vec::new(),
             given: Vec::new(),
+            solved: Vec::new(),
         })
     }
 
@@ -298,6 +301,42 @@ impl TreeStepper {
         self.surfaces[number] = velocity;
     }
 
+    /// Takes in the velocities without percussions, by accelerations that forces cause at the velocities `at`; whether they and their
+    /// squares are finite. With `damping`, `h` times that of the joints, which is part of the mass matrix, forces are those of `at` and
+    /// damping those at the end of the step.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] if numbers are not as many as the velocities of the trees.
+    pub fn accelerate(
+        &mut self,
+        acceleration: &[f64],
+        before: &[f64],
+        at: &[f64],
+        h: f64,
+        damping: Option<&[f64]>,
+    ) -> Result<bool, ArgumentError> {
+        let velocities = self.factor.velocities();
+        for list in [acceleration, before, at].into_iter().chain(damping) {
+            length("velocity", velocities, list.len())?;
+        }
+        let Self { given, change, factor, .. } = self;
+        given.clear();
+        given.extend(acceleration.iter().zip(before).map(|(a, v)| h * a + v));
+        if let Some(damping) = damping {
+            change.clear();
+            change.extend(damping.iter().zip(at).zip(before).map(|((d, at), v)| d * (at - v)));
+            factor.solve(change);
+            given.iter_mut().zip(change).for_each(|(free, change)| *free += *change);
+        }
+        Ok(given.iter().map(|v| v * v).sum::<f64>().is_finite())
+    }
+
+    /// The velocities without percussions.
+    pub fn free_velocity(&self) -> &[f64] {
+        &self.given
+    }
+
     /// Solves a step from the velocities without percussions; `None` if nothing takes part. What equalities have of the velocities
     /// `before` is reflected, and a part of those with which gaps would close, where there is restitution.
     ///
@@ -306,13 +345,25 @@ impl TreeStepper {
     /// [`ArgumentError`] as [`ContactStepper::step`], or if velocities are not finite, or not as many as those of the trees.
     pub fn step(
         &mut self,
+        before: &[f64],
+        closing: Closing<'_>,
+    ) -> Result<Option<SolveReport>, ArgumentError> {
+        length("free_velocity", self.factor.velocities(), self.given.len())?;
+        length("velocity", self.factor.velocities(), before.len())?;
+        finite("free_velocity", &self.given)?;
+        self.solved.clone_from(&self.given);
+        let free = std::mem::take(&mut self.given);
+        let report = self.step_from(&free, before, closing);
+        self.given = free;
+        report
+    }
+
+    fn step_from(
+        &mut self,
         free: &[f64],
         before: &[f64],
         closing: Closing<'_>,
     ) -> Result<Option<SolveReport>, ArgumentError> {
-        length("free_velocity", self.factor.velocities(), free.len())?;
-        length("velocity", self.factor.velocities(), before.len())?;
-        finite("free_velocity", free)?;
         let Closing { time, exact, stop } = closing;
         let Self { jacobian, listed, gaps, added, opening, .. } = &mut *self;
         opening.clear();
@@ -331,8 +382,6 @@ impl TreeStepper {
         let approach = |this: &Self, k: usize, velocity: &[f64]| {
             this.jacobian.dot(this.listed.unilateral[k].row, velocity) + this.added[k]
         };
-        self.given.clear();
-        self.given.extend_from_slice(free);
         let count = self.listed.unilateral.len();
         // Percussions change velocities by about the largest of those with which items close.
         let fastest = -(0..count).map(|k| approach(self, k, free)).fold(0.0, f64::min);
@@ -402,17 +451,23 @@ impl TreeStepper {
             directions.push(factor, jacobian.row(row).iter().copied());
         }
         self.is_chosen = false;
-        let delassus = Mobility::Trees(&self.directions);
-        let step = StepRows {
-            delassus,
-            free_velocity: before,
-            items: &self.items,
-            keys: None,
-            factors: None,
+        let direct = closing::percussions(&self.directions, &self.items, before, stop.tolerance);
+        let percussion = match &direct {
+            Some(percussion) => percussion,
+            None => {
+                let step = StepRows {
+                    delassus: Mobility::Trees(&self.directions),
+                    free_velocity: before,
+                    items: &self.items,
+                    keys: None,
+                    factors: None,
+                };
+                self.stepper.forget();
+                self.stepper.step(&step, stop)?;
+                self.stepper.percussion()
+            }
         };
-        self.stepper.forget();
-        self.stepper.step(&step, stop)?;
-        self.directions.change(&self.factor, self.stepper.percussion(), &mut self.change);
+        self.directions.change(&self.factor, percussion, &mut self.change);
         Ok(&self.change)
     }
 
@@ -489,10 +544,11 @@ impl TreeStepper {
     }
 
     /// Whether the last step was one from these velocities without percussions, up to a part of the largest of them.
-    pub fn was_from(&self, free: &[f64], part: f64) -> bool {
+    pub fn was_from(&self, part: f64) -> bool {
+        let free = &self.given;
         let largest =
             |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-        let change = largest(&mut free.iter().zip(&self.given).map(|(new, old)| new - old));
+        let change = largest(&mut free.iter().zip(&self.solved).map(|(new, old)| new - old));
         change <= part * largest(&mut free.iter().copied())
     }
 
