@@ -128,7 +128,10 @@ class Scene:
         m, enable = self._model, self._mj.mjtEnableBit
         self._is_driven = bool(m.nmocap or m.neq)
         self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
-        self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
+        # Enumerators and options are slow to read.
+        self._options, cones = m.opt, self._mj.mjtCone
+        self._cones = int(cones.mjCONE_PYRAMIDAL), int(cones.mjCONE_ELLIPTIC)
+        self._is_pyramidal = model.opt.cone == cones.mjCONE_PYRAMIDAL
         self._has_energy = bool(m.opt.enableflags & int(enable.mjENBL_ENERGY))
 
     @property
@@ -433,9 +436,9 @@ class Scene:
             data.time += h
         data.qvel[:] = after
         if self._is_pyramidal and data.ncon:
-            m.opt.cone = mj.mjtCone.mjCONE_PYRAMIDAL
+            self._options.cone, round_cone = self._cones
             mj.mj_makeConstraint(m, data)
-            m.opt.cone = mj.mjtCone.mjCONE_ELLIPTIC
+            self._options.cone = round_cone
             contacts = data.contact
             edges = contacts.efc_address, contacts.dim, contacts.friction
             self._rows.refuse_overflow(data)
