@@ -289,11 +289,6 @@ impl TreeStepper {
         Ok(self.stepper.factor.refill(numbers(&values, "factor")?)?)
     }
 
-    /// Whether contacts have axes.
-    fn has_axes(&self) -> bool {
-        !self.axes.is_empty()
-    }
-
     /// Turns rows at this place to the axes of laws: frames of contacts, rotations of geoms and bodies; with factors of the friction of
     /// contacts.
     fn turn(
