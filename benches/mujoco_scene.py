@@ -1,5 +1,7 @@
 """What a step of a Scene costs against MuJoCo's own of the same model, in one run.
 
+Then what `ContactStepper` costs for the four contacts from dense G, without a step before.
+
     python benches/mujoco_scene.py [--root FOLDER] [--profile]
 
 Both take the same steps from the same state with the same controls, MuJoCo by Euler and, where the
@@ -17,6 +19,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+from asperity import ContactStepper
 from asperity.mujoco import Scene
 from report import ratio
 
@@ -71,6 +74,27 @@ def compare(case, model, *, settle, steps, integrators=("mjINT_EULER",), toleran
     return scene, data
 
 
+def compare_stepper(scene, data):
+    """Print the ratio of a cold solve of the rows of a step."""
+    problem, spent = scene.problem(data), []
+    stepper, other = ContactStepper(problem.laws), mujoco.MjData(scene._rows.user)
+    for _ in range(2000):
+        stepper.forget()
+        start = time.perf_counter()
+        stepper.solve(
+            problem.delassus,
+            free_velocity=problem.free_velocity,
+            items=problem.items,
+            keys=problem.keys,
+        )
+        middle = time.perf_counter()
+        mujoco.mj_step(scene._rows.user, other)
+        spent.append((middle - start, time.perf_counter() - middle))
+    own, step = np.median(spent, axis=0)
+    print(f"# ContactStepper: {1e6 * own:.1f} µs", file=sys.stderr)
+    ratio("ContactStepper, four contacts, cold", own / step, "mj_step, EULER", "from dense G")
+
+
 def main():
     """Print the ratios."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -86,6 +110,7 @@ def main():
                 scene.step(data)
         pstats.Stats(profile).sort_stats("tottime").print_stats(25)
         return 0
+    compare_stepper(scene, data)
     spec = find_spec("gymnasium")
     base = Path(options.root) / "gymnasium" if options.root else spec and Path(spec.origin).parent
     for name in ("ant", "humanoid") if base else ():

@@ -159,6 +159,7 @@ OBJECTS = [
         asp.FrictionLaw.associated(asp.Ellipsoid((0.4, 0.3, 0.2))),
         axis=(0.0, 1.0, 0.0),
         patch_radius=0.01,
+        normal_restitution=0.5,
     ),
     SPARSE,
     REDUCED,
@@ -464,7 +465,7 @@ ARGUMENTS = {
     "problems.scenes.stack": {"boxes": 2},
     "problems.scenes.table": {"feet": 3},
     "problems.scenes.wall": {"rows": 2, "columns": 2},
-    "mujoco.Scene": {"model": BALL_MODEL, "tolerance": 1e-9},
+    "mujoco.Scene": {"model": BALL_MODEL, "tolerance": 1e-9, "normal_restitution": 0.5},
     # Beyond the times of the calls before, which advance the data.
     "mujoco.Scene.simulate": {"data": BALL_DATA, "t_end": 0.004},
     "mechanisms.mode_coupling": {"mu": 0.5},

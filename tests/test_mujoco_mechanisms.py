@@ -303,3 +303,33 @@ def test_bodies_that_nothing_moves_do_not_stop_planar_models():
     data.qvel[0] = 1.0
     Scene(model).simulate(data, t_end=0.1)
     assert data.qvel[0] == pytest.approx(1.0 - 0.05 * GRAVITY, rel=1e-6)
+
+
+def test_equalities_that_are_switched_on_far_from_where_they_hold_are_refused():
+    model = model_of(WELD)
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.eq_active[0] = 0
+    data.qvel[:3] = 1.0, 0.5, 0.0
+    scene.simulate(data, t_end=0.01)
+    data.eq_active[0] = 1
+    before = data.qpos.copy()
+    with pytest.raises(asp.ParameterError, match="must be admissible, it violates equality"):
+        scene.step(data)
+    np.testing.assert_array_equal(data.qpos, before)
+    report = scene.project(data)
+    assert max(report.violations.values()) == pytest.approx(np.hypot(0.01, 0.005), rel=0.2)
+    scene.step(data)
+
+
+def test_mocap_bodies_that_jump_are_refused():
+    model = model_of("""<worldbody><body name="hand" mocap="true"/>
+  <body name="tool"><freejoint/><geom size=".1" mass="1"/></body></worldbody>
+<equality><weld body1="hand" body2="tool"/></equality>""")
+    data, scene = mujoco.MjData(model), Scene(model)
+    scene.step(data)
+    data.mocap_pos[0, 0] = 0.1
+    with pytest.raises(asp.ParameterError, match=r"violates equality .* by 0\.1 \(m or rad\)"):
+        scene.step(data)
+    follower = Scene(model, starts="project")
+    follower.step(data)
+    assert data.qpos[0] == pytest.approx(0.1, abs=1e-6)

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from asperity.mujoco import PairLaw, Scene
+from asperity.mujoco.model import RowsModel
 from profiles import counts
 
 GRAVITY = 9.81
@@ -413,6 +414,11 @@ FLOOR_AND_BASE = (
         ([HALF_LOAD], "must be a mapping"),
         ({("floor", "base"): HALF_LOAD}, "body 'base', which has no geoms"),
         ({("floor", "box"): HALF_LOAD, ("box", "floor"): HALF_LOAD}, "and the reverse"),
+        (
+            {"default": PairLaw(HALF_LOAD, friction_factor=lambda x1, x2: 1.0)},
+            "name the pairs of a friction_factor",
+        ),
+        ({("box", "box"): HALF_LOAD}, r"\('box', 'box'\), which MuJoCo never lets touch"),
     ],
 )
 def test_laws_are_checked(laws, message):
@@ -442,6 +448,173 @@ def spoilt(model, name):
     data = mujoco.MjData(model)
     getattr(data, name)[1] = np.nan
     return data
+
+
+@pytest.mark.parametrize(
+    ("first", "more"),
+    [
+        ('contype="2" conaffinity="2"', ""),
+        ("", '<contact><exclude body1="world" body2="body"/></contact>'),
+    ],
+)
+def test_laws_of_geoms_that_never_touch_are_refused(first, more):
+    model = box(geom=first, more=more)
+    data = mujoco.MjData(model)
+    data.qpos[2] -= 0.001
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+    with pytest.raises(asp.ParameterError, match="never lets touch"):
+        Scene(model, {("floor", "box"): HALF_LOAD})
+
+
+def test_what_may_touch_is_what_mujoco_lets_touch():
+    """Overlapping geoms of one body, of parent, child and grandchild, welded ones and the world."""
+    rng = np.random.default_rng(0)
+    for _ in range(30):
+        depth = iter(range(5))
+
+        def chain(depth=depth):
+            k = next(depth, None)
+            if k is None:
+                return ""
+            joint = "<joint/>" if rng.random() < 0.7 else ""
+            mask = f'contype="{rng.integers(4)}" conaffinity="{rng.integers(4)}"'
+            geoms = f'<geom name="{k}" size=".1" {mask}/><geom name="{k}+" size=".1"/>'
+            return f'<body name="b{k}">{joint}{geoms}{chain(depth)}</body>'
+
+        parent = rng.random() < 0.5
+        flag = '<flag filterparent="disable"/>' if parent else ""
+        model = mujoco.MjModel.from_xml_string(
+            f'<mujoco><option>{flag}</option><worldbody><geom name="w" size=".1"/>{chain()}'
+            '</worldbody><contact><exclude body1="b4" body2="b1"/><pair geom1="0" geom2="4"/>'
+            "</contact></mujoco>"
+        )
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        touching = {frozenset(pair) for pair in data.contact.geom.tolist()}
+        rows = RowsModel(model, ignore_rolling=False)
+        for one, other in itertools.combinations(range(model.ngeom), 2):
+            assert rows.may_touch(one, other) == (frozenset((one, other)) in touching)
+
+
+def test_two_pairs_of_the_same_geoms_are_refused():
+    pair = '<pair geom1="floor" geom2="box"/>'
+    model = box(more=f'<contact>{pair}<pair geom1="box" geom2="floor" condim="1"/></contact>')
+    with pytest.raises(asp.ParameterError, match="two <pair> of the geoms 'floor' and 'box'"):
+        Scene(model)
+
+
+def test_drilling_where_nothing_can_drill_names_the_geoms():
+    model = model_of(
+        '<geom name="floor" type="plane" size="1 1 .1" condim="4"/><body name="cart" pos="0 0 .02">'
+        '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
+        '<joint type="slide" axis="0 0 1"/><geom name="foot" size=".02" mass="1"/></body>'
+    )
+    with pytest.raises(asp.ParameterError, match=r"drill and slide: contact of 'floor' and 'foot'"):
+        Scene(model).step(mujoco.MjData(model))
+
+
+def test_a_ball_bounces_to_the_squared_part_of_its_height():
+    """Impacts are found to a step: heights have errors of first order in it."""
+    errors = []
+    for dt in (1e-3, 2.5e-4):
+        model = mujoco.MjModel.from_xml_string(
+            f'<mujoco><option timestep="{dt}"/><worldbody>'
+            '<geom name="floor" type="plane" size="1 1 .1"/><body pos="0 0 .12">'
+            '<freejoint/><geom name="ball" size=".02" mass=".1"/></body></worldbody></mujoco>'
+        )
+        law = PairLaw(HALF_LOAD, normal_restitution=0.7)
+        scene = Scene(model, {("floor", "ball"): law}, normal_restitution=0.1)
+        data = mujoco.MjData(model)
+        run = scene.simulate(data, t_end=0.7)
+        height, speed = run.qpos[:, 2] - 0.02, run.qvel[:, 2]
+        # No step leaves the floor faster than 0.7 of what came.
+        for k in np.flatnonzero((speed[:-1] < -0.1) & (speed[1:] > 0.0))[:3]:
+            assert speed[k + 1] == pytest.approx(-0.7 * speed[k], rel=1e-9)
+        tops = height[1:-1][(height[1:-1] > height[:-2]) & (height[1:-1] >= height[2:])]
+        errors.append(np.abs(tops[:3] / (0.1 * 0.49 ** np.arange(1, 4)) - 1.0).max())
+        assert height.min() > -1e-8
+    assert errors[1] < 0.4 * errors[0] < 0.04
+    # What bounces comes to rest.
+    scene.simulate(data, t_end=2.0)
+    assert abs(data.qvel[2]) < 1e-6
+    assert abs(data.qpos[2] - 0.02) < 1e-6
+
+
+@pytest.mark.parametrize(("spin", "dt", "atol"), [(0.0, 1e-3, 1e-9), (6.0, 1e-5, 1e-6)])
+def test_a_box_bounces_as_that_of_rigid_bodies(spin, dt, atol):
+    """MuJoCo's points are halfway between the surfaces, which are deeper in long steps."""
+    model = box()
+    model.opt.timestep = dt
+    data = mujoco.MjData(model)
+    data.qvel[:] = 0.8, 0.3, -0.5, 0.0, 0.0, spin
+    law = LAWS["ellipse"]
+    run = Scene(model, {("floor", "box"): law}, normal_restitution=0.6).simulate(
+        data, t_end=50 * dt
+    )
+    body = asp.Body(
+        0.018,
+        inertia=model.body_inertia[1],
+        position=(0.0, 0.0, 0.005),
+        velocity=(0.8, 0.3, -0.5),
+        angular_velocity=(0.0, 0.0, spin),
+    )
+    floor = asp.BoxPlane(0, half_sizes=DISK, plane=asp.Plane(), law=law, normal_restitution=0.6)
+    bodies = asp.RigidBodies([body], pairs=[floor], gravity=(0.0, 0.0, -GRAVITY))
+    expected = asp.simulate(bodies, dt=dt, t_end=50 * dt)
+    assert run.qvel[1, 2] == pytest.approx(0.3, abs=1e-9)
+    np.testing.assert_allclose(run.qvel[:, :3], expected.u[:, :3], rtol=0.0, atol=atol)
+    np.testing.assert_allclose(run.qpos[:, :2], expected.q[:, :2], rtol=0.0, atol=atol)
+
+
+X = np.linspace(-1.0, 1.0, 9)
+FACTORS = {
+    "regions": asp.FrictionRegions([([(0.05, -1.0), (1.0, -1.0), (1.0, 1.0), (0.05, 1.0)], 0.3)]),
+    "raster": asp.FrictionRaster(1.2 + 0.8 * np.sin(5.0 * np.add.outer(X, 0.5 * X)), x1=X, x2=X),
+    "function": lambda x1, x2: float(np.exp(-3.0 * x1 + x2)),
+}
+
+
+@pytest.mark.parametrize("spin", [0.0, 10.0])
+@pytest.mark.parametrize("name", FACTORS)
+def test_friction_by_place_is_that_of_rigid_bodies(name, spin):
+    factor, law = FACTORS[name], LAWS["ellipse"]
+    model = box(floor='pos=".01 -.02 0" euler="0 0 30"')
+    data = mujoco.MjData(model)
+    data.qvel[:] = 1.2, 0.4, 0.0, 0.0, 0.0, spin
+    pair = PairLaw(law, friction_factor=factor)
+    run = Scene(model, {("floor", "box"): pair}).simulate(data, t_end=0.3)
+    body = asp.Body(
+        0.018,
+        inertia=model.body_inertia[1],
+        position=(0.0, 0.0, 0.005),
+        velocity=(1.2, 0.4, 0.0),
+        angular_velocity=(0.0, 0.0, spin),
+    )
+    turned = (np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0)
+    plane = asp.Plane(point=(0.01, -0.02, 0.0), axis=turned, friction_factor=factor)
+    floor = asp.BoxPlane(0, half_sizes=DISK, plane=plane, law=law)
+    bodies = asp.RigidBodies([body], pairs=[floor], gravity=(0.0, 0.0, -GRAVITY))
+    expected = asp.simulate(bodies, dt=1e-3, t_end=0.3)
+    atol = 1e-9 if spin == 0.0 else 1e-6
+    np.testing.assert_allclose(run.qpos[:, :2], expected.q[:, :2], rtol=0.0, atol=atol)
+    plain = mujoco.MjData(model)
+    plain.qvel[:] = 1.2, 0.4, 0.0, 0.0, 0.0, spin
+    Scene(model, {("floor", "box"): law}).simulate(plain, t_end=0.3)
+    assert np.abs(plain.qpos[:2] - data.qpos[:2]).max() > 1e-3
+
+
+def test_factors_are_positive_and_go_with_planes():
+    model = box()
+    bad = {("floor", "box"): PairLaw(HALF_LOAD, friction_factor=lambda x1, x2: -1.0)}
+    with pytest.raises(asp.ParameterError, match="friction_factor"):
+        Scene(model, bad).step(mujoco.MjData(model))
+    table = model_of(
+        '<geom name="table" type="box" size="1 1 .1"/><body pos="0 0 .11"><freejoint/>'
+        '<geom name="ball" size=".01"/></body>'
+    )
+    with pytest.raises(asp.ParameterError, match="friction_factor: goes with a plane"):
+        Scene(table, {("table", "ball"): PairLaw(HALF_LOAD, friction_factor=lambda x1, x2: 1.0)})
 
 
 def test_inadmissible_starts_are_refused_or_projected_with_a_report():

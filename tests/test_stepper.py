@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+import scipy.sparse
 from asperity import (
     ContactProblem,
     ContactStepper,
@@ -482,3 +483,21 @@ def test_what_is_wrong_with_sparse_matrices_is_named(delassus, message):
     with pytest.raises(ParameterError, match=message) as error:
         ContactStepper(LAWS).solve(delassus, free_velocity=np.zeros(3), items=[0])
     assert error.value.argument == "delassus"
+
+
+def test_a_matrix_that_is_not_symmetric_is_refused():
+    rng = np.random.default_rng(0)
+    rows = rng.standard_normal((12, 6))
+    delassus, free = rows @ rows.T, rng.standard_normal(12)
+    stepper = ContactStepper([FrictionLaw.isotropic(0.5)])
+    known = stepper.solve(delassus, free_velocity=free, items=[0] * 4).percussion
+    rounded = delassus * (1.0 + 1e-12 * rng.standard_normal(delassus.shape))
+    stepper.forget()
+    found = stepper.solve(rounded, free_velocity=free, items=[0] * 4).percussion
+    np.testing.assert_allclose(rows.T @ found, rows.T @ known, atol=1e-8)
+    for form in (np.asarray, scipy.sparse.csr_array):
+        for row, column in ((0, 7), (7, 0), (4, 5)):
+            other = delassus.copy()
+            other[row, column] += 1e-3
+            with pytest.raises(ParameterError, match="delassus: must be symmetric"):
+                stepper.solve(form(other), free_velocity=free, items=[0] * 4)

@@ -24,6 +24,7 @@ _Verdict: TypeAlias = tuple[bool, bool, float, float, _Array | None]
 
 __all__ = [
     "CallbackSystem",
+    "FrictionFactor",
     "Law",
     "LinearSystem",
     "LinearVariants",
@@ -238,37 +239,45 @@ class Step:
     @property
     def worst_item(self) -> int: ...
 
+_Layout: TypeAlias = tuple[
+    int, int, NDArray[np.int64], NDArray[np.int64], Sequence[tuple[int, int]]
+]
+
 @final
 class TreeStepper:
     def __new__(
         cls,
-        laws: Sequence[Law],
+        laws: Sequence[Law] | None,
         solver: Solver,
         starts: NDArray[np.int64],
         ancestors: NDArray[np.int64],
         trees: NDArray[np.int64],
+        geoms: Sequence[tuple[int, bool, bool, float]],
     ) -> TreeStepper: ...
     def is_listed(self, counts: tuple[int, int, int], addresses: _Short, geoms: _Short) -> bool: ...
+    def learn(
+        self,
+        pair: tuple[int, int],
+        kind: int,
+        restitution: float,
+        axis: tuple[Sequence[float], int | None, bool, float] | None,
+    ) -> None: ...
     def list(
         self,
         counts: tuple[int, int, int],
         addresses: _Short,
         geoms: _Short,
-        contacts: NDArray[np.int64],
-        rows: NDArray[np.int64],
-        kinds: NDArray[np.int64],
-        keys: NDArray[np.int64],
-        rest: _Array,
-    ) -> None: ...
-    def carry(
-        self,
-        number: int,
-        axis: Sequence[float],
-        carrier: int | None,
-        is_reversed: bool,
-        radius: float,
-    ) -> None: ...
-    def has_axes(self) -> bool: ...
+        margins: _Array,
+        detection: float,
+        limits: _Array | None,
+        positions: _Array,
+        places: _Array,
+        rotations: _Array,
+    ) -> Sequence[int]: ...
+    def depth(
+        self, geoms: _Short, distances: _Array, margins: _Array, detection: float
+    ) -> float: ...
+    def layout(self) -> _Layout: ...
     def place(
         self,
         jacobian: _Array,
@@ -279,12 +288,20 @@ class TreeStepper:
         h: float,
     ) -> float: ...
     def factor(self, values: _Array) -> None: ...
-    def turn(self, frames: _Array, geoms: _Array, bodies: _Array) -> None: ...
+    def turn(
+        self, frames: _Array, geoms: _Array, bodies: _Array, factors: _Array | None
+    ) -> None: ...
     def move_surfaces(self, velocities: _Array) -> None: ...
-    def step(
-        self, free: _Array, before: _Array, h: float, exact: float, tolerance: float
-    ) -> TreeStep: ...
-    def was_from(self, free: _Array, part: float) -> bool: ...
+    def accelerate(
+        self,
+        acceleration: _Array,
+        before: _Array,
+        velocities: _Array,
+        h: float,
+        damping: _Array | None,
+    ) -> bool: ...
+    def step(self, before: _Array, h: float, exact: float, tolerance: float) -> TreeStep: ...
+    def was_from(self, part: float) -> bool: ...
     def pyramids(
         self,
         step: TreeStep,
@@ -294,6 +311,10 @@ class TreeStepper:
         friction: _Array,
     ) -> _Array: ...
     def least_change(self, rows: NDArray[np.int64], before: _Array, tolerance: float) -> _Array: ...
+    def close(self, equalities: _Array, limit: float, tolerance: float) -> _Array: ...
+    def missed(self, step: TreeStep, depth: float, after: _Array, half: float) -> float: ...
+    def refused(self) -> int | None: ...
+    def near(self) -> NDArray[np.bool_]: ...
     def forget(self) -> None: ...
     def gaps(self) -> _Array: ...
     def row_velocities(self, rows: NDArray[np.int64], velocities: _Array) -> _Array: ...
@@ -306,6 +327,7 @@ class TreeStepper:
 class TreeStep:
     @property
     def step(self) -> Step | None: ...
+    def layout(self) -> _Layout: ...
     @property
     def velocity(self) -> _Array: ...
     @property
@@ -371,6 +393,11 @@ class Signal:
     def values(self, t: _Array, order: int) -> _Array: ...
     def integral(self, start: float, end: float) -> _Array: ...
     def breaks(self, start: float, end: float, most: int) -> list[tuple[float, bool]]: ...
+
+@final
+class FrictionFactor:
+    def __new__(cls, given: Any) -> FrictionFactor: ...
+    def at(self, x1: float, x2: float) -> float: ...
 
 # Places and vectors have two entries in planar systems where they go in, always three where they
 # come out.

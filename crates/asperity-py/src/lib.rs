@@ -45,7 +45,7 @@ mod _core {
     #[pymodule_export]
     use crate::systems::linear::LinearSystem;
     #[pymodule_export]
-    use crate::systems::rigid::RigidBodies;
+    use crate::systems::rigid::{FrictionFactor, RigidBodies};
     #[pymodule_export]
     use crate::systems::time_function::Signal;
     #[pymodule_export]

@@ -180,6 +180,7 @@ fn allocations_of_a_mechanism() -> usize {
             free_velocity: &[-1.0, speed, 0.3, -0.5, 0.1, speed, -0.2, 0.4],
             items: &items,
             keys: Some(&[9, 3, 7, 5]),
+            factors: None,
         };
         assert_eq!(stepper.step(&rows, Stop::default()).unwrap().status, Status::Converged);
     };

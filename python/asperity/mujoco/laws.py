@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Positive, Record, Vector3, field
+from asperity._base.value import Fraction, Positive, Record, Vector3, field
 from asperity.contact import ContactStepper
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.mujoco.model import RowsModel
 from asperity.sets import Disk, Ellipse, Ellipsoid
+from asperity.system.rigid import friction_maps
+from asperity.system.rigid.friction_maps import FrictionFactor
+
+if TYPE_CHECKING:
+    import mujoco
 
 
 class PairLaw(Record):
@@ -34,6 +40,11 @@ class PairLaw(Record):
             its body.
         patch_radius: R in m of the contact patch of a law with drilling, whose slip is
             (γ₁, γ₂, R ω_n).
+        normal_restitution: e_N in [0, 1], γ_N⁺ ≥ −e_N γ_N⁻ where the gap closes in the step;
+            ``None``: that of the scene.
+        friction_factor: where one of the two is a plane geom, `FrictionRegions`, a `FrictionRaster`
+            or a function of the position (x₁, x₂) in m along the geom's x- and y-axis: the factor
+            of the friction there. ``None``: 1 everywhere.
 
     >>> import asperity as asp
     >>> from asperity.mujoco import PairLaw
@@ -47,6 +58,8 @@ class PairLaw(Record):
     axis: Vector3 = field(default=(1.0, 0.0, 0.0))
     carried_by: str | None = None
     patch_radius: Positive | None = None
+    normal_restitution: Fraction | None = None
+    friction_factor: Annotated[FrictionFactor, friction_maps.checked_factor] = None
 
     def _complete(self, given: dict[str, Any]) -> None:
         dimension = given["law"].dimension
@@ -61,33 +74,32 @@ class PairLaw(Record):
 Laws: TypeAlias = Mapping[Any, FrictionLaw | PairLaw]
 
 
-@dataclass(frozen=True, slots=True)
-class Axes:
-    """The direction of e₁ in what carries it: geoms, bodies numbered behind them, or the world."""
-
-    axis: Sequence[float]
-    carrier: int | None
-    is_reversed: bool = False
+Axes: TypeAlias = tuple[Sequence[float], int | None, bool, float]
+"""The direction of e₁ in what carries it, which is a geom, a body, numbered behind them, or the
+world; whether the slip is that of the first of the pair; the length that multiplies the drilling.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactLaw:
     """The law of a contact: its number, the kind of a row without friction, and its axes.
 
-    Without axes they are MuJoCo's. The third slip is the radius times the drilling.
+    Without axes they are MuJoCo's. `factor` is that of the friction over a plane.
     """
 
     number: int
     dimension: int
+    restitution: float
     axes: Axes | None = None
-    radius: float = 1.0
+    factor: Callable[[float, float], float] | None = None
 
 
 class PairLaws:
     """The laws of a scene: those of the user, by geoms, and those of MuJoCo's coefficients."""
 
-    def __init__(self, rows: RowsModel, laws: Laws | None) -> None:
-        self._rows = rows
+    def __init__(self, rows: RowsModel, laws: Laws | None, restitution: float) -> None:
+        self._rows, self._restitution = rows, restitution
+        self.have_axes = self.have_factors = False
         self.laws: list[FrictionLaw] = []
         self._default: ContactLaw | None = None
         self._pairs: dict[tuple[int, int], ContactLaw] = {}
@@ -100,6 +112,8 @@ class PairLaws:
                 arrays.of_kind(value, f"laws[{key!r}]", FrictionLaw, "a FrictionLaw or a PairLaw")
                 pair = PairLaw(value)
             if key == "default":
+                if pair.friction_factor is not None:
+                    raise ParameterError("laws", "name the pairs of a friction_factor, not default")
                 self._default = self._made(pair, "world")
                 rows.raise_condim(set(range(rows.user.ngeom)), 1 + pair.law.dimension)
                 continue
@@ -111,31 +125,65 @@ class PairLaws:
         # Pairs of geoms come after those of bodies and win.
         for _, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
             made = self._made(pair, first)
-            reverse = replace(made, axes=made.axes and replace(made.axes, is_reversed=True))
+            reverse = made
+            if made.axes is not None:
+                axis, carrier, _, radius = made.axes
+                reverse = replace(made, axes=(axis, carrier, True, radius))
             ones, others = self._geoms(first), self._geoms(second)
+            self._check(ones, others, (first, second), made)
             rows.raise_condim(ones | others, 1 + pair.law.dimension)
             for a in ones:
                 for b in others:
                     self._pairs[b, a] = reverse
                     self._pairs[a, b] = made
 
-    def of_contacts(
-        self, pairs: list[list[int]], friction: Array, numbers: NDArray[np.int64]
-    ) -> list[ContactLaw]:
-        """Return the laws of contacts of two geoms, with MuJoCo's coefficients at these numbers."""
-        found: list[ContactLaw] = []
-        for (one, other), number in zip(pairs, numbers, strict=True):
-            law = self._pairs.get((one, other))
-            if law is None:
-                law = self._default or self._mujoco((one, other), friction[number])
-                self._pairs[one, other] = law
-            found.append(law)
+    def of_pair(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
+        """Return the law of two geoms, with these coefficients of MuJoCo."""
+        law = self._pairs.get(pair)
+        if law is None:
+            law = self._pairs[pair] = self._default or self._mujoco(pair, friction)
+        return law
+
+    def dimension(self, pair: tuple[int, int]) -> int:
+        """Return the dimension of the law of two geoms that have touched."""
+        return self._pairs[pair].dimension
+
+    def factors(
+        self,
+        data: mujoco.MjData,
+        contacts: NDArray[np.int64],
+        pairs: Sequence[tuple[int, int]],
+    ) -> Array:
+        """Return the factors of the friction of contacts, by their places on planes."""
+        found, position = np.ones(len(pairs)), data.contact.pos
+        for k, (contact, pair) in enumerate(zip(contacts, pairs, strict=True)):
+            factor = self._pairs[pair].factor
+            if factor is not None:
+                plane = pair[0] if self._rows.is_plane[pair[0]] else pair[1]
+                x1, x2, _ = (position[contact] - data.geom_xpos[plane]) @ data.geom_xmat[
+                    plane
+                ].reshape(3, 3)
+                found[k] = arrays.positive(factor(float(x1), float(x2)), "friction_factor")
         return found
+
+    def _check(
+        self, ones: set[int], others: set[int], names: tuple[str, str], law: ContactLaw
+    ) -> None:
+        """Refuse laws of geoms that never touch, and places on what is not a plane."""
+        if not any(self._rows.may_touch(a, b) for a in ones for b in others):
+            raise ParameterError(
+                "laws",
+                f"name {names!r}, which MuJoCo never lets touch: by contype and conaffinity, an "
+                "exclude, or as parts of one body or of neighbours",
+            )
+        planes = self._rows.is_plane
+        if law.factor is not None and not all(planes[a] or planes[b] for a in ones for b in others):
+            raise ParameterError("friction_factor", f"goes with a plane geom, not with {names!r}")
 
     def _mujoco(self, pair: tuple[int, int], friction: Array) -> ContactLaw:
         dimension = self._rows.condim(*pair) - 1
         if dimension == 0:
-            return ContactLaw(ContactStepper.FRICTIONLESS, 0)
+            return ContactLaw(ContactStepper.FRICTIONLESS, 0, self._restitution)
         axes = tuple(friction[:dimension].tolist())
         number = self._own.get(axes)
         if number is None:
@@ -147,7 +195,7 @@ class PairLaws:
             else:
                 law = FrictionLaw.associated(Ellipse(*axes))
             self.laws.append(law)
-        return ContactLaw(number, dimension)
+        return ContactLaw(number, dimension, self._restitution)
 
     def _made(self, pair: PairLaw, first: str) -> ContactLaw:
         name = first if pair.carried_by is None else pair.carried_by
@@ -157,10 +205,17 @@ class PairLaws:
         if name != "world":
             kind, carrier = self._carrier(name)
             carrier += self._rows.user.ngeom if kind == "body" else 0
-        axes = Axes((pair.axis / np.linalg.norm(pair.axis)).tolist(), carrier)
-        if isinstance(pair.law.reservoir, Disk) and isinstance(pair.law.direction, Disk):
-            return ContactLaw(number, pair.law.dimension)
-        return ContactLaw(number, pair.law.dimension, axes, radius)
+        given, factor = pair.normal_restitution, pair.friction_factor
+        made = ContactLaw(number, pair.law.dimension, self._restitution if given is None else given)
+        if factor is not None:
+            self.have_factors = True
+            if not callable(factor):
+                factor = _core.FrictionFactor(friction_maps.core_data(factor)).at
+        elif isinstance(pair.law.reservoir, Disk) and isinstance(pair.law.direction, Disk):
+            return made
+        self.have_axes = True
+        axis = (pair.axis / np.linalg.norm(pair.axis)).tolist()
+        return replace(made, axes=(axis, carrier, False, radius), factor=factor)
 
     def _carrier(self, name: str) -> tuple[str, int]:
         if name in self._rows.names:

@@ -76,6 +76,22 @@ class RowsModel:
         m.body_margin += more / 2
         m.pair_margin += more
 
+    def may_touch(self, first: int, second: int) -> bool:
+        """Whether MuJoCo makes contacts of two geoms."""
+        m = self.user
+        if frozenset((first, second)) in self._pairs:
+            return True
+        bodies = sorted(int(m.geom_bodyid[geom]) for geom in (first, second))
+        welds = [int(m.body_weldid[body]) for body in bodies]
+        parents = [int(m.body_weldid[m.body_parentid[weld]]) for weld in welds]
+        filters = not int(m.opt.disableflags) & int(self.mj.mjtDisableBit.mjDSBL_FILTERPARENT)
+        if welds[0] == welds[1] or (bodies[0] << 16) + bodies[1] in m.exclude_signature:
+            return False
+        if filters and all(welds) and (welds[0] == parents[1] or welds[1] == parents[0]):
+            return False
+        types, affinities = m.geom_contype, m.geom_conaffinity
+        return bool(types[first] & affinities[second] or types[second] & affinities[first])
+
     def condim(self, first: int, second: int) -> int:
         """Return the dimension of the contacts of two geoms in the user's model."""
         m, pair = self.user, self._pairs.get(frozenset((first, second)))
@@ -124,11 +140,11 @@ class RowsModel:
 
     def refuse_overflow(self, data: mujoco.MjData) -> None:
         """Refuse data without the memory for all contacts nearby, some of which MuJoCo drops."""
-        for kind in self._full:
-            if data.warning[kind].number:
-                raise ParameterError(
-                    "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
-                )
+        numbers = data.warning.number
+        if any(numbers[kind] for kind in self._full):
+            raise ParameterError(
+                "model", 'has no memory for all contacts nearby: raise <size memory="..."/>'
+            )
 
     def item_name(self, data: mujoco.MjData, row: int, pair: tuple[int, int] | None) -> str:
         """Return what the user calls a contact of two geoms, or the row of a joint or tendon."""
@@ -200,3 +216,8 @@ def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
         raise ParameterError("model", "overrides the parameters of its contacts: turn override off")
     if m.flg_adhesion or (m.actuator_trntype == mj.mjtTrn.mjTRN_BODY).any():
         raise ParameterError("model", "has adhesion, which pulls on contacts that are not closed")
+    pairs = [frozenset(pair) for pair in zip(m.pair_geom1, m.pair_geom2, strict=True)]
+    if len(set(pairs)) < len(pairs):
+        twice = next(pair for pair in pairs if pairs.count(pair) > 1)
+        names = " and ".join(repr(_geom_name(m, geom)) for geom in sorted(twice))
+        raise ParameterError("model", f"has two <pair> of the geoms {names}: keep one of them")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
 from asperity.mujoco.model import RowsModel
@@ -33,7 +32,16 @@ class Projector:
         self.data = model.mj.MjData(model.model)
         self.reader = Reader(model, None, solver)
         self.depth = self._worst = 0.0
+        self._has_rows = False
         self._errors: Array
+        m, types = model.model, model.mj.mjtJoint
+        limited = np.flatnonzero(m.jnt_limited)
+        turns = np.isin(m.jnt_type[limited], [types.mjJNT_HINGE, types.mjJNT_SLIDE])
+        self._limited = m.jnt_qposadr[limited]
+        margin = model.user.jnt_margin[limited] - exact
+        self._least, self._most = (m.jnt_range[limited] + np.outer(margin, (1.0, -1.0))).T
+        # Whether limits and gaps are known without rows.
+        self._is_plain = bool(turns.all()) and not (m.neq or m.tendon_limited.any())
 
     def place(self, data: mujoco.MjData) -> None:
         """Find the rows at the coordinates of `data`."""
@@ -44,10 +52,12 @@ class Projector:
         """Find the rows where `data` is after a time with a velocity."""
         self._copy(data)
         self._mj.mj_integratePos(self._model.model, self.data.qpos, velocity, time)
-        self._find()
+        self._look()
 
     def violations(self, least: float) -> dict[str, float]:
         """Return by how much rows are violated, if by more than `least`."""
+        if not self._has_rows:
+            self._read()
         ahead, layout = self.data, self.reader.layout
         found: dict[str, float] = {}
         numbers = [*range(ahead.ne), *layout.unilateral.tolist()]
@@ -55,7 +65,7 @@ class Projector:
         for k, (row, size) in enumerate(zip(numbers, sizes, strict=True)):
             if size > least:
                 contact = k - ahead.ne - layout.limits
-                pair = layout.pair(contact) if contact >= 0 else None
+                pair = layout.pairs[contact] if contact >= 0 else None
                 name = self._model.item_name(ahead, row, pair)
                 found[name] = max(size, found.get(name, 0.0))
         return found
@@ -67,14 +77,15 @@ class Projector:
             if self._worst <= self._exact:
                 break
             self._move()
-            self._find()
+            self._look()
         return first, self._worst
 
     def level(self, velocity: Array) -> Array:
         """Return a velocity without what it has in equalities."""
         rows = np.arange(self.data.ne)
         before = self.reader.stepper.row_velocities(rows, velocity)
-        return velocity + self._least_change(rows, before)
+        self._factor()
+        return velocity + self.reader.stepper.least_change(rows, before, _TOLERANCE)
 
     def energy(self, velocity: Array) -> Array:
         """Return potential and kinetic energy in J."""
@@ -97,6 +108,31 @@ class Projector:
         m, ahead = self._model.model, self.data
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
+        self._read()
+
+    def _look(self) -> None:
+        """Find the rows, unless no gap or limit is violated."""
+        m, ahead = self._model.model, self.data
+        self._mj.mj_fwdKinematics(m, ahead)
+        self._mj.mj_collision(m, ahead)
+        if self._is_plain and self._holds():
+            self.depth = self._worst = 0.0
+            self._has_rows = False
+        else:
+            self._read()
+
+    def _holds(self) -> bool:
+        if len(self._limited):
+            angles = self.data.qpos[self._limited]
+            if (angles < self._least).any() or (angles > self._most).any():
+                return False
+        contacts, model = self.data.contact, self._model
+        stepper = self.reader.stepper
+        depth = stepper.depth(contacts.geom, contacts.dist, contacts.includemargin, model.detection)
+        return depth <= self._exact
+
+    def _read(self) -> None:
+        m, ahead, self._has_rows = self._model.model, self.data, True
         self._mj.mj_makeConstraint(m, ahead)
         self.depth = self._worst = self.reader.read(ahead)
         self._errors = _NONE
@@ -106,18 +142,15 @@ class Projector:
 
     def _move(self) -> None:
         """Move to where the linearised rows hold."""
-        ne, gaps = self.data.ne, self.reader.stepper.gaps()
+        ahead = self.data
+        self._factor()
         # What is as near as the others are violated may close.
-        near = gaps < self._worst
-        index = np.concatenate((np.arange(ne), self.reader.layout.unilateral[near]))
-        before = np.concatenate((self.data.efc_pos[:ne], gaps[near]))
-        change = self._least_change(index, before)
-        self._mj.mj_integratePos(self._model.model, self.data.qpos, change, 1.0)
+        equalities = ahead.efc_pos[: ahead.ne] if ahead.ne else _NONE
+        change = self.reader.stepper.close(equalities, self._worst, _TOLERANCE)
+        self._mj.mj_integratePos(self._model.model, ahead.qpos, change, 1.0)
 
-    def _least_change(self, index: NDArray[np.int64], before: Array) -> Array:
-        """Return the least change in M after which rows hold that have these values before."""
+    def _factor(self) -> None:
         m, ahead = self._model.model, self.data
         self._mj.mj_makeM(m, ahead)
         self._mj.mj_factorM(m, ahead)
         self.reader.stepper.factor(ahead.qLD)
-        return self.reader.stepper.least_change(index, before, _TOLERANCE)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
@@ -42,9 +41,9 @@ class Scene:
         q_M = q ⊕ ½h v,  (M + hD)(v⁺ − v) = h f(q_M, ½(v + v⁺)) − hD v + JᵀP,  q⁺ = q_M ⊕ ½h v⁺
 
     f are the forces without the damping D of joints, and their v⁺ is that of a first solve. Normal
-    velocities are at least −gap/½h; equalities reflect what their path curves, J(v + v⁺) = 0, which
-    keeps the energy. Gaps, limits and equalities that are violated at the end by more than 1e-9 of
-    the model's extent are projected.
+    velocities are at least −gap/½h, with restitution −e_N γ_N where a gap would close; equalities
+    reflect what their path curves, J(v + v⁺) = 0, which keeps the energy. Gaps, limits and
+    equalities that are violated at the end by more than 1e-9 of the model's extent are projected.
 
     Bodies touch where MuJoCo lets them rest, at the sum of their margins. ``solref``, ``solimp``
     and ``impratio`` have no effect: equalities, limits and ``frictionloss`` are rigid. The step is
@@ -62,7 +61,9 @@ class Scene:
             axis is that of the first of the pair, or a `PairLaw`. Geoms win over bodies, also where
             both have the name.
         starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
-            model's extent, or ``"project"`` them.
+            model's extent, or ``"project"`` them: the first state, and every one that was changed
+            by hand, also by moving mocap bodies or switching equalities.
+        normal_restitution: e_N in [0, 1] of contacts whose `PairLaw` gives none; limits have none.
         rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
         on_failure: ``"raise"``, with the data as before the step, or ``"record"``.
         solver: default `Auto`.
@@ -98,6 +99,7 @@ class Scene:
         laws: Laws | None = None,
         *,
         starts: Literal["refuse", "project"] = "refuse",
+        normal_restitution: float = 0.0,
         rolling: Literal["refuse", "ignore"] = "refuse",
         on_failure: Literal["raise", "record"] = "raise",
         solver: Solver | None = None,
@@ -108,7 +110,7 @@ class Scene:
         arrays.choice(rolling, "rolling", ("refuse", "ignore"))
         self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
         self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
-        self._laws = PairLaws(rows, laws)
+        self._laws = PairLaws(rows, laws, arrays.fraction(normal_restitution, "normal_restitution"))
         self._reader = Reader(rows, self._laws, solver)
         self._tolerance = arrays.positive(tolerance, "tolerance")
         self._extent = float(model.stat.extent)
@@ -118,12 +120,18 @@ class Scene:
         self._quiet = 0
         # The state at the end of the last step, as bytes.
         self._left = b""
+        # Mocap bodies and active equalities of the last step, likewise.
+        self._driven = b""
         # Whose step was the last one, and what it solved, if anything.
         self._owner: mujoco.MjData | None = None
-        self._last: tuple[Layout, _core.TreeStep, StepSolution, Array, Array] | None = None
+        self._last: tuple[_core.TreeStep, StepSolution, Array, Array] | None = None
         m, enable = self._model, self._mj.mjtEnableBit
+        self._is_driven = bool(m.nmocap or m.neq)
         self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
-        self._is_pyramidal = model.opt.cone == self._mj.mjtCone.mjCONE_PYRAMIDAL
+        # Enumerators and options are slow to read.
+        self._options, cones = m.opt, self._mj.mjtCone
+        self._cones = int(cones.mjCONE_PYRAMIDAL), int(cones.mjCONE_ELLIPTIC)
+        self._is_pyramidal = model.opt.cone == cones.mjCONE_PYRAMIDAL
         self._has_energy = bool(m.opt.enableflags & int(enable.mjENBL_ENERGY))
 
     @property
@@ -147,9 +155,11 @@ class Scene:
         is_new = self._owner is not data or self._left != self._state(data)
         if is_new:
             self._rows.check(data)
+            self._reader.stepper.forget()
+        driven = self._drives(data)
         q, v = before = data.qpos.copy(), data.qvel.copy()
         try:
-            if is_new:
+            if is_new or driven != self._driven:
                 self._start(data)
                 q, v = data.qpos.copy(), data.qvel.copy()
             control = self._mj.get_mjcb_control()
@@ -167,7 +177,7 @@ class Scene:
             data.qvel[:] = self._projector.level(after)
         if self._has_energy:
             data.energy[:] = self._projector.energy(data.qvel)
-        self._left = self._state(data)
+        self._left, self._driven = self._state(data), driven
         self._quiet += 1
         if self._quiet > _QUIET and self._rows.detection > self._least_detection:
             self._quiet = 0
@@ -221,6 +231,7 @@ class Scene:
         trial = self._mj.MjData(self._model)
         self._mj.mj_copyData(trial, self._model, data)
         found = self._solve(trial, data.qpos.copy(), data.qvel.copy())
+        layout, near = found.layout(), found.near
         delassus, free, kinds, bounds, keys = self._reader.stepper.problem()
         return SceneProblem(
             delassus=np.reshape(delassus, (len(free), len(free))),
@@ -229,7 +240,7 @@ class Scene:
             bounds=np.array(bounds),
             keys=np.array(keys, dtype=np.int64),
             laws=tuple(self._laws.laws),
-            names=tuple(self._name(trial, found, k) for k in range(len(kinds))),
+            names=tuple(self._name(trial, Layout(*layout), near, k) for k in range(len(kinds))),
         )
 
     def contacts(self, data: mujoco.MjData) -> list[SceneContact]:
@@ -245,17 +256,17 @@ class Scene:
             raise ParameterError("data", "must be as the scene's last step left it")
         if self._last is None:
             return []
-        layout, found, solution, position, frames = self._last
-        contacts, force, gaps = [], found.forces, found.gaps
+        found, solution, position, frames = self._last
+        layout, contacts, force, gaps = Layout(*found.layout()), [], found.forces, found.gaps
         for place, k in enumerate(np.flatnonzero(found.near).tolist()):
             contact, item = k - layout.limits, layout.begin + place
             if contact < 0:
                 continue
             row, number = layout.unilateral[k], layout.contacts[contact]
-            dimension = layout.laws[contact].dimension
+            pair = one, other = layout.pairs[contact]
+            dimension = self._laws.dimension(pair)
             frame, parts = frames[number].reshape(3, 3), force[row : row + 4]
             acting = 1 + min(dimension, 2)
-            one, other = layout.pair(contact)
             contacts.append(
                 SceneContact(
                     geoms=(self._rows.names[one], self._rows.names[other]),
@@ -291,7 +302,6 @@ class Scene:
 
     def _start(self, data: mujoco.MjData) -> None:
         """Refuse or project a state that the scene did not leave."""
-        self._reader.stepper.forget()
         self._projector.place(data)
         violations = self._projector.violations(_START * self._extent)
         if violations and self._starts == "project":
@@ -310,6 +320,11 @@ class Scene:
     def _state(data: mujoco.MjData) -> bytes:
         return data.qpos.tobytes() + data.qvel.tobytes()
 
+    def _drives(self, data: mujoco.MjData) -> bytes:
+        if not self._is_driven:
+            return b""
+        return data.mocap_pos.tobytes() + data.mocap_quat.tobytes() + data.eq_active.tobytes()
+
     def _advance(
         self, data: mujoco.MjData, q: Array, v: Array
     ) -> tuple[_core.TreeStep, StepSolution | None]:
@@ -321,7 +336,7 @@ class Scene:
                 raise self._failure(data, found, solution)
             after = found.velocity
             self._projector.advance(data, after, 0.5 * self._dt)
-            distance = self._missed(after)
+            distance = self._missed(found)
             if distance <= self._rows.detection:
                 return found, solution
             self._quiet = 0
@@ -339,62 +354,61 @@ class Scene:
         reader.read(data)
         stepper = reader.stepper
         stepper.factor(data.qLD)
+        self._accelerate(data, v)
         # Forces at the mean velocity, or a tumbling body would gain energy.
-        free = self._free(data, v, 0.5 * (v + self._free(data, v, v)))
-        found = self._percussions(data, free, v)
+        self._accelerate(data, v)
+        found = self._percussions(data, v)
         if found.step is not None:
             # Percussions are part of it, or stiff joints and stuck feet would lend energy.
-            again = self._free(data, v, 0.5 * (v + found.velocity))
-            if not stepper.was_from(again, self._tolerance):
-                found = self._percussions(data, again, v)
+            data.qvel[:] = 0.5 * (v + found.velocity)
+            self._accelerate(data, v)
+            if not stepper.was_from(self._tolerance):
+                found = self._percussions(data, v)
         return found
 
-    def _percussions(self, data: mujoco.MjData, free: Array, v: Array) -> _core.TreeStep:
+    def _accelerate(self, data: mujoco.MjData, v: Array) -> None:
+        """Find the velocities without percussions, by forces at the one of `data`.
+
+        That of `data` becomes their mean with v.
+        """
+        mj, m = self._mj, self._model
+        mj.mj_fwdVelocity(m, data)
+        mj.mj_fwdActuation(m, data)
+        mj.mj_fwdAcceleration(m, data)
+        # Damping is that of v⁺, MuJoCo's that of the velocity here.
+        damping = self._rows.damping if self._rows.is_damped else None
+        stepper = self._reader.stepper
+        if not stepper.accelerate(data.qacc_smooth, v, data.qvel, self._dt, damping):
+            raise ParameterError(
+                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
+            )
+
+    def _percussions(self, data: mujoco.MjData, v: Array) -> _core.TreeStep:
         """Solve the step from the velocities without percussions."""
         stepper, settings = self._reader.stepper, (self._dt, _EXACT, self._tolerance)
-        found = stepper.step(free, v, *settings)
+        try:
+            found = stepper.step(v, *settings)
+        except ParameterError as error:
+            item = stepper.refused()
+            if item is None:
+                raise
+            name = self._name(data, self._reader.layout, stepper.near(), item)
+            message = f"with drilling need bodies that can drill and slide: {name}"
+            raise ParameterError("laws", message) from error
         if data.ne and found.step is not None and found.step.status != Status.CONVERGED.value:
             # Anchors that move by what their paths curve may jam contacts: they rest then.
-            rests = stepper.step(free, np.zeros_like(v), *settings)
+            rests = stepper.step(np.zeros_like(v), *settings)
             if rests.step is None or rests.step.status == Status.CONVERGED.value:
                 return rests
         return found
 
-    def _free(self, data: mujoco.MjData, v: Array, at: Array) -> Array:
-        """Return the velocities without percussions, by forces at a velocity."""
-        mj, m = self._mj, self._model
-        data.qvel[:] = at
-        mj.mj_fwdVelocity(m, data)
-        mj.mj_fwdActuation(m, data)
-        mj.mj_fwdAcceleration(m, data)
-        free = self._dt * data.qacc_smooth
-        free += v
-        if self._rows.is_damped and at is not v:
-            # Damping is that of v⁺, MuJoCo's that of the velocity here.
-            change = np.empty((1, m.nv))
-            mj.mj_solveM(m, data, change, (self._rows.damping * (at - v))[None])
-            free += change[0]
-        if at is not v and not math.isfinite(float(free @ free)):
-            raise ParameterError(
-                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
-            )
-        return free
-
-    def _missed(self, after: Array) -> float:
+    def _missed(self, found: _core.TreeStep) -> float:
         """Return from how far contacts came that the step did not know and that end inside."""
-        if self._projector.depth <= _EXACT * self._extent:
+        least = _EXACT * self._extent
+        if self._projector.depth <= least:
             return 0.0
-        ahead = self._projector.reader
-        layout, gaps = ahead.layout, ahead.stepper.gaps()
-        inside = np.flatnonzero(gaps[layout.limits :] < -_EXACT * self._extent).tolist()
-        if not inside:
-            return 0.0
-        pairs = layout.pairs()
-        known, deep = Counter(self._reader.layout.pairs()), Counter(pairs[i] for i in inside)
-        missed = [i for i in inside if deep[pairs[i]] > known[pairs[i]]]
-        new = layout.limits + np.array(missed, dtype=np.int64)
-        closing = -ahead.stepper.row_velocities(layout.unilateral[new], after)
-        return float((gaps[new] + 0.5 * self._dt * closing).max(initial=0.0))
+        ahead = self._projector.reader.stepper
+        return ahead.missed(found, least, found.velocity, 0.5 * self._dt)
 
     def _write(
         self,
@@ -410,10 +424,7 @@ class Scene:
         self._owner, self._last, contacts = data, None, data.contact
         data.qfrc_constraint[:] = found.generalised
         if solution is not None:
-            self._last = (
-                *(self._reader.layout, found, solution),
-                *(contacts.pos.copy(), contacts.frame.copy()),
-            )
+            self._last = found, solution, contacts.pos.copy(), contacts.frame.copy()
         if self._rows.is_damped:
             mj.mj_factorM(m, data)
         if self._integrates_more:
@@ -425,9 +436,9 @@ class Scene:
             data.time += h
         data.qvel[:] = after
         if self._is_pyramidal and data.ncon:
-            m.opt.cone = mj.mjtCone.mjCONE_PYRAMIDAL
+            self._options.cone, round_cone = self._cones
             mj.mj_makeConstraint(m, data)
-            m.opt.cone = mj.mjtCone.mjCONE_ELLIPTIC
+            self._options.cone = round_cone
             contacts = data.contact
             edges = contacts.efc_address, contacts.dim, contacts.friction
             self._rows.refuse_overflow(data)
@@ -439,20 +450,20 @@ class Scene:
             for sense in (mj.mj_sensorPos, mj.mj_sensorVel, mj.mj_sensorAcc):
                 sense(self._rows.user, data)
 
-    def _name(self, data: mujoco.MjData, found: _core.TreeStep, item: int) -> str:
-        layout = self._reader.layout
+    def _name(self, data: mujoco.MjData, layout: Layout, near: NDArray[np.bool_], item: int) -> str:
         if item < layout.begin:
             return self._rows.item_name(data, item, None)
-        place = int(np.flatnonzero(found.near)[item - layout.begin])
+        place = int(np.flatnonzero(near)[item - layout.begin])
         contact = place - layout.limits
         if contact >= 0:
-            return self._rows.item_name(data, 0, layout.pair(contact))
+            return self._rows.item_name(data, 0, layout.pairs[contact])
         return self._rows.item_name(data, int(layout.unilateral[place]), None)
 
     def _failure(
         self, data: mujoco.MjData, found: _core.TreeStep, solution: StepSolution
     ) -> NoSolutionError | ConvergenceError:
-        where = f"{self._name(data, found, solution.worst_item)} at {data.time:g} s"
+        name = self._name(data, Layout(*found.layout()), found.near, solution.worst_item)
+        where = f"{name} at {data.time:g} s"
         message = f"{solution.status.message}: {where}"
         if solution.status is Status.NO_SOLUTION:
             return NoSolutionError(message, residual=solution.residual)

@@ -111,6 +111,7 @@ impl Stepper {
             free_velocity,
             items,
             keys: keys.is_some().then_some(&numbers_of[..]),
+            factors: None,
         };
         let report = asked(py, |cancelled| {
             let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());

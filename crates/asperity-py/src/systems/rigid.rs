@@ -24,6 +24,23 @@ pub struct RigidBodies {
     raised: Raised,
 }
 
+/// The factor of friction over a plane.
+#[pyclass(frozen, module = "asperity._core")]
+pub struct FrictionFactor(Arc<FrictionMap>);
+
+#[pymethods]
+impl FrictionFactor {
+    #[new]
+    fn new(given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let map = friction_map(given, &Raised::default())?;
+        Ok(Self(map.ok_or_else(|| parameter("friction_factor", "must not be None"))?))
+    }
+
+    fn at(&self, x1: f64, x2: f64) -> f64 {
+        self.0.factor(self.0.region([x1, x2]), [x1, x2])
+    }
+}
+
 /// Points and axes of contacts.
 type Geometry<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray4<f64>>);
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::trees::TreeRows;
-use super::{DRIFT, refuse_item};
+use super::{DRIFT, ROUNDED, refuse_item};
 use crate::argument::{ArgumentError, length, not_negative, refuse};
 use crate::contact::{BlockMatrix, Csr, LARGEST};
 use crate::law::Law;
@@ -53,6 +53,8 @@ pub struct StepRows<'a> {
     pub items: &'a [Rows],
     /// A number per item, each once, by which it is known again in the next step; by default its place.
     pub keys: Option<&'a [u64]>,
+    /// By what the rows of friction of each item were multiplied, which multiplies its friction; by default nothing.
+    pub factors: Option<&'a [f64]>,
 }
 
 /// The rows of a step whose items are sorted by their keys; buffers.
@@ -95,6 +97,7 @@ impl Arranged {
             };
         }
         length("free_velocity", first, all)?;
+        rows.factors.map_or(Ok(()), |factors| length("factors", count, factors.len()))?;
         check_size("free_velocity", rows.free_velocity)?;
         self.order.clear();
         self.order.extend(0..count);
@@ -123,7 +126,7 @@ impl Arranged {
             (first..past).for_each(|row| places[row] = (place, row - first));
         }
         self.fill(rows.delassus)?;
-        self.check()
+        self.check(matches!(rows.delassus, Mobility::Trees(_)))
     }
 
     /// Finds the blocks and their entries.
@@ -214,25 +217,34 @@ impl Arranged {
     }
 
     /// Refuses matrices that are those of no mechanism.
-    fn check(&self) -> Result<(), ArgumentError> {
+    fn check(&self, is_symmetric: bool) -> Result<(), ArgumentError> {
         for place in 0..self.items.len() {
             let size = self.sizes[place];
             if (0..size).any(|a| self.mobility.diagonal(place)[a * size + a] < 0.0) {
                 return refuse("delassus", "must not be negative on its diagonal");
             }
         }
-        let is_joint = |place: &usize| self.items[*place] == Rows::Bilateral;
-        for place in (0..self.items.len()).filter(is_joint) {
-            let own = self.mobility.diagonal(place)[0];
+        if is_symmetric {
+            return Ok(());
+        }
+        let rounding = || {
+            let own = |place| (0..self.sizes[place]).map(move |a| self.own(place, a, a));
+            ROUNDED * (0..self.items.len()).flat_map(own).fold(0.0, f64::max)
+        };
+        for place in 0..self.items.len() {
             for (other, block) in self.mobility.row(place) {
-                let size = self.sizes[other];
-                let differs = |a: usize| {
-                    let scale = (own * self.mobility.diagonal(other)[a * size + a]).sqrt();
-                    let reverse = self.mobility.between(other, place).map_or(0.0, |back| back[a]);
-                    (block[a] - reverse).abs() > DRIFT * scale
-                };
-                if (0..size).any(differs) {
-                    return refuse("delassus", "must be symmetric in the rows of joints");
+                let back = self.mobility.between(other, place);
+                for (a, row) in block.chunks_exact(self.sizes[other]).enumerate() {
+                    for (b, entry) in row.iter().enumerate() {
+                        let reverse = back.map_or(0.0, |back| back[b * self.sizes[place] + a]);
+                        if *entry == reverse {
+                            continue;
+                        }
+                        let scale = (self.own(place, a, a) * self.own(other, b, b)).sqrt();
+                        if (entry - reverse).abs() > DRIFT * scale + rounding() {
+                            return refuse("delassus", "must be symmetric");
+                        }
+                    }
                 }
             }
         }

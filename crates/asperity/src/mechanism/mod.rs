@@ -8,11 +8,13 @@
 //! | all, in the order of their keys | `arranged.rs`, `trees.rs` | blocks of `G` between items that influence each other |
 //! | bilateral | `joints.rs` | eliminated, by least squares where loops repeat them |
 //! | of contacts that nothing moves in some directions | `freedom.rs` | left out, with the law in the directions that are left |
+//! | without friction, of a projection | `closing.rs` | their active set, where it is soon found |
 //! | all others | `layout.rs` | a contact problem, which `stepper.rs` solves step after step |
 //!
 //! `tree_stepper.rs` makes the rows of a step from the Jacobian and the mass matrix of an engine.
 
 mod arranged;
+mod closing;
 mod freedom;
 mod joints;
 mod layout;

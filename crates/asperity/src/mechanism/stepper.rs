@@ -54,6 +54,7 @@ struct Found {
 ///     free_velocity: &[-1.0, 3.0, 4.0, 0.2],
 ///     items: &[Rows::Contact(0), Rows::Bilateral],
 ///     keys: None,
+///     factors: None,
 /// };
 /// let report = stepper.step(&rows, Stop::default())?;
 /// assert_eq!(report.status, Status::Converged);
@@ -83,6 +84,9 @@ pub struct ContactStepper {
     found: Found,
     listed: Found,
     unresolved: Mismatch,
+    refused: Option<usize>,
+    /// Factors of the friction of the contacts, row by row of the problem.
+    by_place: Vec<f64>,
 }
 
 impl ContactStepper {
@@ -114,6 +118,8 @@ impl ContactStepper {
             found: Found::default(),
             listed: Found::default(),
             unresolved: Mismatch::default(),
+            refused: None,
+            by_place: Vec::new(),
         })
     }
 
@@ -125,23 +131,32 @@ impl ContactStepper {
     /// # Errors
     ///
     /// [`ArgumentError`] if numbers of rows, items and keys do not fit, a number is not finite or too large to be squared, a key
-    /// occurs twice, a diagonal entry is negative, rows of joints are not symmetric, or a law with drilling has rows that nothing
+    /// occurs twice, a diagonal entry is negative, `G` is not symmetric, or a law with drilling has rows that nothing
     /// moves.
     pub fn step(
         &mut self,
         rows: &StepRows<'_>,
         stop: Stop<'_>,
     ) -> Result<SolveReport, ArgumentError> {
+        self.refused = None;
         self.arranged.arrange(rows, &self.laws)?;
         self.joints.eliminate(&self.arranged);
         self.lay_out()?;
         self.fill();
         self.recall();
-        let Self { solver, problem, memory, history, shares, workspace, .. } = self;
+        self.by_place.clear();
+        if let Some(factors) = rows.factors {
+            let members = self.layout.members.iter().zip(&self.layout.sizes);
+            self.by_place.extend(members.flat_map(|(member, &size)| {
+                std::iter::repeat_n(factors[self.arranged.order[member.place]], size)
+            }));
+        }
+        let Self { solver, problem, memory, history, shares, workspace, by_place, .. } = self;
         history.clone_from(&memory.states);
         let mut report = solver.solve_prepared(problem, stop, memory, workspace);
         if report.status == Status::Converged {
-            let given = Given { report: &report, history, by_place: None };
+            let by_place = rows.factors.map(|_| &by_place[..]);
+            let given = Given { report: &report, history, by_place };
             let shared = shares.find(problem, stop, &given, memory, workspace);
             report = shared.unwrap_or(report);
         }
@@ -155,6 +170,11 @@ impl ContactStepper {
             report.worst_contact = self.arranged.order.get(place).copied().unwrap_or(0);
         }
         Ok(report)
+    }
+
+    /// The item that the last step was refused for, where its law asks for a motion that it has not.
+    pub fn refused(&self) -> Option<usize> {
+        self.refused
     }
 
     /// The laws of contacts.
@@ -209,7 +229,7 @@ impl ContactStepper {
 
     /// Finds the contacts of the problem that is left, and which of them influence each other.
     fn lay_out(&mut self) -> Result<(), ArgumentError> {
-        let Self { laws, arranged, joints, layout, earlier, .. } = self;
+        let Self { laws, arranged, joints, layout, earlier, refused, .. } = self;
         mem::swap(layout, earlier);
         layout.clear();
         for (place, kind) in arranged.items.iter().enumerate() {
@@ -229,6 +249,7 @@ impl ContactStepper {
             let item = arranged.order[place];
             let freedom =
                 freedom::of_contact(item, dimension, own, velocity).inspect_err(|_| {
+                    *refused = Some(item);
                     layout.clear();
                     earlier.clear();
                 })?;

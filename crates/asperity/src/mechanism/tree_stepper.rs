@@ -1,6 +1,7 @@
 //! Steps of kinematic trees: which limits and contacts close, and the velocities afterwards.
 
 use super::arranged::{Mobility, Rows, StepRows};
+use super::closing;
 use super::stepper::ContactStepper;
 use super::trees::{TreeFactor, TreeRows};
 use crate::argument::{ArgumentError, finite, length, refuse};
@@ -19,6 +20,8 @@ pub struct Unilateral {
     pub rows: Rows,
     /// A number by which it is known again in the next step.
     pub key: u64,
+    /// Of the velocity with which it closes, in [0, 1].
+    pub restitution: f64,
 }
 
 /// What an engine lists, in the order of its rows.
@@ -80,6 +83,15 @@ pub struct Axis {
 pub struct Turn {
     axes: [[f64; 2]; 2],
     radius: f64,
+    factor: f64,
+}
+
+impl Turn {
+    /// Multiplies the friction of the law: its rows are longer by so much.
+    pub fn scaled(self, factor: f64) -> Self {
+        let axes = self.axes.map(|axis| axis.map(|part| factor * part));
+        Self { axes, radius: factor * self.radius, factor: factor * self.factor }
+    }
 }
 
 impl Axis {
@@ -102,7 +114,7 @@ impl Axis {
         let length = direction[0].hypot(direction[1]);
         let [cos, sin] = direction.map(|part| part / length);
         let first = if self.is_reversed { [-cos, -sin] } else { [cos, sin] };
-        Turn { axes: [first, [-sin, cos]], radius: self.radius }
+        Turn { axes: [first, [-sin, cos]], radius: self.radius, factor: 1.0 }
     }
 }
 
@@ -142,17 +154,22 @@ pub struct TreeStepper {
     surfaces: Vec<[f64; 3]>,
     bounds: Vec<f64>,
     jacobian: Rowwise,
+    /// Velocities in m/s that are added to those of limits and contacts, those before, and a buffer.
+    added: Vec<f64>,
+    opening: Vec<f64>,
     /// What takes part, and whether that is known at this place.
     near: Vec<bool>,
     is_chosen: bool,
     items: Vec<Rows>,
     keys: Vec<u64>,
+    factors: Vec<f64>,
     rows: Vec<StepRow>,
     directions: TreeRows,
     free: Vec<f64>,
     change: Vec<f64>,
-    /// Velocities of the trees without percussions.
+    /// Velocities of the trees without percussions, and those of the last step.
     given: Vec<f64>,
+    solved: Vec<f64>,
 }
 
 /// A sparse matrix, row by row.
@@ -188,15 +205,19 @@ impl TreeStepper {
             surfaces: Vec::new(),
             bounds: Vec::new(),
             jacobian: Rowwise::default(),
+            added: Vec::new(),
+            opening: Vec::new(),
             near: Vec::new(),
             is_chosen: false,
             items: Vec::new(),
             keys: Vec::new(),
+            factors: Vec::new(),
             rows: Vec::new(),
             directions: TreeRows::default(),
             free: Vec::new(),
             change: Vec::new(),
             given: Vec::new(),
+            solved: Vec::new(),
         })
     }
 
@@ -280,28 +301,87 @@ impl TreeStepper {
         self.surfaces[number] = velocity;
     }
 
+    /// Takes in the velocities without percussions, by accelerations that forces cause at the velocities `at`; whether they and their
+    /// squares are finite. With `damping`, `h` times that of the joints, which is part of the mass matrix, forces are those of `at` and
+    /// damping those at the end of the step.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] if numbers are not as many as the velocities of the trees.
+    pub fn accelerate(
+        &mut self,
+        acceleration: &[f64],
+        before: &[f64],
+        at: &[f64],
+        h: f64,
+        damping: Option<&[f64]>,
+    ) -> Result<bool, ArgumentError> {
+        let velocities = self.factor.velocities();
+        for list in [acceleration, before, at].into_iter().chain(damping) {
+            length("velocity", velocities, list.len())?;
+        }
+        let Self { given, change, factor, .. } = self;
+        given.clear();
+        given.extend(acceleration.iter().zip(before).map(|(a, v)| h * a + v));
+        if let Some(damping) = damping {
+            change.clear();
+            change.extend(damping.iter().zip(at).zip(before).map(|((d, at), v)| d * (at - v)));
+            factor.solve(change);
+            given.iter_mut().zip(change).for_each(|(free, change)| *free += *change);
+        }
+        Ok(given.iter().map(|v| v * v).sum::<f64>().is_finite())
+    }
+
+    /// The velocities without percussions.
+    pub fn free_velocity(&self) -> &[f64] {
+        &self.given
+    }
+
     /// Solves a step from the velocities without percussions; `None` if nothing takes part. What equalities have of the velocities
-    /// `before` is reflected.
+    /// `before` is reflected, and a part of those with which gaps would close, where there is restitution.
     ///
     /// # Errors
     ///
     /// [`ArgumentError`] as [`ContactStepper::step`], or if velocities are not finite, or not as many as those of the trees.
     pub fn step(
         &mut self,
+        before: &[f64],
+        closing: Closing<'_>,
+    ) -> Result<Option<SolveReport>, ArgumentError> {
+        length("free_velocity", self.factor.velocities(), self.given.len())?;
+        length("velocity", self.factor.velocities(), before.len())?;
+        finite("free_velocity", &self.given)?;
+        self.solved.clone_from(&self.given);
+        let free = std::mem::take(&mut self.given);
+        let report = self.step_from(&free, before, closing);
+        self.given = free;
+        report
+    }
+
+    fn step_from(
+        &mut self,
         free: &[f64],
         before: &[f64],
         closing: Closing<'_>,
     ) -> Result<Option<SolveReport>, ArgumentError> {
-        length("free_velocity", self.factor.velocities(), free.len())?;
-        length("velocity", self.factor.velocities(), before.len())?;
-        finite("free_velocity", free)?;
         let Closing { time, exact, stop } = closing;
-        let opening = |gap: f64| gap.max(0.0) / time;
+        let Self { jacobian, listed, gaps, added, opening, .. } = &mut *self;
+        opening.clear();
+        opening.extend(listed.unilateral.iter().zip(&*gaps).map(|(u, gap)| {
+            let opening = gap.max(0.0) / time;
+            if u.restitution == 0.0 {
+                return opening;
+            }
+            let closing = jacobian.dot(u.row, before);
+            if closing + opening < 0.0 { u.restitution * closing } else { opening }
+        }));
+        if opening != added {
+            std::mem::swap(opening, added);
+            self.is_chosen = false;
+        }
         let approach = |this: &Self, k: usize, velocity: &[f64]| {
-            this.jacobian.dot(this.listed.unilateral[k].row, velocity) + opening(this.gaps[k])
+            this.jacobian.dot(this.listed.unilateral[k].row, velocity) + this.added[k]
         };
-        self.given.clear();
-        self.given.extend_from_slice(free);
         let count = self.listed.unilateral.len();
         // Percussions change velocities by about the largest of those with which items close.
         let fastest = -(0..count).map(|k| approach(self, k, free)).fold(0.0, f64::min);
@@ -314,7 +394,7 @@ impl TreeStepper {
         }
         loop {
             if !self.is_chosen {
-                self.choose(opening);
+                self.choose();
             }
             self.change.clear();
             if self.items.is_empty() {
@@ -334,6 +414,7 @@ impl TreeStepper {
                 free_velocity: &self.free,
                 items: &self.items,
                 keys: Some(&self.keys),
+                factors: self.factors.iter().any(|&factor| factor != 1.0).then_some(&self.factors),
             };
             let report = self.stepper.step(&rows, stop)?;
             self.directions.change(&self.factor, self.stepper.percussion(), &mut self.change);
@@ -370,12 +451,42 @@ impl TreeStepper {
             directions.push(factor, jacobian.row(row).iter().copied());
         }
         self.is_chosen = false;
-        let delassus = Mobility::Trees(&self.directions);
-        let step = StepRows { delassus, free_velocity: before, items: &self.items, keys: None };
-        self.stepper.forget();
-        self.stepper.step(&step, stop)?;
-        self.directions.change(&self.factor, self.stepper.percussion(), &mut self.change);
+        let direct = closing::percussions(&self.directions, &self.items, before, stop.tolerance);
+        let percussion = match &direct {
+            Some(percussion) => percussion,
+            None => {
+                let step = StepRows {
+                    delassus: Mobility::Trees(&self.directions),
+                    free_velocity: before,
+                    items: &self.items,
+                    keys: None,
+                    factors: None,
+                };
+                self.stepper.forget();
+                self.stepper.step(&step, stop)?;
+                self.stepper.percussion()
+            }
+        };
+        self.directions.change(&self.factor, percussion, &mut self.change);
         Ok(&self.change)
+    }
+
+    /// As [`least_change`](Self::least_change), of the equalities, with these values, and of the gaps below the `limit`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] as [`ContactStepper::step`].
+    pub fn close(
+        &mut self,
+        equalities: &[f64],
+        limit: f64,
+        stop: Stop<'_>,
+    ) -> Result<&[f64], ArgumentError> {
+        let own = self.listed.unilateral.iter().zip(&self.gaps).filter(|(_, gap)| **gap < limit);
+        let (mut rows, mut before): (Vec<_>, Vec<_>) = own.map(|(u, gap)| (u.row, *gap)).unzip();
+        rows.splice(..0, 0..self.listed.bilateral);
+        before.splice(..0, equalities.iter().copied());
+        self.least_change(&rows, &before, stop)
     }
 
     /// Forgets the steps before.
@@ -384,22 +495,25 @@ impl TreeStepper {
     }
 
     /// What takes part: equalities, dry joints, and the limits and contacts that are near.
-    fn choose(&mut self, opening: impl Fn(f64) -> f64) {
-        let Self { listed, items, keys, rows, directions, factor, jacobian, .. } = self;
+    fn choose(&mut self) {
+        let Self { listed, items, keys, factors, rows, directions, factor, jacobian, .. } = self;
         items.clear();
         keys.clear();
+        factors.clear();
         rows.clear();
         let plain = |row: usize, added| StepRow { rows: [row; 2], weights: [1.0, 0.0], added };
         for row in 0..listed.bilateral + listed.dry {
             let dry = row.checked_sub(listed.bilateral);
             items.push(dry.map_or(Rows::Bilateral, |k| Rows::DryFriction(self.bounds[k])));
             keys.push(row as u64);
+            factors.push(1.0);
             rows.push(plain(row, 0.0));
         }
         for (k, u) in listed.unilateral.iter().enumerate().filter(|(k, _)| self.near[*k]) {
             items.push(u.rows);
             keys.push(u.key);
-            rows.push(plain(u.row, opening(self.gaps[k])));
+            factors.push(self.turns[k].map_or(1.0, |turn| turn.factor));
+            rows.push(plain(u.row, self.added[k]));
             let surface = self.surfaces.get(k).copied().unwrap_or_default();
             for axis in 0..u.rows.count(self.stepper.laws()).unwrap_or(1) - 1 {
                 rows.push(match self.turns[k] {
@@ -430,10 +544,11 @@ impl TreeStepper {
     }
 
     /// Whether the last step was one from these velocities without percussions, up to a part of the largest of them.
-    pub fn was_from(&self, free: &[f64], part: f64) -> bool {
+    pub fn was_from(&self, part: f64) -> bool {
+        let free = &self.given;
         let largest =
             |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-        let change = largest(&mut free.iter().zip(&self.given).map(|(new, old)| new - old));
+        let change = largest(&mut free.iter().zip(&self.solved).map(|(new, old)| new - old));
         change <= part * largest(&mut free.iter().copied())
     }
 
@@ -445,6 +560,11 @@ impl TreeStepper {
     /// What takes part, and its velocities without percussions.
     pub fn items(&self) -> (&[Rows], &[u64], &[f64]) {
         (&self.items, &self.keys, &self.free)
+    }
+
+    /// The item that the last step was refused for.
+    pub fn refused(&self) -> Option<usize> {
+        self.stepper.refused()
     }
 
     /// Which limits and contacts took part in the last step.

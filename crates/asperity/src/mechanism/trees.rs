@@ -93,6 +93,12 @@ impl TreeFactor {
         }
     }
 
+    /// `x ← M⁻¹ x`.
+    pub fn solve(&self, x: &mut [f64]) {
+        self.divide(0..x.len(), x);
+        self.divide_transposed(x);
+    }
+
     /// `x ← L⁻¹ D^{-1/2} x`.
     fn divide_transposed(&self, x: &mut [f64]) {
         for i in 0..x.len() {
