@@ -388,10 +388,11 @@ def test_reports_say_what_holds_of_their_laws():
     """Sentences about unequal coefficients or a measured creep are there where these are."""
     for engine, given in (
         ("exudyn", {"dryFriction": (0.5, 0.5)}),
+        ("btrigidbody", {"friction": 0.5}),
         ("bullet", {"lateralFriction": 0.5, "enableConeFriction": True}),
     ):
         law = like(engine, given)
-        assert law.is_associated
+        assert law.reservoir == law.direction == asp.Disk(0.5)
         for words in ("not associated", "ellipse"):
             assert words not in law.report.deviation
     assert "not associated" in like("exudyn", {"dryFriction": (0.5, 0.4)}).report.deviation

@@ -10,7 +10,7 @@ import functools
 import inspect
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -89,12 +89,7 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
         ParameterError: for an engine that is not known; for parameters that it does not have, that
             are missing, or that no law expresses, in the engine's words.
     """
-    plain = str(engine).casefold().replace("-", "_")
-    kind = _ALSO_CALLED.get(plain, plain)
-    if not isinstance(engine, str) or kind not in ENGINES:
-        raise ParameterError(
-            "engine", f"{engine!r} is not known{advice_on(plain, sorted(ENGINES))}"
-        )
+    kind = named(engine, "engine", sorted(ENGINES))
     known = parameters_of(kind)
     for name in parameters:
         place = known_of(kind)["elsewhere"].get(name)
@@ -106,6 +101,15 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
         if needed and name not in parameters:
             raise ParameterError(name, f"is missing: {kind} has {', '.join(known)}")
     return ENGINES[kind](**parameters)
+
+
+def named(given: str, argument: str, known: Sequence[str]) -> str:
+    """Return the known name of a program that is meant, in any case or as its package is called."""
+    plain = str(given).casefold().replace("-", "_")
+    kind = _ALSO_CALLED.get(plain, plain)
+    if not isinstance(given, str) or kind not in known:
+        raise ParameterError(argument, f"{given!r} is not known{advice_on(plain, known)}")
+    return kind
 
 
 def parameters_of(engine: str) -> dict[str, bool]:
@@ -160,8 +164,9 @@ def _btrigidbody(
 ) -> Translation:
     scale = arrays.array(anisotropicFriction, "anisotropicFriction", (3,))
     mu = arrays.positive(friction, "friction") * _two(scale[:2], "anisotropicFriction")
-    sets = flow.ellipses(np.diag(mu))
-    return Translation(*sets, _report("btrigidbody", "equal" if mu[0] == mu[1] else "different"))
+    return Translation(
+        *_of_tensor(mu), _report("btrigidbody", "equal" if mu[0] == mu[1] else "different")
+    )
 
 
 def _cardillo(
@@ -274,7 +279,7 @@ def _exudyn(
     mu = _two(dryFriction, "dryFriction")
     angle = arrays.number(dryFrictionAngle, "dryFrictionAngle")
     zone = arrays.non_negative(dryFrictionProportionalZone, "dryFrictionProportionalZone")
-    reservoir, direction = flow.ellipses(np.diag(mu))
+    reservoir, direction = _of_tensor(mu)
     report = _report(
         "exudyn",
         "equal" if mu[0] == mu[1] else "different",
@@ -562,6 +567,13 @@ def _two(value: ArrayLike, argument: str) -> Array:
     if pair.min() <= 0.0:
         raise ParameterError(argument, f"must be positive, got {pair.tolist()}")
     return pair
+
+
+def _of_tensor(mu: Array) -> tuple[StarSet, StarSet]:
+    """Return C and D where the force is diag(μ) times the direction of slip."""
+    if mu[0] == mu[1]:
+        return Disk(float(mu[0])), Disk(float(mu[0]))
+    return flow.ellipses(np.diag(mu))
 
 
 def _ellipse(a: float, b: float, angle: float = 0.0) -> StarSet:
