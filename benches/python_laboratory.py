@@ -38,7 +38,7 @@ def timed(*words: object) -> float:
     start = sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
     command = [sys.executable, "-m", "asperity", *map(str, words)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode not in (0, 1):
+    if done.returncode not in (0, 1) or "Traceback" in done.stderr:
         sys.exit(done.stderr)
     return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]) - start
 

@@ -449,6 +449,19 @@ def _pinocchio(*, mu: float, S: ArrayLike | None = None) -> Translation:
     return Translation(reservoir, reservoir, report)
 
 
+def _pyelastica(*, kinetic_mu_array: ArrayLike) -> Translation:
+    forward, backward, sideways = arrays.array(kinetic_mu_array, "kinetic_mu_array", (3,))
+    if forward != backward:
+        raise ParameterError(
+            "kinetic_mu_array",
+            f"must have equal coefficients forwards and backwards, got {forward:g}, {backward:g}",
+        )
+    mu = _two([forward, sideways], "kinetic_mu_array")
+    return Translation(
+        *_of_tensor(mu), _report("pyelastica", "equal" if mu[0] == mu[1] else "different")
+    )
+
+
 def _siconos(
     *,
     mu: float,
@@ -490,7 +503,20 @@ def _solve_nivp(*, mu: float | None = None, projection: StarSet | None = None) -
 
 
 # Engines with one coefficient, of which the table says everything.
-_TABLED = ("box2d", "chipmunk", "dart", "motrix", "newton", "omi", "physx", "rapier")
+_TABLED = (
+    "box2d",
+    "chipmunk",
+    "dart",
+    "ipctk",
+    "jaxsim",
+    "motrix",
+    "newton",
+    "omi",
+    "opensim",
+    "physx",
+    "rapier",
+    "yade",
+)
 _SHAPES: dict[str, Callable[[float], StarSet]] = {
     "isotropic": Disk,
     "square": lambda mu: Rectangle(mu, mu),
@@ -503,6 +529,10 @@ def _of_table(engine: str, **given: Any) -> Translation:
     known = known_of(engine)
     word, option = known["coefficient"], known.get("option", "")
     mu = arrays.positive(given.get(word, known.get("default")), word)
+    if known.get("is_angle"):
+        if mu >= 0.5 * math.pi:
+            raise ParameterError(word, f"must be below π/2, got {mu}")
+        mu = math.tan(mu)
     modes = {one["name"]: one for one in known["modes"]}
     mode = modes[_word(given.get(option, next(iter(modes))), option, tuple(modes))]
     if "refused" in mode:
@@ -529,6 +559,7 @@ ENGINES: dict[str, Callable[..., Translation]] = {
     "mujoco": _mujoco,
     "ode": _ode,
     "pinocchio": _pinocchio,
+    "pyelastica": _pyelastica,
     "siconos": _siconos,
     "solve_nivp": _solve_nivp,
     **{one: functools.partial(_of_table, one) for one in _TABLED},
@@ -541,6 +572,7 @@ _ALSO_CALLED = {
     "pymunk": "chipmunk",
     "rapier3d": "rapier",
     "sapien": "physx",
+    "simbody": "opensim",
 }
 
 

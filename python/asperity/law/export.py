@@ -169,6 +169,7 @@ _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "pinocchio": (_Family(partial(_rows, "S"), turns=True),),
     "rapier": (_Family(partial(_one, "friction"), sizes=1),),
     "siconos": (_Family(partial(_rows, "H"), turns=True),),
+    "yade": (_Family(lambda a, *_: {"frictionAngle": math.atan(a)}, sizes=1),),
 }
 
 TARGETS = tuple(_FAMILIES)

@@ -113,7 +113,7 @@ class Covariance:
         parts = zip((*self.parts, self.runs), (scatter, *self.degrees[1:], 1.0), strict=True)
         for part, degrees in parts:
             if part is not None:
-                quantile = student(confidence, min(degrees, _MOST_DEGREES))
+                quantile = student(confidence, np.minimum(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
 
