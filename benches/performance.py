@@ -37,7 +37,12 @@ SUBJECTS = {
     "Many runs": ("ensemble", "lanes", "python_ensembles", "python_sweep"),
     "From Python": ("python_overhead", "python_sets"),
     "Stability and limit cycles": ("python_stability",),
-    "Measurements": ("python_identification", "python_patches", "python_tracking"),
+    "Measurements": (
+        "python_identification",
+        "python_laboratory",
+        "python_patches",
+        "python_tracking",
+    ),
 }
 """What a user asks for, and the benches that answer."""
 

@@ -147,7 +147,7 @@ def test_rate_factors_are_left_out(tmp_path):
     plain.save(files[0])
     falling = plain.law.replace(rate=asp.Stribeck(0.1, ratio=0.5))
     IdentifiedLaw(falling, values=[0.3], turns=plain.turns, **MODELS).save(files[1])
-    first, second = describe_comparison(files).paths()
+    first, second = describe_comparison(files).paths
     assert np.array_equal(first[0], second[0])
 
 

@@ -145,6 +145,7 @@ def test_what_no_program_holds_is_said():
     assert "dependence on the speed is left out" in falling.export("drake").text
     with pytest.raises(asp.ParameterError, match=r"'mujuco' is not known.*mujoco"):
         GROOVED.export("mujuco")
+    assert GROOVED.export("pybullet").text == GROOVED.export("bullet").text
     with pytest.raises(asp.DimensionError, match="planar"):
         asp.FrictionLaw.isotropic(0.3, dimension=1).export("mujoco")
 

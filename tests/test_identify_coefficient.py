@@ -19,6 +19,7 @@ from asperity.identify import (
     friction_coefficient,
     process,
 )
+from asperity.identify.campaigns.coefficient import OneChannel
 from scipy.stats import binom
 
 G = 9.80665
@@ -446,6 +447,10 @@ def test_forces_that_do_not_oppose_the_sliding_are_said():
     found = friction_coefficient(wrong)
     assert found.mean.value == pytest.approx(-0.3, rel=1e-3)
     assert "In run 1 the force goes with the sliding" in found.summary()
+    origin = asp.Provenance()
+    one = OneChannel.of(found, origin, reservoir="superellipse", direction="superellipse")
+    assert one.warnings
+    assert one.summary().count("goes with the sliding") == 1
     assert found.breakaway is None
     assert found.data()["breakaway"] is None
     with pytest.raises(FitError, match="its sign may be wrong"):
@@ -486,6 +491,16 @@ def test_a_law_of_wrong_signs_or_several_loads_is_refused():
     one = runs[0].replace(readings=runs[0].readings * [-1.0, -1.0, 1.0])
     with pytest.raises(FitError, match="a minus before the unit turns the sign"):
         friction_coefficient(process(identify.RawData([one]))).isotropic_law()
+
+
+@pytest.mark.parametrize("question", [friction_coefficient, breakaway])
+def test_raw_data_are_to_be_processed(question):
+    with pytest.raises(
+        ParameterError, match=r"data: must be what process\(\) returns, got RawData"
+    ):
+        question(machine().record())
+    with pytest.raises(ParameterError, match=r"data: must be what process\(\) returns, or several"):
+        identify.load_dependence([machine().record()])
 
 
 def test_turns_have_no_breakaway():

@@ -2,9 +2,9 @@
 
     python benches/peers/atlas.py rapier
 
-with the Python that the engine is installed in, from PyPI under the name in ENGINES, ODE from
-Debian. For Bullet's rigid bodies, which no Python has, see `btrigidbody.cpp`. Every mode of the
-engine prints a table of TOML, the one of `python/asperity/law/engines.toml`, with which
+with the Python that the engine is installed in, from PyPI under the name in ENGINES, ODE and yade
+from Debian. For Bullet's rigid bodies, which no Python has, see `btrigidbody.cpp`. Every mode of
+the engine prints a table of TOML, the one of `python/asperity/law/engines.toml`, with which
 `tests/test_engines.py` compares `FrictionLaw.like`. A box of 1 kg on a plane, coefficient 0.5:
 
 cube, long: degrees and size over the weight of the mean friction force in the first 50 ms after a
@@ -766,6 +766,298 @@ def ode() -> Iterator[tuple[str, Mode]]:
         yield f"{name}, ContactApprox1", Mode(one, extras=functools.partial(extras, quick))
 
 
+def yade() -> Iterator[tuple[str, Mode]]:
+    """Run yade of Debian: a clump of four spheres as feet, as long as it is wide, on a box."""
+    from yade import Omega, utils
+    from yade import wrapper as yd
+
+    world = Omega()
+
+    def make(half=CUBE, mu=(MU, MU), *, dt, damping=0.0):
+        world.reset()
+        ground, own = (
+            world.materials.append(yd.FrictMat(young=1e7, poisson=0.3, frictionAngle=np.arctan(m)))
+            for m in mu
+        )
+        floor = utils.box((0, 0, -0.5), (20, 20, 0.5), fixed=True, material=ground)
+        world.bodies.append(floor)
+        feet = [
+            utils.sphere((x * half[0], y * half[1], 0.02), 0.02, material=own)
+            for x in (1, -1)
+            for y in (1, -1)
+        ]
+        number, _ = world.bodies.appendClumped(feet)
+        body = world.bodies[number]
+        a, b, c = half
+        body.state.mass = 1.0
+        body.state.inertia = (np.array([b * b + c * c, a * a + c * c, a * a + b * b]) / 3).tolist()
+        newton = yd.NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0.2)
+        world.engines = [
+            yd.ForceResetter(),
+            yd.InsertionSortCollider([yd.Bo1_Sphere_Aabb(), yd.Bo1_Box_Aabb()]),
+            yd.InteractionLoop(
+                [yd.Ig2_Box_Sphere_ScGeom()],
+                [yd.Ip2_FrictMat_FrictMat_FrictPhys()],
+                [yd.Law2_ScGeom_FrictPhys_CundallStrack()],
+            ),
+            newton,
+        ]
+        world.dt = dt
+
+        def step(push):
+            world.forces.setPermF(number, (push, 0, 0))
+            world.step()
+
+        def launch(speeds):
+            newton.damping = damping
+            body.state.vel, body.state.angVel = speeds[:3].tolist(), speeds[3:].tolist()
+
+        def state():
+            of = (body.state.pos, body.state.vel, body.state.angVel)
+            return tuple(map(np.array, of))
+
+        return Body(step, launch, state)
+
+    def extras():
+        default = yd.NewtonIntegrator().damping
+        mode = Mode(functools.partial(make, damping=default), 1e-4)
+        yield f"NewtonIntegrator(damping={default}), over the weight", friction(mode, 0.0)[1]
+
+    yield "Law2_ScGeom_FrictPhys_CundallStrack", Mode(make, 1e-4, extras=extras)
+
+
+def opensim() -> Iterator[tuple[str, Mode]]:
+    """Run OpenSim, whose forces are those of Simbody, with a body on four spherical feet."""
+    import opensim as os
+
+    os.Logger.setLevelString("off")
+
+    def make(half=CUBE, mu=(None, MU), *, dt, kind):
+        model = os.Model()
+        model.setGravity(os.Vec3(0, 0, -GRAVITY))
+        a, b, c = half
+        third = [(b * b + c * c) / 3, (a * a + c * c) / 3, (a * a + b * b) / 3, 0, 0, 0]
+        body = os.Body("body", 1.0, os.Vec3(0), os.Inertia(*third))
+        joint = os.FreeJoint("joint", model.getGround(), body)
+        model.addBody(body)
+        model.addJoint(joint)
+        # The half space is where its first axis points to.
+        down = os.Vec3(0), os.Vec3(0, 0.5 * np.pi, 0)
+        floor = os.ContactHalfSpace(*down, model.getGround(), "floor")
+        model.addContactGeometry(floor)
+        for n, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1))):
+            place = os.Vec3(x * a, y * b, 0.02 - c)
+            foot = os.ContactSphere(0.02, place, body, f"foot{n}")
+            model.addContactGeometry(foot)
+            if kind == "HuntCrossleyForce":
+                force = os.HuntCrossleyForce()
+                for name in ("floor", f"foot{n}"):
+                    force.addGeometry(name)
+                force.setStiffness(1e6)
+                force.setDissipation(100.0)
+                force.setStaticFriction(mu[1])
+                force.setDynamicFriction(mu[1])
+                force.setTransitionVelocity(1e-3)
+            else:
+                force = os.SmoothSphereHalfSpaceForce(f"force{n}", foot, floor)
+                force.set_stiffness(1e6)
+                force.set_dissipation(100.0)
+                force.set_static_friction(mu[1])
+                force.set_dynamic_friction(mu[1])
+                force.set_viscous_friction(0.0)
+                force.set_transition_velocity(1e-3)
+            model.addForce(force)
+        pusher = os.CoordinateActuator("joint_coord_3")
+        pusher.setName("pusher")
+        pusher.setCoordinate(joint.upd_coordinates(3))
+        model.addForce(pusher)
+        state = model.initSystem()
+        pusher = os.CoordinateActuator.safeDownCast(model.getForceSet().get("pusher"))
+        pusher.overrideActuation(state, True)
+        coordinates = [joint.get_coordinates(k) for k in range(6)]
+        coordinates[5].setValue(state, half[2])
+        held = [state, None]
+
+        def step(push):
+            if held[1] is None or push != held[2]:
+                # A state is its manager's.
+                held[0] = os.State(held[0])
+                pusher.setOverrideActuation(held[0], push)
+                manager = os.Manager(model)
+                manager.setIntegratorAccuracy(1e-5)
+                manager.initialize(held[0])
+                held[1:] = [manager, push]
+            held[0] = held[1].integrate(held[0].getTime() + dt)
+
+        def launch(speeds):
+            held[0] = os.State(held[0])
+            for one, speed in zip(coordinates, [*speeds[3:], *speeds[:3]], strict=True):
+                one.setSpeedValue(held[0], float(speed))
+            held[1] = None
+
+        def state_of():
+            q = np.array([one.getValue(held[0]) for one in coordinates])
+            u = np.array([one.getSpeedValue(held[0]) for one in coordinates])
+            return q[3:], u[3:], u[:3]
+
+        held.append(0.0)
+        return Body(step, launch, state_of)
+
+    for kind in ("HuntCrossleyForce", "SmoothSphereHalfSpaceForce"):
+        yield kind, Mode(functools.partial(make, kind=kind), settle=0.5)
+
+
+def jaxsim() -> Iterator[tuple[str, Mode]]:
+    """Run the soft contacts of JaxSim with a box, whose corners are its contact points."""
+    import jax
+    import jax.numpy as jnp
+    import jaxsim.api as js
+    import rod
+    from jaxsim.rbda import contacts
+    from rod.builder.primitives import BoxBuilder
+
+    jax.config.update("jax_enable_x64", True)
+
+    @functools.cache
+    def built(half, mu, dt):
+        x, y, z = (2 * side for side in half)
+        box = BoxBuilder(x=x, y=y, z=z, mass=1.0, name="box").build_model().add_link()
+        box = box.add_inertial().add_visual().add_collision().build()
+        box.switch_frame_convention(rod.FrameConvention.Urdf, explicit_frames=True)
+        model = js.model.JaxSimModel.build_from_model_description(
+            model_description=box,
+            time_step=dt,
+            contact_model=contacts.SoftContacts.build(),
+            contact_params=contacts.SoftContactsParams.build(mu=mu),
+        )
+
+        @jax.jit
+        def moved(data, push):
+            forces = jnp.zeros((1, 6)).at[0, 0].set(push)
+            return js.model.step(model=model, data=data, link_forces=forces)
+
+        return model, moved
+
+    def make(half=CUBE, mu=(None, MU), *, dt):
+        model, moved = built(tuple(half), mu[1], dt)
+        place = jnp.array([0, 0, half[2]])
+        held = [js.data.JaxSimModelData.build(model=model, base_position=place)]
+
+        def step(push):
+            held[0] = moved(held[0], float(push))
+
+        def launch(speeds):
+            held[0] = js.data.JaxSimModelData.build(
+                model=model,
+                base_position=held[0].base_position,
+                base_quaternion=held[0].base_quaternion,
+                base_linear_velocity=jnp.array(speeds[:3]),
+                base_angular_velocity=jnp.array(speeds[3:]),
+            )
+
+        def state():
+            with held[0].switch_velocity_representation(js.common.VelRepr.Mixed):
+                speed = np.array(held[0].base_velocity)
+            return np.array(held[0].base_position), speed[:3], speed[3:]
+
+        return Body(step, launch, state)
+
+    yield "SoftContacts", Mode(make, 5e-4, settle=0.5)
+
+
+def ipctk() -> Iterator[tuple[str, Mode]]:
+    """Integrate a point mass under the friction of ipctk, which has no bodies, over a triangle."""
+    import ipctk as ip
+
+    floor = np.array([[-90.0, -50.0, 0.0], [90.0, -50.0, 0.0], [0.0, 90.0, 0.0]])
+    faces, edges = np.array([[0, 1, 2]]), np.array([[0, 1], [1, 2], [2, 0]])
+    dhat, eps = 1e-3, 1e-3
+
+    def make(half=CUBE, mu=(None, MU), *, dt):
+        barrier = ip.BarrierPotential(dhat, 1e6)
+        friction = ip.FrictionPotential(eps)
+        position, velocity = np.array([0.0, 0.0, 0.5 * dhat]), np.zeros(3)
+
+        def forces(push):
+            vertices = np.vstack([floor, position])
+            mesh = ip.CollisionMesh(vertices, edges, faces)
+            normal = ip.NormalCollisions()
+            normal.build(mesh, vertices, dhat)
+            lift = -barrier.gradient(normal, mesh, vertices).reshape(-1, 3)[3]
+            # The normal force of the law is the weight.
+            scale = GRAVITY / lift[2]
+            tangential = ip.TangentialCollisions()
+            tangential.build(mesh, vertices, normal, barrier, scale * mu[1])
+            moves = np.zeros_like(vertices)
+            moves[3] = velocity
+            still = np.zeros_like(vertices)
+            own = friction.force(tangential, mesh, vertices, still, moves, barrier)
+            return np.asarray(own).reshape(-1, 3)[3] + [push, 0.0, 0.0]
+
+        def step(push):
+            velocity[:2] += dt * forces(push)[:2]
+            position[:2] += dt * velocity[:2]
+
+        def launch(speeds):
+            velocity[:2] = speeds[:2]
+
+        def state():
+            return position.copy(), velocity.copy(), np.zeros(3)
+
+        return Body(step, launch, state)
+
+    yield "FrictionPotential", Mode(make, 1e-4, settle=1e-4)
+
+
+def pyelastica() -> Iterator[tuple[str, Mode]]:
+    """Move a rod of PyElastica, along x, under the forces of its contact with a plane."""
+    import elastica as ea
+
+    def make(half=CUBE, mu=(None, MU), *, dt, sideways=None):
+        rod = ea.CosseratRod.straight_rod(
+            n_elements=4,
+            start=np.array([-half[0], 0.0, 0.01]),
+            direction=np.array([1.0, 0.0, 0.0]),
+            normal=np.array([0.0, 1.0, 0.0]),
+            base_length=2 * half[0],
+            base_radius=0.01,
+            density=1.0 / (2 * half[0] * np.pi * 0.01**2),
+            youngs_modulus=1e7,
+        )
+        plane = ea.Plane(plane_origin=np.zeros(3), plane_normal=np.array([0.0, 0.0, 1.0]))
+        three = np.array([mu[1], mu[1], mu[1] if sideways is None else sideways])
+        contact = ea.RodPlaneContactWithAnisotropicFriction(
+            k=1e4, nu=0.0, slip_velocity_tol=1e-4, static_mu_array=three, kinetic_mu_array=three
+        )
+        mass, place = rod.mass.sum(), np.zeros(3)
+
+        def step(push):
+            rod.external_forces[:] = rod.mass * np.array([[push / mass], [0.0], [-GRAVITY]])
+            rod.external_torques[:] = 0.0
+            contact.apply_contact(rod, plane)
+            # All nodes move alike: what turns and bends the rod is left out.
+            force = rod.external_forces.sum(axis=1)
+            rod.velocity_collection[:2] += dt * force[:2, None] / mass
+            place[:2] += dt * rod.velocity_collection[:2, 0]
+
+        def launch(speeds):
+            rod.velocity_collection[:2] = speeds[:2, None]
+
+        def state():
+            return place.copy(), rod.velocity_collection[:, 0].copy(), np.zeros(3)
+
+        return Body(step, launch, state)
+
+    def extras():
+        mode = Mode(functools.partial(make, sideways=0.3), settle=1e-3)
+        for angle in ANGLES:
+            found = friction(mode, angle, CUBE, (None, 0.9))
+            yield f"0.9, 0.3 along {angle}°, degrees", found[0]
+            yield f"0.9, 0.3 along {angle}°, over the weight", found[1]
+
+    yield "RodPlaneContactWithAnisotropicFriction", Mode(make, settle=1e-3, extras=extras)
+
+
 def planar(body, speed="velocity"):
     """Return the state of a body in a plane as one in space."""
     x, z = body.position
@@ -779,13 +1071,18 @@ ENGINES: dict[str, tuple[Callable[[], Iterator[tuple[str, Mode]]], str]] = {
     "chipmunk": (pymunk, "pymunk"),
     "dart": (dart, "dartpy"),
     "drake": (drake, "drake"),
-    "mujoco": (mujoco, "mujoco"),
+    "ipctk": (ipctk, "ipctk"),
+    "jaxsim": (jaxsim, "jaxsim"),
     "motrix": (motrix, "motrixsim-core"),
+    "mujoco": (mujoco, "mujoco"),
     "newton": (newton, "newton"),
     "ode": (ode, "python3-pyode"),
     "omi": (omi, "omi-physics"),
+    "opensim": (opensim, "opensim"),
     "physx": (physx, "sapien"),
+    "pyelastica": (pyelastica, "pyelastica"),
     "rapier": (rapier, "rapier3d"),
+    "yade": (yade, "python3-yade"),
 }
 
 

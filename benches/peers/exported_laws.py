@@ -105,7 +105,21 @@ def drake(export):
     return plant.GetPositions(context)[:2]
 
 
-ENGINES = {one.__name__: one for one in (bullet, drake, mujoco)}
+def yade(export):
+    """Run the material of the text with the clump of the atlas on a box of the same."""
+    from atlas import CUBE, launched
+    from atlas import yade as modes
+    from yade import FrictMat, Omega
+
+    world = Omega()
+    exec(export.text, {"O": world, "FrictMat": FrictMat})
+    mu = np.tan(world.materials[-1].frictionAngle)
+    ((_, mode),) = modes()
+    path = launched(mode, 1.52, 58.0, TIME, CUBE, (mu, mu))
+    return path[-1, 2:4] - path[0, 2:4]
+
+
+ENGINES = {one.__name__: one for one in (bullet, drake, mujoco, yade)}
 
 
 def main() -> None:

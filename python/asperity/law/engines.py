@@ -10,7 +10,7 @@ import functools
 import inspect
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -89,12 +89,7 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
         ParameterError: for an engine that is not known; for parameters that it does not have, that
             are missing, or that no law expresses, in the engine's words.
     """
-    plain = str(engine).casefold().replace("-", "_")
-    kind = _ALSO_CALLED.get(plain, plain)
-    if not isinstance(engine, str) or kind not in ENGINES:
-        raise ParameterError(
-            "engine", f"{engine!r} is not known{advice_on(plain, sorted(ENGINES))}"
-        )
+    kind = named(engine, "engine", sorted(ENGINES))
     known = parameters_of(kind)
     for name in parameters:
         place = known_of(kind)["elsewhere"].get(name)
@@ -106,6 +101,15 @@ def translated(engine: str, parameters: Mapping[str, Any]) -> Translation:
         if needed and name not in parameters:
             raise ParameterError(name, f"is missing: {kind} has {', '.join(known)}")
     return ENGINES[kind](**parameters)
+
+
+def named(given: str, argument: str, known: Sequence[str]) -> str:
+    """Return the known name of a program that is meant, in any case or as its package is called."""
+    plain = str(given).casefold().replace("-", "_")
+    kind = _ALSO_CALLED.get(plain, plain)
+    if not isinstance(given, str) or kind not in known:
+        raise ParameterError(argument, f"{given!r} is not known{advice_on(plain, known)}")
+    return kind
 
 
 def parameters_of(engine: str) -> dict[str, bool]:
@@ -160,8 +164,9 @@ def _btrigidbody(
 ) -> Translation:
     scale = arrays.array(anisotropicFriction, "anisotropicFriction", (3,))
     mu = arrays.positive(friction, "friction") * _two(scale[:2], "anisotropicFriction")
-    sets = flow.ellipses(np.diag(mu))
-    return Translation(*sets, _report("btrigidbody", "equal" if mu[0] == mu[1] else "different"))
+    return Translation(
+        *_of_tensor(mu), _report("btrigidbody", "equal" if mu[0] == mu[1] else "different")
+    )
 
 
 def _cardillo(
@@ -274,7 +279,7 @@ def _exudyn(
     mu = _two(dryFriction, "dryFriction")
     angle = arrays.number(dryFrictionAngle, "dryFrictionAngle")
     zone = arrays.non_negative(dryFrictionProportionalZone, "dryFrictionProportionalZone")
-    reservoir, direction = flow.ellipses(np.diag(mu))
+    reservoir, direction = _of_tensor(mu)
     report = _report(
         "exudyn",
         "equal" if mu[0] == mu[1] else "different",
@@ -444,6 +449,19 @@ def _pinocchio(*, mu: float, S: ArrayLike | None = None) -> Translation:
     return Translation(reservoir, reservoir, report)
 
 
+def _pyelastica(*, kinetic_mu_array: ArrayLike) -> Translation:
+    forward, backward, sideways = arrays.array(kinetic_mu_array, "kinetic_mu_array", (3,))
+    if forward != backward:
+        raise ParameterError(
+            "kinetic_mu_array",
+            f"must have equal coefficients forwards and backwards, got {forward:g}, {backward:g}",
+        )
+    mu = _two([forward, sideways], "kinetic_mu_array")
+    return Translation(
+        *_of_tensor(mu), _report("pyelastica", "equal" if mu[0] == mu[1] else "different")
+    )
+
+
 def _siconos(
     *,
     mu: float,
@@ -485,7 +503,20 @@ def _solve_nivp(*, mu: float | None = None, projection: StarSet | None = None) -
 
 
 # Engines with one coefficient, of which the table says everything.
-_TABLED = ("box2d", "chipmunk", "dart", "motrix", "newton", "omi", "physx", "rapier")
+_TABLED = (
+    "box2d",
+    "chipmunk",
+    "dart",
+    "ipctk",
+    "jaxsim",
+    "motrix",
+    "newton",
+    "omi",
+    "opensim",
+    "physx",
+    "rapier",
+    "yade",
+)
 _SHAPES: dict[str, Callable[[float], StarSet]] = {
     "isotropic": Disk,
     "square": lambda mu: Rectangle(mu, mu),
@@ -498,6 +529,10 @@ def _of_table(engine: str, **given: Any) -> Translation:
     known = known_of(engine)
     word, option = known["coefficient"], known.get("option", "")
     mu = arrays.positive(given.get(word, known.get("default")), word)
+    if known.get("is_angle"):
+        if mu >= 0.5 * math.pi:
+            raise ParameterError(word, f"must be below π/2, got {mu}")
+        mu = math.tan(mu)
     modes = {one["name"]: one for one in known["modes"]}
     mode = modes[_word(given.get(option, next(iter(modes))), option, tuple(modes))]
     if "refused" in mode:
@@ -524,6 +559,7 @@ ENGINES: dict[str, Callable[..., Translation]] = {
     "mujoco": _mujoco,
     "ode": _ode,
     "pinocchio": _pinocchio,
+    "pyelastica": _pyelastica,
     "siconos": _siconos,
     "solve_nivp": _solve_nivp,
     **{one: functools.partial(_of_table, one) for one in _TABLED},
@@ -536,6 +572,7 @@ _ALSO_CALLED = {
     "pymunk": "chipmunk",
     "rapier3d": "rapier",
     "sapien": "physx",
+    "simbody": "opensim",
 }
 
 
@@ -562,6 +599,13 @@ def _two(value: ArrayLike, argument: str) -> Array:
     if pair.min() <= 0.0:
         raise ParameterError(argument, f"must be positive, got {pair.tolist()}")
     return pair
+
+
+def _of_tensor(mu: Array) -> tuple[StarSet, StarSet]:
+    """Return C and D where the force is diag(μ) times the direction of slip."""
+    if mu[0] == mu[1]:
+        return Disk(float(mu[0])), Disk(float(mu[0]))
+    return flow.ellipses(np.diag(mu))
 
 
 def _ellipse(a: float, b: float, angle: float = 0.0) -> StarSet:

@@ -17,9 +17,8 @@ import numpy as np
 import asperity._core as _core
 from asperity._base.arrays import Array, unit_vectors
 from asperity._base.storage.files import atomic
-from asperity._base.storage.toml import advice_on
 from asperity._base.value import NonNegative, Number, Record
-from asperity.errors import DimensionError, ParameterError
+from asperity.errors import DimensionError
 from asperity.law import engines
 from asperity.law.engine_report import EngineReport
 from asperity.sets import Ellipse, StarSet
@@ -170,6 +169,7 @@ _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "pinocchio": (_Family(partial(_rows, "S"), turns=True),),
     "rapier": (_Family(partial(_one, "friction"), sizes=1),),
     "siconos": (_Family(partial(_rows, "H"), turns=True),),
+    "yade": (_Family(lambda a, *_: {"frictionAngle": math.atan(a)}, sizes=1),),
 }
 
 TARGETS = tuple(_FAMILIES)
@@ -193,8 +193,7 @@ def exported(law: FrictionLaw, target: str, *, notes: Sequence[str] = ()) -> Law
     """
     from scipy.optimize import least_squares
 
-    if not isinstance(target, str) or target not in _FAMILIES:
-        raise ParameterError("to", f"{target!r} is not known{advice_on(str(target), TARGETS)}")
+    target = engines.named(target, "to", TARGETS)
     if law.dimension != 2:
         raise DimensionError("law", f"must be planar, its dimension is {law.dimension}")
     bare = law.replace(rate=None)

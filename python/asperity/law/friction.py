@@ -359,7 +359,8 @@ class FrictionLaw(Questions):
 
         Args:
             to: ``"abaqus"``, ``"bullet"``, ``"cardillo"``, ``"dart"``, ``"drake"``, ``"exudyn"``,
-                ``"mujoco"``, ``"pinocchio"``, ``"rapier"`` or ``"siconos"``.
+                ``"mujoco"``, ``"pinocchio"``, ``"rapier"``, ``"siconos"`` or ``"yade"``, or the
+                name of its package, as `like` takes it.
 
         Raises:
             ParameterError: for a program that is not known.
@@ -398,6 +399,8 @@ class FrictionLaw(Questions):
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
+        ``ipctk``       mu
+        ``jaxsim``      mu
         ``motrix``      friction
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
                         (three, or of two geoms), condim, cone (``"pyramidal"`` or
@@ -407,11 +410,14 @@ class FrictionLaw(Questions):
         ``newton``      mu, solver (``"SolverXPBD"``, ``"SolverVBD"``, …)
         ``ode``         mu, mu2 of contacts with ContactApprox1
         ``omi``         dynamicFriction
+        ``opensim``     dynamic_friction, force (``"HuntCrossleyForce"``, …), as in Simbody
         ``physx``       dynamic_friction, solver (``"TGS"``, ``"PGS"``)
         ``pinocchio``   mu, S (factor of the tangential rows, 2 × 2, if the user scales them)
+        ``pyelastica``  kinetic_mu_array (forwards, backwards, sideways)
         ``rapier``      friction, friction_model
         ``siconos``     mu, size (2 or 3), H (factor of the tangential rows, 2 × 2)
         ``solve_nivp``  mu, or projection (the convex set that is projected onto)
+        ``yade``        frictionAngle in rad
         ==============  ============================================================================
 
         Args:

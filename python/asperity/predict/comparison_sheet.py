@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -48,8 +49,9 @@ class ComparisonSheet(TableResult):
     laws: tuple[FrictionLaw, ...]
     comparisons: tuple[LawComparison, ...]
 
+    @cached_property
     def paths(self) -> list[list[Array]]:
-        """Return paths in m of bodies that are launched with 1 m/s, by law and launch direction."""
+        """Paths in m of bodies that are launched with 1 m/s, by law and launch direction."""
         return [[_path(law, np.deg2rad(degrees)) for degrees in _LAUNCHES] for law in self.laws]
 
     def verdicts(self) -> list[tuple[str, ...]]:
@@ -57,7 +59,7 @@ class ComparisonSheet(TableResult):
         rows: list[tuple[str, ...]] = [
             ("law", "differs", "p", "p of C", "p of D", "coefficient", "deflection", "end of path")
         ]
-        ends = [np.array([path[-1] for path in paths]) for paths in self.paths()]
+        ends = [np.array([path[-1] for path in paths]) for paths in self.paths]
         for name, one, end in zip(self.names[1:], self.comparisons, ends[1:], strict=True):
             mu, angle = one.coefficient.difference, np.rad2deg(one.deflection.difference)
             far = np.linalg.norm(end - ends[0], axis=1).max()
@@ -154,7 +156,7 @@ class ComparisonSheet(TableResult):
                     plot_law_comparison(one, ax=ax, quantity=quantity, **options)
             sliding = Figure(figsize=(5.6, 5.2), layout="constrained")
             ax = sliding.add_subplot(aspect="equal", xlabel="$x_1$ in m", ylabel="$x_2$ in m")
-            for k, (name, paths) in enumerate(zip(self.names, self.paths(), strict=True)):
+            for k, (name, paths) in enumerate(zip(self.names, self.paths, strict=True)):
                 for number, path in enumerate(paths):
                     # What later lines cover is seen beside them.
                     width = 3.0 / (1 + k)

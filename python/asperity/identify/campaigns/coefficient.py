@@ -110,9 +110,12 @@ class OneChannel:
             for run in one.runs
             if math.isnan(run.coefficient.low)
         ]
-        if any(run.coefficient.value < 0.0 for run in one.runs):
-            found.append("the force goes with the sliding: a minus before its unit turns its sign")
-        return tuple(found)
+        return (*found, *one.wrong_signs)
+
+    @property
+    def _further(self) -> list[str]:
+        """Warnings that the text on the coefficient has not."""
+        return [one for one in self.warnings if one not in self.coefficient.wrong_signs]
 
     def summary(self) -> str:
         """Return a few paragraphs of text."""
@@ -121,8 +124,8 @@ class OneChannel:
             "One channel: the force across the sliding is not known, and neither is a direction "
             "set." + (f" Isotropic law: {self.law.law}." if self.law is not None else "")
         )
-        if self.warnings:
-            parts.append("\n".join(f"warning: {sentence}" for sentence in self.warnings))
+        if self._further:
+            parts.append("\n".join(f"warning: {sentence}" for sentence in self._further))
         return "\n\n".join(parts)
 
     def results(self) -> dict[str, Any]:
@@ -137,7 +140,7 @@ class OneChannel:
             self.law.save(folder / "law.toml")
         self.coefficient.to_csv(folder / "turns.csv")
         sections = write_coefficient(self.coefficient, folder)
-        head = Section("", *(Text(one, "warning") for one in self.warnings))
+        head = Section("", *(Text(one, "warning") for one in self._further))
         write_report(folder / "report.html", title, [head, *sections])
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity._base.result import Axis, Series, Table, TableResult, counted
 from asperity._base.tables import aligned
 from asperity._base.value import AnyArray, Fraction, Given, Positive, Record, a_tuple
@@ -101,8 +102,6 @@ class Comparison(TableResult, Record):
         Returns:
             1 − e²/e₀², with its confidence interval from the scatter of turns or blocks.
         """
-        from scipy.stats import t
-
         names = [one.name for one in self.candidates]
         one, other = (
             self.errors[names.index(arrays.choice(name, argument, names))]
@@ -113,7 +112,7 @@ class Comparison(TableResult, Record):
         away = (one - (1.0 - share) * other) / other.mean()
         count = len(away)
         error = float(np.std(away, ddof=1)) / math.sqrt(count)
-        half = float(t.ppf(0.5 + 0.5 * self.confidence, count - 1)) * error
+        half = student(self.confidence, count - 1) * error
         return Estimate(share, share - half, share + half, error)
 
     def summary(self) -> str:

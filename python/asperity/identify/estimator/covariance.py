@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity._base.value import Record
 from asperity.errors import ParameterError
 from asperity.identify.estimator.descent import Sums
@@ -107,14 +108,12 @@ class Covariance:
         never hold less than they say (Banerjee 1960), not even where one of two turns repeats the
         other by chance.
         """
-        from scipy.stats import t
-
         squares = np.zeros(len(directions))
         scatter = self.degrees[0] if self.leverage is None else self.leverage.degrees(directions)
         parts = zip((*self.parts, self.runs), (scatter, *self.degrees[1:], 1.0), strict=True)
         for part, degrees in parts:
             if part is not None:
-                quantile = t.ppf(0.5 + 0.5 * confidence, np.minimum(degrees, _MOST_DEGREES))
+                quantile = student(confidence, np.minimum(degrees, _MOST_DEGREES))
                 squares += quantile**2 * np.einsum("ni,ij,nj->n", directions, part, directions)
         return np.sqrt(np.maximum(squares, 0.0))
 

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from asperity._base.arrays import Array, unit_vectors
+from asperity._base.quantiles import student
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult
 from asperity._base.value import AnyArray, Fraction, Record
 from asperity.errors import AsperityError, DimensionError, ParameterError
@@ -338,8 +339,6 @@ def _curve(sides: list[_Side], part: slice, level: float) -> CurveDifference:
 
 def _parameters(laws: list[IdentifiedLaw], sides: list[_Side], level: float) -> dict[str, Estimate]:
     """Return the differences of the parameters, one by one, of laws of the same models."""
-    from scipy.stats import t
-
     if laws[0].coordinates != laws[1].coordinates:
         return {}
     at, turn = _axes_of(*laws)
@@ -359,7 +358,7 @@ def _parameters(laws: list[IdentifiedLaw], sides: list[_Side], level: float) -> 
     degrees = np.array([one for side in sides for one in side.degrees])
     freedom = np.minimum(np.nan_to_num(_welch(variances, degrees), nan=1e9), 1e9)
     errors = np.sqrt(variances.sum(axis=0))
-    half = t.ppf(0.5 + 0.5 * level, freedom) * errors
+    half = student(level, freedom) * errors
     return {
         name: Estimate(float(d), float(d - h), float(d + h), float(e))
         for name, d, h, e in zip(laws[0].names, change, half, errors, strict=True)

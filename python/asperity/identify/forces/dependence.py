@@ -11,6 +11,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity._base.value import AnyArray, Fraction, Record, Vector, field
 from asperity.errors import ParameterError
 from asperity.identify.forces.processing import ProcessedData
@@ -65,8 +66,6 @@ class Dependence(Record):
             )
 
     def _derive(self) -> None:
-        from scipy.stats import t
-
         x, y = self.values, self.coefficients
         away = np.log(x) - np.log(x).mean()
         spread = float(away @ away)
@@ -75,7 +74,7 @@ class Dependence(Record):
         half = math.inf
         if x.size > 2:
             error = math.sqrt(float(left @ left) / (x.size - 2) / spread)
-            half = float(t.ppf(0.5 * (1.0 + self.confidence), x.size - 2)) * error
+            half = student(self.confidence, x.size - 2) * error
         self._keep(exponent=exponent, low=exponent - half, high=exponent + half)
 
     @property
@@ -121,7 +120,10 @@ def speed_dependence(
 
 
 def _several(data: ProcessedData | Iterable[ProcessedData]) -> tuple[ProcessedData, ...]:
-    return (data,) if isinstance(data, ProcessedData) else arrays.several(data, "data")
+    runs = (data,) if isinstance(data, ProcessedData) else arrays.several(data, "data")
+    for one in runs:
+        arrays.of_kind(one, "data", ProcessedData, "what process() returns, or several of it")
+    return runs
 
 
 def _means(data: ProcessedData, values: Array) -> list[tuple[float, float]]:

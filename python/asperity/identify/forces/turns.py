@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity._base.value import AnyArray, Fraction, Record, Vector, field
 from asperity.errors import ParameterError
 from asperity.identify.records.record import Recording
@@ -100,12 +101,10 @@ class TurnAverage(Record):
 
 
 def _half_width(values: Array, confidence: float) -> Array:
-    from scipy.stats import t
-
     m = len(values)
     if m < 2:
         return np.full(values.shape[1], np.inf)
-    quantile = t.ppf(0.5 * (1.0 + confidence), m - 1)
+    quantile = student(confidence, m - 1)
     return quantile * values.std(axis=0, ddof=1) / math.sqrt(m)
 
 

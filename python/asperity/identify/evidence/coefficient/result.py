@@ -12,6 +12,7 @@ import numpy as np
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult, counted
 from asperity._base.tables import aligned
 from asperity.errors import FitError, ParameterError
@@ -302,6 +303,16 @@ class FrictionCoefficient(TableResult):
         noise = means.var(axis=0, ddof=1).mean() / len(means) if len(means) > 1 else 0.0
         return math.sqrt(max(float(means.mean(axis=0).var(ddof=1)) - float(noise), 0.0))
 
+    @property
+    def wrong_signs(self) -> tuple[str, ...]:
+        """Sentences on runs whose force goes with the sliding; `sentences` has them, too."""
+        return tuple(
+            f"In {run.name} the force goes with the sliding: a minus before its unit turns its "
+            "sign."
+            for run in self.runs
+            if run.coefficient.value < 0.0
+        )
+
     def _values(self, number: int) -> Array:
         own = self.over_turns.coefficient[self.over_turns.run == number]
         return independent(own[np.isfinite(own)], pairs=not self.processed.goes_round)
@@ -309,12 +320,7 @@ class FrictionCoefficient(TableResult):
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
         word = "turns" if self.processed.goes_round else "strokes"
-        found = [
-            f"In {run.name} the force goes with the sliding: a minus before its unit "
-            "turns its sign."
-            for run in self.runs
-            if run.coefficient.value < 0.0
-        ]
+        found = list(self.wrong_signs)
         for group in self.groups:
             where = f" at {group.load:.4g} N" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
@@ -509,6 +515,7 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     (True, 4)
     """
     level = level_of(confidence) or 0.95
+    arrays.of_kind(data, "data", ProcessedData, "what process() returns")
     turns = turns_of(data) if data.goes_round else starts_of(data).turns
     zero, gain = shared_variance(data, turns.kept)
     known = zero + gain
@@ -568,8 +575,6 @@ def _names(data: ProcessedData) -> tuple[str, ...]:
 
 def _change(values: Array, level: float) -> Estimate:
     """Return the relative change from first to last value of a straight line through them."""
-    from scipy.stats import t
-
     n = values.size
     if n < 4:
         return Estimate(math.nan, math.nan, math.nan, math.nan)
@@ -578,7 +583,7 @@ def _change(values: Array, level: float) -> Estimate:
     left = values - values.mean() - slope * at
     error = math.sqrt(float(left @ left) / (n - 2) / float(at @ at))
     mean = float(values.mean())
-    half = float(t.ppf(0.5 + 0.5 * level, n - 2)) * error
+    half = student(level, n - 2) * error
     return Estimate(slope / mean, (slope - half) / mean, (slope + half) / mean, error / mean)
 
 
@@ -589,8 +594,6 @@ def _group(
     level: float,
     known: float,
 ) -> Group:
-    from scipy.stats import t
-
     own = [runs[k] for k in part]
     load, speed = (
         float(np.mean([getattr(one, name) for one in own])) for name in ("load", "speed")
@@ -606,9 +609,7 @@ def _group(
         variance = float(means.var(ddof=1))
         own_part = scatter * float(np.mean([1.0 / one.size for one in some]))
         between = math.sqrt(max(variance - (own_part if degrees else 0.0), 0.0)) / mean.value
-        half = float(t.ppf(0.5 + 0.5 * level, len(part) - 1)) * math.sqrt(
-            variance * (1.0 + 1.0 / len(part)) + known
-        )
+        half = student(level, len(part) - 1) * math.sqrt(variance * (1.0 + 1.0 / len(part)) + known)
         ahead = mean.value - half, mean.value + half
     return Group(
         load, speed, tuple(part), mean, math.sqrt(scatter) / abs(mean.value), between, ahead

@@ -285,6 +285,7 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     (1.2, True, 1.0)
     """
     level = level_of(confidence) or 0.95
+    arrays.of_kind(data, "data", ProcessedData, "what process() returns")
     if data.goes_round:
         raise FitError("data: a disk or a stage that goes round does not reverse")
     found = starts_of(data)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity._base.result import Result
 from asperity.errors import FitError
 from asperity.identify.estimator.covariance import level_of
@@ -94,7 +95,7 @@ def fit_stribeck(
     >>> round(found.speed.value, 3), found.ratio.covers(0.6)
     (0.05, True)
     """
-    from scipy.stats import f, t
+    from scipy.special import fdtrc
 
     v = arrays.array(speeds, "speeds", (None,))
     y = arrays.array(coefficients, "coefficients", v.shape)
@@ -117,7 +118,7 @@ def fit_stribeck(
     if not model.min() > 0.0:
         raise FitError("speeds: no Stribeck curve with positive coefficients goes through these")
     degrees = v.size - 3
-    factor = 1.0 + float(t.ppf(0.5 + 0.5 * level, degrees)) ** 2 / degrees
+    factor = 1.0 + student(level, degrees) ** 2 / degrees
     for refined in range(3):
         tried = _tried(v, y, model, np.geomspace(*ends, _TRIED))
         least = max(float(tried.cost.min()), _ROUNDING)
@@ -128,7 +129,7 @@ def fit_stribeck(
         ends = float(tried.speed[first]), float(tried.speed[last])
     best = int(tried.cost.argmin())
     flat = float(((y / y.mean() - 1.0) ** 2).sum())
-    if f.sf(max(flat - least, 0.0) / 2.0 / (least / degrees), 2, degrees) > 1.0 - level:
+    if fdtrc(2, degrees, max(flat - least, 0.0) / 2.0 / (least / degrees)) > 1.0 - level:
         raise FitError("speeds: the coefficients do not depend on them beyond their scatter")
     if tried.kinetic[best] >= tried.static[best]:
         raise FitError("speeds: friction rises with the speed, and a Stribeck factor falls")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array, along_and_across
+from asperity._base.quantiles import student
 from asperity.errors import ParameterError
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate
@@ -146,15 +147,13 @@ def interval(values: Array, confidence: float, *, known: float = 0.0) -> Estimat
         confidence: of the interval.
         known: variance that all values share, from calibration and zeros (Welch 1947).
     """
-    from scipy.stats import t
-
     mean, n = float(values.mean()), values.size
     if n < 2:
         return Estimate(mean, math.nan, math.nan, math.nan)
     scatter = float(values.var(ddof=1)) / n
     error = math.sqrt(scatter + known)
     degrees = (n - 1) * (1.0 + known / scatter) ** 2 if scatter else math.inf
-    half = float(t.ppf(0.5 + 0.5 * confidence, min(degrees, 1e9))) * error
+    half = student(confidence, min(degrees, 1e9)) * error
     return Estimate(mean, mean - half, mean + half, error)
 
 

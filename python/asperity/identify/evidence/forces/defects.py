@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity.identify.evidence.forces.bins import FINE, GroupedBins, grouped
 from asperity.identify.evidence.forces.samples import Samples
 
@@ -181,11 +182,9 @@ def _mean_size(force: Array) -> float:
 
 def _matters(values: Array, size: float, small: float, large: float) -> bool:
     """Return whether means of columns differ from 0 (t-tests after Bonferroni), or are large."""
-    from scipy.stats import t
-
     turns, columns = values.shape
     if size < small or turns < 2:
         return size >= large
     error = values.std(axis=0, ddof=1) / np.sqrt(turns)
-    bound = t.ppf(1.0 - 0.5 * _LEVEL / columns, turns - 1)
+    bound = student(1.0 - _LEVEL / columns, turns - 1)
     return bool(size >= large or (np.abs(values.mean(axis=0)) > bound * error).any())

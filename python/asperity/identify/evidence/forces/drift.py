@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity.identify.evidence.forces.samples import Samples
 
 # With fewer turns in a run, a trend is not told from scatter.
@@ -109,8 +110,6 @@ def _of_run(trend: _Trend, trends: list[_Trend], level: float) -> Drift:
 
 
 def _judged(slope: float, turns: float, variance: float, degrees: int, level: float) -> Drift:
-    from scipy.stats import t
-
     size = slope * (turns - 1.0)
-    sure = abs(slope) > float(t.ppf(1.0 - 0.5 * level, degrees)) * math.sqrt(variance)
+    sure = abs(slope) > student(1.0 - level, degrees) * math.sqrt(variance)
     return Drift(size, bool(sure and abs(size) > _LEAST))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._base.arrays import Array
+from asperity._base.quantiles import student
 from asperity.identify.estimator.descent import Sums
 
 # This part of the pairs of runs that do not differ is taken for pairs that do: half of it by the
@@ -51,8 +52,6 @@ def mountings_of(
         level: gradient Jᵀf of the model forces, up to a factor: the coordinates' part in them.
         shared: covariance of the difference by errors of calibration and zeros, ``(k, k)``.
     """
-    from scipy.stats import t
-
     runs, number = np.unique(run, return_inverse=True)
     turns = number.size
     if runs.size != 2 or turns < 3:
@@ -71,7 +70,7 @@ def mountings_of(
     ratio = difference**2 / np.maximum(scatter, np.finfo(float).tiny)
     tails = np.full(ratio.size, 0.25 * _LEVEL / (ratio.size - 1))
     tails[-1] = 0.25 * _LEVEL
-    matters = bool((ratio > t.isf(tails, turns - 2) ** 2).any())
+    matters = bool((ratio > student(1.0 - 2.0 * tails, turns - 2) ** 2).any())
     beyond = np.ones(level.size) if matters else 1.0 - 1.0 / np.maximum(ratio[:-1], 1.0)
     # The mean of both is weighted so, and half the square is the variance of either.
     beyond *= 0.5 * float(shares @ shares)

@@ -74,7 +74,7 @@ def outliers(samples: Samples, left: Array) -> Outliers:
         samples: all of them.
         left: measured minus model forces of these, ``(n, 2)``.
     """
-    from scipy.stats import binomtest
+    from scipy.special import bdtr
 
     some = inside(samples, _MOST_SAMPLES)
     bins = int(np.clip(some.size // _FEWEST_PER_BIN, 1, _MOST_BINS))
@@ -90,7 +90,8 @@ def outliers(samples: Samples, left: Array) -> Outliers:
     share = count / some.size
     matters = count >= _FEWEST and share >= _LEAST_SHARE and _are_everywhere(at[far] / bins)
     larger = int(np.count_nonzero(parts[0][far] > 0.0))
-    one_sided = matters and binomtest(larger, count).pvalue < _LEVEL
+    # The sign test, two-sided.
+    one_sided = matters and 2.0 * bdtr(min(larger, count - larger), count, 0.5) < _LEVEL
     return Outliers(share, matters, bool(one_sided))
 
 

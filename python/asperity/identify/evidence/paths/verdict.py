@@ -68,7 +68,7 @@ def verdict(solution: Solution, *, confidence: float | None, length_error: float
 
 def _fitted_paths(solution: Solution, confidence: float | None) -> tuple[FittedPath, ...]:
     """Return the paths with their launches, whose errors follow from those of the positions."""
-    from scipy.stats import norm
+    from scipy.special import ndtri
 
     misfits = solution.misfits
     columns = solution.jacobian * solution.weights[0][:, None]
@@ -76,7 +76,7 @@ def _fitted_paths(solution: Solution, confidence: float | None) -> tuple[FittedP
     inverse = np.linalg.pinv(columns / scale)
     errors = np.zeros((len(misfits.paths), len(QUANTITIES)))
     errors[misfits.free] = (np.linalg.norm(inverse, axis=1) / scale)[misfits.size :]
-    quantile = math.nan if confidence is None else float(norm.ppf(0.5 + 0.5 * confidence))
+    quantile = math.nan if confidence is None else float(ndtri(0.5 + 0.5 * confidence))
     launches, places = misfits.launches(solution.z), misfits.simulated(solution.z)
     assert places is not None
     return tuple(

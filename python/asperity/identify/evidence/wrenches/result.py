@@ -236,7 +236,7 @@ class BlockFit(LawFit):
 
         Unlike intervals of each, it does not depend on the axes.
         """
-        from scipy.stats import f
+        from scipy.special import fdtri
 
         q = self.coordinates[list(at)]
         if self.covariance is None:
@@ -247,7 +247,7 @@ class BlockFit(LawFit):
         count, degrees = len(at), int(self.blocks.max())
         left = degrees - count + 1
         statistic = float(q @ np.linalg.lstsq(spread, q, rcond=None)[0])
-        return bool(statistic * left / (count * degrees) > f.ppf(1.0 - _LEVEL, count, left))
+        return bool(statistic * left / (count * degrees) > fdtri(count, left, 1.0 - _LEVEL))
 
     @property
     def warnings(self) -> tuple[str, ...]:
