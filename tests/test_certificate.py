@@ -8,7 +8,7 @@ import asperity as asp
 import numpy as np
 import pytest
 from asperity import Status, problems
-from asperity.contact import Certificate
+from asperity.contact import Certificate, grading
 from asperity.contact.grading import natural_map, proves_no_solution
 from asperity.errors import NoSolutionError
 from random_problems import chain
@@ -586,6 +586,34 @@ def test_the_checker_refuses_what_proves_nothing():
     heavier = problem.delassus + 1e-9 * np.diag([1.0, 0, 0, 0, 0, 0])
     assert not proves_no_solution(problem.replace(delassus=heavier), proof)
     assert not proves_no_solution(problem, proof.replace(kind="one_contact"))
+
+
+def test_the_checker_refuses_proofs_for_problems_without_loads_and_of_the_smallest_numbers():
+    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    solved = asp.ContactProblem(0.1 * np.eye(2), free_velocity=[-1.0, 0.1], laws=line)
+    assert solved.solve().status is Status.CONVERGED
+    squeezed = jaws(0.2, 0.0).solve(on_failure="record").infeasibility
+    tiny = squeezed.replace(contact=0, direction=np.array([5e-324, 0.0]))
+    assert not proves_no_solution(solved, tiny)
+    cases = tiny.replace(kind="cases", cases=[np.array([-5e-324, 0.0])])
+    assert not proves_no_solution(solved, cases)
+    both = tiny.replace(kind="cases", cases=[0, np.array([-1.0, 0.0]), np.array([1.0, 0.0])])
+    assert not proves_no_solution(solved.replace(free_velocity=np.zeros(2)), both)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_friction_of_a_state_holds_corners_between_points(turn):
+    angle = 2.0 * np.pi * (1234.0 + turn) / 20_000
+    u = np.array([np.cos(angle), np.sin(angle)])
+    across = np.array([-u[1], u[0]])
+    triangle = asp.Polygon([u, 0.2 * (across - u), -0.2 * (across + u)])
+    law = asp.FrictionLaw(triangle, asp.Disk(1.0))
+    quadrant = (0.0, 0.5 * np.pi)
+    for state in ("closed", quadrant, (angle - 1e-5, angle + 1e-5)):
+        friction = grading._friction_of(law, state)
+        assert (friction @ -u).max() >= 1.0 - 1e-12
+        # Tangents of a triangle meet on its sides and in its corners.
+        assert triangle.gauge(-friction).max() < 1.0 + 1e-9
 
 
 def test_a_failed_solve_reports_the_measure_it_was_asked_for():

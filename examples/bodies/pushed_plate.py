@@ -105,7 +105,8 @@ for board, pairs in moves.items() if folder else ():
     cosine = np.prod(pairs, axis=1).sum(axis=-1)
     errors[board] = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
     print(f"{board}, {len(pairs)} pushes: the motion is {np.median(errors[board]):.1f}°", end=" ")
-    print(f"beside the measured one (median), the measured force {np.median(ratios[board]):.2f}")
+    print("beside the measured one (median), the measured force", end=" ")
+    print(f"{np.median(ratios[board]):.2f} times the predicted one (median)")
 if not folder:
     print("set ASPERITY_MEASUREMENTS to compare with measured pushes")
 

@@ -115,6 +115,8 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     normal[[rows.start for rows, force in _contacts(problem) if force is None]] = True
     if not weights.max() > 0.0 or (weights < 0.0).any() or (weights[~normal] != 0.0).any():
         return False
+    # Products with the smallest numbers would vanish.
+    weights = weights / weights.max()
     return bool(
         -weights @ free > 1e-13 * (weights @ np.abs(free))
         and (_keeps_bodies(problem, weights, free) or _vanishes(problem, weights, free))
@@ -229,6 +231,8 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
     # G may have lost heavy bodies beside light ones.
     if z.shape != free.shape or not z.any() or problem.directions is not None or scale.min() == 0.0:
         return False
+    # Products with the smallest numbers would vanish.
+    z = z / np.abs(z).max()
     y, gap, left, size = problem.delassus.T @ z, z @ free, 0.0, scale @ np.abs(z)
     loads = (np.abs(free) / scale).max()
     contacts = zip(_contacts(problem), problem.laws, states, strict=True)
@@ -243,6 +247,8 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
             return False
         if state == "open":
             continue
+        if law.dimension > 2 or not law.reservoir.is_convex:
+            return False
         friction = _friction_of(law, state)
         pulled, pulling = friction @ y[tangent], np.abs(friction) @ scale[tangent]
         if force is None:
@@ -251,20 +257,32 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
             gap += force * pulled.min()
             loads = max(loads, force * pulling.max())
     beyond = _HUGE * (left + 0.5 * _EPSILON * size) * loads
-    return bool(left <= 8.0 * _EPSILON * size and gap >= beyond)
+    return bool(left <= 8.0 * _EPSILON * size and gap > 0.0 and gap >= beyond)
 
 
 def _friction_of(law: FrictionLaw, state: State) -> Array:
-    """Return friction per unit normal force of a state, all around or of directions of slip."""
-    directions, friction = _frictions(law)
-    if not isinstance(state, tuple):
-        return friction
-    first, last = state
-    middle = arrays.unit_vectors(0.5 * (first + last))[: law.dimension]
-    inside = directions @ middle >= math.cos(0.5 * (last - first))
-    # Along flat sides friction jumps at the ends.
-    beside = arrays.unit_vectors(np.array([first - 1e-7, last + 1e-7]))[:, : law.dimension]
-    return np.vstack([friction[inside], law.force(beside, normal_force=1.0)])
+    """Return points around the friction per unit normal force of a state: where tangents of C meet.
+
+    Points of the boundary alone would leave out corners between them.
+    """
+    if law.dimension == 1:
+        ends = np.cos(state)[:1, None] if isinstance(state, tuple) else np.array([[1.0], [-1.0]])
+        return law.force(ends, normal_force=1.0)
+    first, turn = 0.0, 2.0 * math.pi
+    if isinstance(state, tuple):
+        # Flat sides of D may end the sector.
+        beside = arrays.unit_vectors(np.add(state, [-1e-7, 1e-7]))
+        z = law.direction.support_point(beside)
+        first, last = np.add(np.arctan2(z[:, 1], z[:, 0]), [-1e-9, 1e-9])
+        turn = (last - first) % (2.0 * math.pi)
+    rays = arrays.unit_vectors(first + turn * np.linspace(0.0, 1.0, 257))
+    x = rays / law.reservoir.gauge(rays)[:, None]
+    normal = law.reservoir.gauge_gradient(x)
+    # 1 − nᵀx of each point and the tangent at its neighbour; along a flat side both are zero.
+    ahead = np.maximum(1.0 - (normal[:-1] * x[1:]).sum(axis=1), _EPSILON)[:, None]
+    behind = np.maximum(1.0 - (normal[1:] * x[:-1]).sum(axis=1), _EPSILON)[:, None]
+    meeting = (ahead * x[:-1] + behind * x[1:]) / (ahead + behind - ahead * behind)
+    return -np.vstack([x[[0, -1]], meeting])
 
 
 @functools.lru_cache(maxsize=16)
