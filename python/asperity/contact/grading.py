@@ -88,9 +88,9 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
 
     A proof of the kind ``"cases"`` divides all that the contacts can do, see `Infeasibility`, until
     each case has its z. Up to rounding of 8 ε Σ sᵢ|zᵢ| in scaled rows, z·ξ ≤ 0 holds at the ends
-    of sectors and (Gᵀz)·P ≥ 0 in the directions of above; a remainder η bounds percussions and
-    velocities of any solution from below, which must be 5e9 times the largest |b|/s. It is checked
-    for p = 1 and p = 2.
+    of sectors and (Gᵀz)·P ≥ 0 for the friction where tangents of C, 32 in half a turn, meet; a
+    remainder η bounds percussions and velocities of any solution from below, which must be 5e9
+    times the largest |b|/s. It is checked for p = 1 and, with convex C, p = 2.
 
     Args:
         problem: with any laws.
@@ -271,11 +271,13 @@ def _friction_of(law: FrictionLaw, state: State) -> Array:
     first, turn = 0.0, 2.0 * math.pi
     if isinstance(state, tuple):
         # Flat sides of D may end the sector.
-        beside = arrays.unit_vectors(np.add(state, [-1e-7, 1e-7]))
+        beside = arrays.unit_vectors(np.add(state, [-1e-6, 1e-6]))
         z = law.direction.support_point(beside)
-        first, last = np.add(np.arctan2(z[:, 1], z[:, 0]), [-1e-9, 1e-9])
+        first, last = np.add(np.arctan2(z[:, 1], z[:, 0]), [-1e-6, 1e-6])
         turn = (last - first) % (2.0 * math.pi)
-    rays = arrays.unit_vectors(first + turn * np.linspace(0.0, 1.0, 257))
+    # More tangents hold less around C, others than those of the proof hold what it need not.
+    pieces = max(math.ceil(32.0 * turn / math.pi), 1)
+    rays = arrays.unit_vectors(first + turn * np.linspace(0.0, 1.0, pieces + 1))
     x = rays / law.reservoir.gauge(rays)[:, None]
     normal = law.reservoir.gauge_gradient(x)
     # 1 − nᵀx of each point and the tangent at its neighbour; along a flat side both are zero.
