@@ -19,6 +19,10 @@ use crate::vectors::copy;
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// Compliance of joints relative to that of the bodies without them. In directions that joints hold, contacts then transmit
+/// what they need to and no more.
+const COMPLIANCE: f64 = 1e-12;
+
 /// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
 /// once as much, of none where a run begins, and of twice as much where it was not held along the chord before, which
 /// must not go on: four keeps away from all of these.
@@ -40,6 +44,8 @@ pub(super) struct Assembly {
     /// of the speed likewise.
     directions: Vec<f64>,
     responses: Vec<f64>,
+    /// What joints yield of the diagonal of the Delassus operator, row by row.
+    compliance: Vec<f64>,
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
     slip: Vec<f64>,
@@ -235,7 +241,7 @@ impl Assembly {
     ) -> Result<Change, StepError> {
         let dt = step.dt;
         system::begin(system, step, &mut self.midpoint)?;
-        let new_mass = !(self.has_mass && self.constancy.mass);
+        let mut new_mass = !(self.has_mass && self.constancy.mass);
         if new_mass {
             self.has_mass = false;
             self.mass.update(system, step.midpoint, &self.midpoint.q)?;
@@ -243,6 +249,11 @@ impl Assembly {
         }
         let Midpoint { before, forces, .. } = &self.midpoint;
         self.mass.accelerate(system, before, (dt, forces), &mut self.free);
+        if !self.midpoint.held.is_empty() {
+            self.hold(system, dt)?;
+            // Joints change what contacts do to each other.
+            new_mass = true;
+        }
         if self.constant && closed.ready && !new_mass {
             let loads = closed.problem.free_velocity_mut();
             copy(&self.chi, loads);
@@ -271,7 +282,7 @@ impl Assembly {
         }
         if !same || changed || self.factors.any() {
             self.fill(system, closed);
-            closed.check_directions()?;
+            closed.check_directions(&self.compliance)?;
             self.constant = self.is_constant(system, closed);
             if self.constant {
                 // No sum with a chord of zero tells zeros from their negatives any more.
@@ -519,7 +530,7 @@ impl Assembly {
         for list in [&mut self.directions, &mut self.responses] {
             list.resize(place, 0.0);
         }
-        for list in [&mut self.chi, &mut self.slip, &mut self.chord, &mut self.by_place] {
+        for list in [&mut self.compliance, &mut self.chi, &mut self.slip, &mut self.chord, &mut self.by_place] {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
@@ -544,11 +555,19 @@ impl Assembly {
             for k in 0..rows.len {
                 let factor = self.factors.rows()[rows.first + k];
                 let start = rows.place + k * rows.width;
+                self.compliance[rows.first + k] = 0.0;
                 for side in &self.sides[rows.sides.clone()] {
                     let first = start + side.offset;
                     let response = &mut self.responses[first..first + side.len];
                     response.copy_from_slice(&self.directions[first..first + side.len]);
                     self.mass.solve_block(system, side.block, response);
+                    let mut held = self.midpoint.held.iter();
+                    if let Some(held) = held.find(|held| held.block == side.block) {
+                        let own = &self.directions[first..first + side.len];
+                        let mobility = own.iter().zip(&*response).map(|(w, r)| w * r).sum::<f64>();
+                        self.compliance[rows.first + k] += COMPLIANCE * mobility;
+                        held.project(response);
+                    }
                     if factor != 1.0 {
                         response.iter_mut().for_each(|value| *value *= factor);
                     }
@@ -571,6 +590,11 @@ impl Assembly {
             for k in 0..blocks.neighbours(i).len() {
                 let (j, block) = blocks.block_mut(i, k);
                 self.fill_block(contact, &self.contacts[j], block);
+                if i == j {
+                    let own = &self.compliance[contact.first..contact.first + contact.len];
+                    let diagonal = block.iter_mut().step_by(contact.len + 1);
+                    diagonal.zip(own).for_each(|(g, own)| *g += own);
+                }
             }
         }
     }
@@ -617,7 +641,16 @@ impl Assembly {
         } else {
             self.add_responses(percussion);
         }
+        if !self.midpoint.held.is_empty() {
+            self.hold(system, dt)?;
+        }
         system::finish(system, &mut self.midpoint, &self.free, dt, q, u)
+    }
+
+    /// Forces of joints change the velocities.
+    fn hold(&mut self, system: &dyn System, dt: f64) -> Result<(), SystemError> {
+        let Self { midpoint, free, .. } = self;
+        system.turning().map_or(Ok(()), |turning| turning.hold(midpoint, free, dt))
     }
 
     /// Adds what percussions change of the velocities.

@@ -1,0 +1,319 @@
+"""Hinges, sliders and welds against closed forms, other engines and simpler systems."""
+
+import asperity as asp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+G = 9.81
+ORIGIN = (0.0, 0.0, 0.0)
+ROD = (0.02, 0.03, 0.3)
+
+
+def apart(system, motion, joint, anchor, body=0, other=None):
+    """Return how far the points of both bodies that met at the anchor are from each other."""
+    positions, rotations = system.positions(motion), system.rotations(motion)
+    ends = []
+    for k in (body, other):
+        if k is None:
+            ends.append(np.broadcast_to(anchor, positions[:, 0].shape))
+        else:
+            arm = rotations[0, k].T @ (np.asarray(anchor) - positions[0, k])
+            ends.append(positions[:, k] + rotations[:, k] @ arm)
+    return np.abs(ends[0] - ends[1]).max()
+
+
+def pendulum(angle=1.0, turn=None, scale=1.0, mass=2.0, **changes):
+    """Return a slender box on a hinge about a horizontal axis, at an angle from below."""
+    turn = Rotation.identity() if turn is None else turn
+    attitude = turn * Rotation.from_euler("y", -angle)
+    x, y, z, w = attitude.as_quat()
+    half = scale * np.array(ROD)
+    arm = attitude.apply([0.0, 0.0, -half[2]])
+    body = asp.Body.box(mass, half_sizes=half, position=arm, orientation=(w, x, y, z))
+    hinge = asp.Hinge(0, anchor=ORIGIN, axis=turn.apply([0.0, 1.0, 0.0]))
+    gravity = turn.apply([0.0, 0.0, -G * scale])
+    return asp.RigidBodies([body], joints=[hinge], gravity=gravity, **changes)
+
+
+def swing(angle, times, rate=G * 0.3 / (0.3**2 + (0.02**2 + 0.3**2) / 3.0)):
+    def motion(_, state):
+        return [state[1], -rate * np.sin(state[0])]
+
+    found = solve_ivp(motion, (0.0, times[-1]), [angle, 0.0], "DOP853", times, rtol=1e-12, atol=1e-13)
+    return found.y[0]
+
+
+def angle_of(system, motion, turn):
+    arm = turn.inv().apply(system.positions(motion)[:, 0])
+    return np.unwrap(np.arctan2(arm[:, 0], -arm[:, 2]))
+
+
+def test_pendulum_follows_its_equation_with_second_order():
+    turn, errors = Rotation.random(random_state=3), []
+    system = pendulum(1.0, turn)
+    for dt in (4e-3, 2e-3, 1e-3):
+        motion = asp.simulate(system, dt=dt, t_end=2.0)
+        errors.append(np.abs(angle_of(system, motion, turn) - swing(1.0, motion.t)).max())
+        assert apart(system, motion, 0, np.zeros(3)) < 1e-13
+    assert errors[-1] < 1e-5
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.02)
+
+
+def test_energy_of_a_pendulum_does_not_drift():
+    system = pendulum(2.5)
+    motion = asp.simulate(system, dt=1e-2, t_end=100.0)
+    energy = system.energy(motion) - system.energy(motion)[0]
+    first, last = energy[: len(energy) // 4], energy[-len(energy) // 4 :]
+    assert np.abs(energy).max() < 2e-2
+    assert abs(last.max() - first.max()) < 2e-4 and abs(last.min() - first.min()) < 2e-4
+
+
+CHAIN = """
+<mujoco>
+  <option timestep="1e-4" integrator="RK4" gravity="0 0 -9.81"><flag contact="disable"/></option>
+  <worldbody>
+    <body pos="0.3 0 0">
+      <inertial pos="0 0 0" mass="2" diaginertia="0.02 0.05 0.06"/>
+      <joint type="hinge" axis="0 0.6 0.8" pos="-0.3 0 0"/>
+      <body pos="0.3 0.2 0">
+        <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.004 0.012"/>
+        <joint type="hinge" axis="1 0 0.5" pos="0 -0.2 0"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def double_pendulum(order=1):
+    bodies = [
+        asp.Body(2.0, inertia=(0.02, 0.05, 0.06), position=(0.3, 0.0, 0.0)),
+        asp.Body(1.0, inertia=(0.01, 0.004, 0.012), position=(0.6, 0.2, 0.0)),
+    ]
+    joints = [
+        asp.Hinge(0, anchor=ORIGIN, axis=(0.0, 0.6, 0.8)),
+        asp.Hinge(1, other=0, anchor=(0.6, 0.0, 0.0), axis=(1.0, 0.0, 0.5)),
+    ]
+    return asp.RigidBodies(bodies, joints=joints[::order])
+
+
+def test_double_pendulum_in_space_moves_as_in_mujoco():
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(CHAIN)
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 10_000)
+    system, errors = double_pendulum(), []
+    for dt in (2e-3, 1e-3):
+        motion = asp.simulate(system, dt=dt, t_end=1.0)
+        errors.append(np.abs(system.positions(motion)[-1] - data.xipos[1:]).max())
+        assert apart(system, motion, 1, (0.6, 0.0, 0.0), 1, 0) < 1e-12
+    assert errors[1] < 2e-5
+    assert 3.8 < errors[0] / errors[1] < 4.2
+
+
+def test_order_of_joints_does_not_matter():
+    motions = [asp.simulate(double_pendulum(k), dt=1e-3, t_end=1.0) for k in (1, -1)]
+    np.testing.assert_allclose(motions[0].q, motions[1].q, atol=1e-10)
+
+
+def test_run_that_is_continued_equals_an_unbroken_one():
+    system = double_pendulum()
+    whole = asp.simulate(system, dt=1e-3, t_end=0.4)
+    half = asp.simulate(system, dt=1e-3, t_end=0.2)
+    rest = asp.simulate(system, dt=1e-3, t_end=0.4, start=half.final_state)
+    np.testing.assert_array_equal(rest.q[-1], whole.q[-1])
+    np.testing.assert_array_equal(rest.u[-1], whole.u[-1])
+
+
+def test_slider_on_an_incline_accelerates_by_its_slope():
+    turn = Rotation.from_euler("zy", [0.7, 0.4])
+    box = asp.Body.box(3.0, half_sizes=(0.1, 0.2, 0.3), position=(1.0, 2.0, 3.0))
+    rail = asp.Slider(0, anchor=(1.0, 2.0, 2.5), axis=turn.apply([1.0, 0.0, 0.0]))
+    system = asp.RigidBodies([box], joints=[rail])
+    motion = asp.simulate(system, dt=1e-2, t_end=2.0)
+    way = turn.inv().apply(system.positions(motion)[:, 0] - box.position)
+    np.testing.assert_allclose(way[:, 0], 0.5 * G * np.sin(0.4) * motion.t**2, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(way[:, 1:], 0.0, atol=1e-12)
+    np.testing.assert_allclose(motion.q[:, 3:], motion.q[0, 3:] + 0.0 * motion.q[:, 3:], atol=1e-13)
+
+
+def slab(welded, law, **state):
+    """Return two boxes side by side, or one body with their mass and inertia, on the floor."""
+    half, masses = np.array([0.1, 0.1, 0.05]), np.array([1.0, 3.0])
+    places = np.array([[-0.1, 0.0, 0.05], [0.1, 0.0, 0.05]])
+    center = masses @ places / masses.sum()
+    turn = Rotation.from_euler("z", 0.3)
+    x, y, z, w = turn.as_quat()
+    velocity, spin = np.array([1.0, 0.5, 0.0]), np.array([0.0, 0.0, 6.0])
+    corners = [[sx * 0.2, sy * 0.1, -0.05] for sx in (-1, 1) for sy in (-1, 1)]
+    arms = turn.apply(places - center)
+    if welded:
+        bodies = [
+            asp.Body.box(
+                m,
+                half_sizes=half,
+                position=arm + center,
+                orientation=(w, x, y, z),
+                velocity=velocity + np.cross(spin, arm),
+                angular_velocity=spin,
+            )
+            for m, arm in zip(masses, arms, strict=True)
+        ]
+        points = [(int(c[0] > 0), np.subtract(c, [np.sign(c[0]) * 0.1, 0.0, 0.0])) for c in corners]
+        joints = [asp.Weld(0, other=1)]
+    else:
+        inertia = np.zeros((3, 3))
+        for m, place in zip(masses, places - center, strict=True):
+            squares = half**2
+            inertia += np.diag(m / 3.0 * (squares.sum() - squares))
+            inertia += m * (place @ place * np.eye(3) - np.outer(place, place))
+        bodies = [
+            asp.Body(
+                4.0,
+                inertia=inertia,
+                position=center,
+                orientation=(w, x, y, z),
+                velocity=velocity,
+                angular_velocity=spin,
+            )
+        ]
+        points = [(0, np.array(c) + [0.0, 0.0, 0.05] - center) for c in corners]
+        joints = []
+    pairs = [asp.PointPlane(k, point=p, plane=asp.Plane(), law=law) for k, p in points]
+    return asp.RigidBodies(bodies, pairs=pairs, joints=joints)
+
+
+@pytest.mark.parametrize("kind", ["isotropic", "extended"])
+def test_welded_boxes_move_as_one(kind):
+    law = asp.FrictionLaw.isotropic(0.3)
+    if kind == "extended":
+        law = asp.FrictionLaw(asp.Ellipse(0.4, 0.2), asp.Ellipse(2.0, 1.0))
+    two, one = slab(True, law), slab(False, law)
+    options = {"dt": 1e-3, "t_end": 0.6, "tolerance": 1e-12}
+    welded, whole = asp.simulate(two, **options), asp.simulate(one, **options)
+    masses = np.array([1.0, 3.0]) / 4.0
+    center = np.einsum("k,tkj->tj", masses, two.positions(welded))
+    np.testing.assert_allclose(center, one.positions(whole)[:, 0], atol=1e-9)
+    np.testing.assert_allclose(two.rotations(welded)[:, 1], one.rotations(whole)[:, 0], atol=1e-9)
+    assert np.abs(whole.u[-1]).max() < 1e-9 and np.linalg.norm(center[-1] - center[0]) > 0.1
+
+
+def four_bar(second=1.0, **changes):
+    """Return a crank, a coupler and a rocker, whose axes are parallel: three rows repeat others."""
+    places = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.4], [0.8, 0.0, 0.9], [1.0, 0.0, 0.0]])
+    bodies = []
+    for a, b in zip(places[:-1], places[1:], strict=True):
+        along = b - a
+        turn = Rotation.align_vectors([along], [[0.0, 0.0, 1.0]])[0]
+        x, y, z, w = turn.as_quat()
+        half = (0.02, 0.03, 0.5 * np.linalg.norm(along))
+        bodies.append(
+            asp.Body.box(1.0, half_sizes=half, position=(a + b) / 2.0, orientation=(w, x, y, z))
+        )
+    axis = (0.0, second, 0.0)
+    joints = [
+        asp.Hinge(0, anchor=places[0], axis=axis),
+        asp.Hinge(1, other=0, anchor=places[1], axis=axis),
+        asp.Hinge(2, other=1, anchor=places[2], axis=axis),
+        asp.Hinge(2, anchor=places[3], axis=axis),
+    ]
+    return asp.RigidBodies(bodies, joints=joints, **changes), places
+
+
+def test_four_bar_loop_stays_closed():
+    system, places = four_bar()
+    motion = asp.simulate(system, dt=1e-3, t_end=10.0)
+    assert max(
+        apart(system, motion, 0, places[0]),
+        apart(system, motion, 1, places[1], 1, 0),
+        apart(system, motion, 2, places[2], 2, 1),
+        apart(system, motion, 3, places[3], 2),
+    ) < 1e-11
+    np.testing.assert_allclose(system.positions(motion)[..., 1], 0.0, atol=1e-10)
+    energy = system.energy(motion)
+    kinetic = np.ptp(system.positions(motion)[..., 2].sum(axis=1)) * G
+    assert kinetic > 1.0 and np.abs(energy - energy[0]).max() < 1e-4 * kinetic
+
+
+def test_planar_joints_move_bodies_as_joints_in_space_do():
+    rods = [(0.3, 0.0), (0.6, 0.2)]
+    flat = asp.RigidBodies(
+        [asp.PlanarBody(1.0, inertia=0.02, position=place) for place in rods],
+        joints=[asp.Hinge(0, anchor=(0.0, 0.0)), asp.Hinge(1, other=0, anchor=(0.6, 0.0))],
+    )
+    deep = asp.RigidBodies(
+        [asp.Body(1.0, inertia=(0.02, 0.02, 0.02), position=(*place, 0.0)) for place in rods],
+        joints=[
+            asp.Hinge(0, anchor=ORIGIN, axis=(0.0, 0.0, 1.0)),
+            asp.Hinge(1, other=0, anchor=(0.6, 0.0, 0.0), axis=(0.0, 0.0, 1.0)),
+        ],
+        gravity=(0.0, -9.81, 0.0),
+    )
+    planar, spatial = (asp.simulate(system, dt=1e-3, t_end=2.0) for system in (flat, deep))
+    places = deep.positions(spatial)
+    np.testing.assert_allclose(flat.positions(planar), places[..., :2], atol=1e-9)
+
+
+def test_units_and_sizes_do_not_matter():
+    plain = pendulum(1.0)
+    expected = angle_of(plain, asp.simulate(plain, dt=1e-3, t_end=1.0), Rotation.identity())
+    for scale, mass in ((1e-3, 1e-6), (1e3, 1e6)):
+        system = pendulum(1.0, scale=scale, mass=mass)
+        motion = asp.simulate(system, dt=1e-3, t_end=1.0)
+        angles = angle_of(system, motion, Rotation.identity())
+        np.testing.assert_allclose(angles, expected, atol=1e-11)
+
+
+@pytest.mark.parametrize("ratio", [1e-8, 1e8])
+def test_extreme_ratios_of_masses(ratio):
+    """A body of another mass that hangs on the tip swings as if it or the rod had none."""
+    rod = asp.Body.ball(1.0, radius=0.1, position=(0.5, 0.0, 0.0))
+    tip = asp.Body.ball(ratio, radius=1e-3, position=(1.0, 0.0, 0.0))
+    axis = (0.0, 1.0, 0.0)
+    joints = [asp.Hinge(0, anchor=ORIGIN, axis=axis), asp.Weld(1, other=0)]
+    system = asp.RigidBodies([rod, tip], joints=joints)
+    motion = asp.simulate(system, dt=1e-3, t_end=1.0)
+    moments = 0.25 + 0.4 * 0.01 + ratio * (1.0 + 0.4 * 1e-6)
+    rate = G * (0.5 + ratio) / moments
+    place = system.positions(motion)[:, 0]
+    angles = np.arctan2(place[:, 0], -place[:, 2])
+    np.testing.assert_allclose(angles, swing(np.pi / 2.0, motion.t, rate), atol=2e-5)
+    assert apart(system, motion, 1, (1.0, 0.0, 0.0), 1, 0) < 1e-12
+
+
+def test_states_that_joints_do_not_allow_are_refused():
+    system = pendulum(0.5)
+    moved = system.q0 + [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    with pytest.raises(asp.ParameterError, match="q0: must be coordinates that joint 0 allows"):
+        asp.simulate(system, dt=1e-3, t_end=0.1, q0=moved)
+    with pytest.raises(asp.ParameterError, match="u0: must be velocities that joint 0 lets pass"):
+        asp.simulate(system, dt=1e-3, t_end=0.1, u0=[0.1, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_what_does_not_know_joints_refuses_them():
+    system = pendulum(0.5)
+    for call in (
+        lambda: asp.integrate(system, t_end=1.0),
+        lambda: asp.equilibrium(system),
+        lambda: asp.stability(system),
+        lambda: asp.limit_cycle(system, section=asp.Section.velocity(0, dof=6)),
+    ):
+        with pytest.raises(asp.ParameterError, match="system: .*joints"):
+            call()
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        (lambda: asp.Hinge(0, anchor=ORIGIN, axis=ORIGIN), "axis: must not be zero"),
+        (lambda: asp.Hinge(0, anchor=ORIGIN), "axis: must be given"),
+        (lambda: asp.Hinge(0, anchor=(0.0, 0.0), axis=(0.0, 1.0)), "axis: must not be given"),
+        (lambda: asp.Weld(1, other=1), "other: must be another body than 1"),
+        (lambda: asp.RigidBodies([asp.Body.ball(1.0, radius=1.0)], joints=[asp.Weld(1)]), "body"),
+    ],
+)
+def test_joints_that_are_none_are_refused(joint, message):
+    with pytest.raises(asp.ParameterError, match=message):
+        joint()
