@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use asperity::ArgumentError;
 use asperity::system::rigid::{
-    self, Bodies, Body, Frame, Joint, JointKind, Pair, PlanarBody, Plane, PlaneMotion, Shape, Spring,
+    self, Bodies, Body, Frame, Joint, JointKind, Pair, PlanarBody, Plane, PlaneMotion, Shape,
+    Spring,
 };
 use asperity::system::{Field, FrictionMap, System};
 use nalgebra::Vector3;

@@ -130,7 +130,9 @@ pub enum SystemError {
         angle: f64,
     },
     /// Bodies turn too far in a step for joints to be held.
-    #[error("joints are not held at t = {time} s: dt times the angular velocities should be below about 1")]
+    #[error(
+        "joints are not held at t = {time} s: dt times the angular velocities should be below about 1"
+    )]
     Joints {
         /// Time in s.
         time: f64,
@@ -164,8 +166,9 @@ impl SystemError {
 
     /// The force of this contact would be any, as joints let nothing move along its normal.
     pub(crate) fn held(contact: usize) -> Self {
-        let message =
-            format!("must let the bodies of contact {contact} move along its normal, where it is closed");
+        let message = format!(
+            "must let the bodies of contact {contact} move along its normal, where it is closed"
+        );
         ArgumentError::new("joints", message).into()
     }
 }

@@ -45,18 +45,16 @@ class _AxisJoint(Joint):
         size = len(given["anchor"])
         if size not in (2, 3):
             raise DimensionError("anchor", f"must have 2 or 3 entries, got {size}")
-        axis = given["axis"]
-        if self._out_of_plane and size == 2:
-            if axis is not None:
-                raise ParameterError("axis", "must not be given in a plane, which it is across")
-            axis, size = [0.0, 0.0, 1.0], 3
-        elif axis is None:
-            raise ParameterError("axis", "must be given")
-        given["axis"] = arrays.array(axis, "axis", (size,))
+        if given["axis"] is None:
+            if not self._across_planes or size == 3:
+                raise ParameterError("axis", "must be given")
+            given["axis"] = [0.0, 0.0, 1.0]
+        sizes = 3 if self._across_planes else size
+        given["axis"] = arrays.array(given["axis"], "axis", (sizes,))
         if not given["axis"].any():
             raise ParameterError("axis", "must not be zero")
 
-    _out_of_plane = False
+    _across_planes = False
 
     @property
     def planar(self) -> bool:
@@ -72,7 +70,8 @@ class Hinge(_AxisJoint):
         other: number of the other body; ``None``: the world.
         anchor: a point of the axis in m, in the world's axes as the bodies of the system are
             given, shape ``(3,)``, planar ``(2,)``.
-        axis: along the axis, likewise, of any length, shape ``(3,)``; not given in a plane.
+        axis: along the axis, likewise, of any length, shape ``(3,)``; in a plane it is
+            across that.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -87,7 +86,7 @@ class Hinge(_AxisJoint):
     True
     """
 
-    _out_of_plane = True
+    _across_planes = True
 
 
 class Slider(_AxisJoint):

@@ -136,7 +136,10 @@ impl Options {
     pub(crate) fn check(&self, system: &dyn System) -> Result<InitialState, ArgumentError> {
         check_structure(system)?;
         if system.has_joints() {
-            return refuse("system", "must have no joints: integrate it by time steps, with simulate");
+            return refuse(
+                "system",
+                "must have no joints: integrate it by time steps, with simulate",
+            );
         }
         let (n, coordinates) = (system.dof(), system.coordinates());
         if n == 0 {

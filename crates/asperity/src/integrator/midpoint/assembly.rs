@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use nalgebra::{DMatrix, SymmetricEigen};
+
 use super::closed::{Change, Closed};
 use super::coupling;
 use super::outcome::StepError;
@@ -19,9 +21,9 @@ use crate::vectors::copy;
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Compliance of joints relative to that of the bodies without them. In directions that joints hold, contacts then transmit
-/// what they need to and no more.
-const COMPLIANCE: f64 = 1e-12;
+/// Compliance in directions that joints hold, relative to that of the bodies without joints: contacts see them at rest, and
+/// transmit nothing there while they stick.
+const COMPLIANCE: f64 = 1e-8;
 
 /// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
 /// once as much, of none where a run begins, and of twice as much where it was not held along the chord before, which
@@ -44,7 +46,9 @@ pub(super) struct Assembly {
     /// of the speed likewise.
     directions: Vec<f64>,
     responses: Vec<f64>,
-    /// What joints yield of the diagonal of the Delassus operator, row by row.
+    /// What joints change velocities by until the end of the step.
+    bend: Vec<f64>,
+    /// Diagonal of the Delassus operator without joints where there are any, times their compliance.
     compliance: Vec<f64>,
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
@@ -107,6 +111,7 @@ impl Evaluated {
         midpoint: &Midpoint,
         step: &Step<'_>,
         contact: usize,
+        joints_bend: &[f64],
     ) -> [f64; 4] {
         if self.bends.is_none() {
             let len = system.contacts()[contact].rows();
@@ -121,6 +126,15 @@ impl Evaluated {
             if law.law().dimension() == 3 {
                 // That of drilling does not follow from its row.
                 correction[law.rows() - 1] *= self.by_place;
+            }
+            if !joints_bend.is_empty() {
+                let (mut entries, width) = (rows, rows.len() / len);
+                for &block in system.touched(contact) {
+                    let bend = &joints_bend[system.blocks().range(block)];
+                    Part { entries, width }.add_product(bend, correction);
+                    entries = &entries[bend.len()..];
+                }
+                self.bends = Some(true);
             }
         }
         if self.bends == Some(true) { self.chord } else { [0.0; 4] }
@@ -249,8 +263,8 @@ impl Assembly {
         }
         let Midpoint { before, forces, .. } = &self.midpoint;
         self.mass.accelerate(system, before, (dt, forces), &mut self.free);
-        if !self.midpoint.held.is_empty() {
-            self.hold(system, dt)?;
+        if !self.midpoint.held.is_empty() && !system.contacts().is_empty() {
+            self.let_pass(system, dt)?;
             // Joints change what contacts do to each other.
             new_mass = true;
         }
@@ -371,7 +385,7 @@ impl Assembly {
             let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
-        let chord = self.evaluated.chord(system, &self.midpoint, step, contact);
+        let chord = self.evaluated.chord(system, &self.midpoint, step, contact, &self.bend);
         Ok(step.dt * (ROUNDING * gained + chord[0].abs()))
     }
 
@@ -415,7 +429,7 @@ impl Assembly {
         let Rows { first, len, .. } = self.contacts[place];
         let (own, mut chord) = (first..first + len, [0.0; 4]);
         if undisturbed {
-            chord = self.evaluated.chord(system, &self.midpoint, step, contact);
+            chord = self.evaluated.chord(system, &self.midpoint, step, contact, &self.bend);
         }
         self.chord[own.clone()].copy_from_slice(&chord[..len]);
         if !undisturbed || self.evaluated.bends != Some(true) {
@@ -530,7 +544,13 @@ impl Assembly {
         for list in [&mut self.directions, &mut self.responses] {
             list.resize(place, 0.0);
         }
-        for list in [&mut self.compliance, &mut self.chi, &mut self.slip, &mut self.chord, &mut self.by_place] {
+        for list in [
+            &mut self.compliance,
+            &mut self.chi,
+            &mut self.slip,
+            &mut self.chord,
+            &mut self.by_place,
+        ] {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
@@ -590,11 +610,27 @@ impl Assembly {
             for k in 0..blocks.neighbours(i).len() {
                 let (j, block) = blocks.block_mut(i, k);
                 self.fill_block(contact, &self.contacts[j], block);
-                if i == j {
-                    let own = &self.compliance[contact.first..contact.first + contact.len];
-                    let diagonal = block.iter_mut().step_by(contact.len + 1);
-                    diagonal.zip(own).for_each(|(g, own)| *g += own);
+                if i == j && !self.midpoint.held.is_empty() {
+                    self.yield_to(contact, block);
                 }
+            }
+        }
+    }
+
+    /// Adds the compliance of joints to the block of a contact, in the directions that they hold.
+    fn yield_to(&self, contact: &Rows, block: &mut [f64]) {
+        let len = contact.len;
+        let compliance = &self.compliance[contact.first..contact.first + len];
+        let entry = |a: usize, b: usize| (compliance[a] * compliance[b]).sqrt();
+        if compliance.contains(&0.0) {
+            return;
+        }
+        let scaled = DMatrix::from_fn(len, len, |a, b| block[len * a + b] / entry(a, b));
+        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
+        for k in (0..len).filter(|&k| eigenvalues[k] < 1.0) {
+            for (i, g) in block.iter_mut().enumerate() {
+                let (a, b) = (i / len, i % len);
+                *g += eigenvectors[(a, k)] * entry(a, b) * eigenvectors[(b, k)];
             }
         }
     }
@@ -641,16 +677,25 @@ impl Assembly {
         } else {
             self.add_responses(percussion);
         }
-        if !self.midpoint.held.is_empty() {
-            self.hold(system, dt)?;
+        if let (false, Some(turning)) = (self.midpoint.held.is_empty(), system.turning()) {
+            turning.hold(&self.midpoint, &mut self.free, dt)?;
         }
         system::finish(system, &mut self.midpoint, &self.free, dt, q, u)
     }
 
-    /// Forces of joints change the velocities.
-    fn hold(&mut self, system: &dyn System, dt: f64) -> Result<(), SystemError> {
-        let Self { midpoint, free, .. } = self;
-        system.turning().map_or(Ok(()), |turning| turning.hold(midpoint, free, dt))
+    /// Leaves of the free velocities what joints let pass at the midpoint; and what those before the step would change by
+    /// until its end.
+    fn let_pass(&mut self, system: &dyn System, dt: f64) -> Result<(), SystemError> {
+        let Self { midpoint, free, bend, .. } = self;
+        bend.clone_from(&midpoint.before);
+        for held in &midpoint.held {
+            held.project(&mut free[held.velocities.clone()]);
+            held.project(&mut bend[held.velocities.clone()]);
+        }
+        let before = bend.clone();
+        system.turning().map_or(Ok(()), |turning| turning.hold(midpoint, bend, dt))?;
+        bend.iter_mut().zip(before).for_each(|(end, before)| *end -= before);
+        Ok(())
     }
 
     /// Adds what percussions change of the velocities.

@@ -10,7 +10,7 @@
 //! joints let pass (`system/held.rs`). Angular momenta are stepped for all bodies with joints, as these turn them
 //! besides.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
 use super::joint::Defect;
 use super::pose::{Twist, angular, linear, twist};
@@ -50,7 +50,8 @@ impl RigidBodies {
             }
             let count = rows.len() / n;
             let rows = DMatrix::from_row_slice(count, n, &rows);
-            Held::new(*block, velocities, rows, DMatrix::from_column_slice(n, count, &responses))
+            let responses = DMatrix::from_column_slice(n, count, &responses);
+            Held::new(*block, velocities, &rows, &responses)
         };
         self.jointed.iter().map(of_block).collect()
     }
@@ -88,11 +89,15 @@ impl RigidBodies {
             {
                 let Defect { value, size } = *defect;
                 if value.abs() > MET * size {
-                    let message = format!("must be coordinates that joint {joint} allows, is off by {value:.3e} m or rad");
+                    let message = format!(
+                        "must be coordinates that joint {joint} allows, is off by {value:.3e} m or rad"
+                    );
                     return refuse("q0", message);
                 }
                 if rate.abs() > MET * (1.0 + size) * fastest {
-                    let message = format!("must be velocities that joint {joint} lets pass, is off by {rate:.3e} m/s or rad/s");
+                    let message = format!(
+                        "must be velocities that joint {joint} lets pass, is off by {rate:.3e} m/s or rad/s"
+                    );
                     return refuse("u0", message);
                 }
             }
@@ -113,33 +118,37 @@ impl RigidBodies {
         for _ in 0..MOST_ITERATIONS {
             let defects = off(x)?;
             let relative = defects.iter().map(|defect| defect.value.abs() / defect.size);
-            let worst = relative.fold(0.0, |worst: f64, one| if one > worst || one.is_nan() { one } else { worst });
+            let worst = relative
+                .fold(0.0, |worst: f64, one| if one > worst || one.is_nan() { one } else { worst });
             if worst <= ROUNDED || worst <= UNFOUND && worst > 0.5 * last {
                 return Ok(());
             }
             last = worst;
-            let mut rest = &defects[..];
+            let values: Vec<f64> = defects.iter().map(|defect| defect.value).collect();
+            let mut rest = &values[..];
             for held in held {
-                let (own, others) = rest.split_at(held.len());
-                let values = DVector::from_iterator(own.len(), own.iter().map(|defect| defect.value));
-                held.take(&values, &mut x[held.velocities.clone()]);
+                let (own, others) = rest.split_at(held.count);
+                held.take(own, &mut x[held.velocities.clone()]);
                 rest = others;
             }
         }
         Err(SystemError::Joints { time: t })
     }
 
-    /// `q ⊕ half u`, moved along forces of joints to where they hold.
+    /// `q ⊕ half u`, moved along forces of joints to where they hold; `follow` brings `u` up to date with where that is.
     pub(super) fn arrive(
         &self,
         t: f64,
         held: &[Held],
-        (q, u, half): (&[f64], &[f64], f64),
+        (q, u, half): (&[f64], &mut [f64], f64),
         out: &mut [f64],
+        follow: impl Fn(&[f64], &mut [f64]),
     ) -> Result<(), SystemError> {
-        let mut way: Vec<f64> = u.iter().map(|u| half * u).collect();
-        self.settle(t, held, &mut way, |way| {
-            self.advance(q, way, 1.0, out);
+        let mut aside = vec![0.0; u.len()];
+        self.settle(t, held, &mut aside, |aside| {
+            let way: Vec<f64> = aside.iter().zip(&*u).map(|(aside, u)| aside + half * u).collect();
+            self.advance(q, &way, 1.0, out);
+            follow(out, u);
             Ok(self.defects(out))
         })
     }
@@ -161,12 +170,14 @@ impl RigidBodies {
             let change = self.pose_at(&at, body).rotation * (self.inertial[body].inertia * gained);
             spins.extend_from_slice((Vector3::from_column_slice(momentum) + change).as_slice());
         }
-        self.arrive(midpoint.t, &midpoint.held, (&midpoint.q, &ends, half), &mut q)?;
-        for (&body, spin) in self.unequal.iter().zip(spins.chunks_exact(3)) {
-            let spin = self.pose_of(&q, body).rotation.tr_mul(&Vector3::from_column_slice(spin));
-            let omega = self.inertial[body].rate(&spin);
-            self.set_twist(&mut ends, body, &twist(&linear(&self.twist(after, body)), &omega));
-        }
+        let Midpoint { t, q: from, held, .. } = midpoint;
+        self.arrive(*t, held, (from, &mut ends, half), &mut q, |q, u| {
+            for (&body, spin) in self.unequal.iter().zip(spins.chunks_exact(3)) {
+                let spin = self.pose_of(q, body).rotation.tr_mul(&Vector3::from_column_slice(spin));
+                let omega = self.inertial[body].rate(&spin);
+                self.set_twist(u, body, &twist(&linear(&self.twist(u, body)), &omega));
+            }
+        })?;
         Ok((q, ends, spins))
     }
 

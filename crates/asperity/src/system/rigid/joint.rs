@@ -133,8 +133,7 @@ impl Placed {
     /// The rows of both bodies, one after another: the rates of its defects where there are none.
     pub(super) fn directions(&self, pose: impl Fn(usize) -> Pose) -> Vec<[Twist; 2]> {
         let poses = sides(self.body, self.other, pose);
-        let (axes, point) =
-            (poses[1].rotation * self.axes[1], poses[0].point(&self.anchors[0]));
+        let (axes, point) = (poses[1].rotation * self.axes[1], poses[0].point(&self.anchors[0]));
         let [along, about] = self.held();
         let pushed = |k: usize| {
             let axis = axes.column(k).into_owned();

@@ -160,7 +160,8 @@ impl RigidBodies {
         self.contacts = contacts.map(|contact| contact.in_blocks(&block, range)).collect();
         let place = |joint: &Joint| {
             let bodies = [joint.body, joint.other.unwrap_or(joint.body)];
-            let square = |body: usize| self.inertial[body].inertia.trace() / self.inertial[body].mass;
+            let square =
+                |body: usize| self.inertial[body].inertia.trace() / self.inertial[body].mass;
             let length = bodies.map(|body| square(body).sqrt()).iter().sum();
             Placed::new(joint, length, |body| self.pose_of(q, body))
         };
@@ -170,8 +171,7 @@ impl RigidBodies {
         };
         let numbers = (0..self.blocks.count()).map(|number| (number, of(number)));
         self.jointed = numbers.filter(|(_, joints)| !joints.is_empty()).collect();
-        let holds =
-            |body: usize| joints.iter().any(|j| j.body == body || j.other == Some(body));
+        let holds = |body: usize| joints.iter().any(|j| j.body == body || j.other == Some(body));
         let steps_momentum =
             |body: &usize| !self.inertial[*body].isotropic || !self.planar && holds(*body);
         self.unequal = (0..count).filter(steps_momentum).collect();

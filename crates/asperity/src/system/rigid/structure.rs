@@ -268,11 +268,12 @@ impl Turning for RigidBodies {
         let Midpoint { q: mid, derived, before, forces, momenta, held, .. } = midpoint;
         self.advance(q, u, 0.5 * dt, mid);
         if self.has_joints() {
-            // Along forces of joints first as they are before the step, then as they are at its midpoint.
-            *held = self.held(q);
-            self.arrive(t, held, (q, u, 0.5 * dt), mid)?;
-            *held = self.held(mid);
-            self.arrive(t, held, (q, u, 0.5 * dt), mid)?;
+            // Along forces of joints as they are before the step, then as they are where that leads.
+            let mut rates = u.to_vec();
+            for k in 0..3 {
+                *held = self.held(if k == 0 { q } else { mid });
+                self.arrive(t, held, (q, &mut rates, 0.5 * dt), mid, |_, _| {})?;
+            }
         }
         self.derive(mid, derived);
         before.copy_from_slice(u);
