@@ -159,7 +159,7 @@ impl RigidBodies {
         midpoint: &Midpoint,
         after: &[f64],
         half: f64,
-    ) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), SystemError> {
+    ) -> Result<[Vec<f64>; 3], SystemError> {
         let at = midpoint.configuration();
         let (mut q, mut ends, mut spins) = (midpoint.q.clone(), after.to_vec(), Vec::new());
         for (&body, momentum) in self.unequal.iter().zip(midpoint.momenta.chunks_exact(3)) {
@@ -178,7 +178,7 @@ impl RigidBodies {
                 self.set_twist(u, body, &twist(&linear(&self.twist(u, body)), &omega));
             }
         })?;
-        Ok((q, ends, spins))
+        Ok([q, ends, spins])
     }
 
     /// Changes velocities at the midpoint by forces of joints so that they let those at the end of the step pass.
@@ -192,7 +192,7 @@ impl RigidBodies {
             return Ok(());
         }
         self.settle(midpoint.t, &midpoint.held, after, |after| {
-            let (q, u, _) = self.end(midpoint, after, half)?;
+            let [q, u, _] = self.end(midpoint, after, half)?;
             let rates = self.rates(&q, &u).into_iter().zip(self.defects(&q));
             Ok(rates.map(|(value, at)| Defect { value, size: at.size / half }).collect())
         })

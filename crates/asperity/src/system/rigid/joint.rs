@@ -46,8 +46,8 @@ impl Joint {
             return refuse("axis", "must not be zero");
         }
         let [x, y, z] = self.axis.map(|a| a != 0.0);
-        let leaves = if self.kind == JointKind::Hinge { x || y } else { z };
-        if planar && (self.anchor[2] != 0.0 || self.kind != JointKind::Weld && leaves) {
+        let is_outside = if self.kind == JointKind::Hinge { x || y } else { z };
+        if planar && (self.anchor[2] != 0.0 || self.kind != JointKind::Weld && is_outside) {
             return refuse("axis", "must leave the bodies in the plane z = 0 in planar systems");
         }
         Ok(())

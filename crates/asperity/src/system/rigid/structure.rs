@@ -297,7 +297,7 @@ impl Turning for RigidBodies {
         u: &mut [f64],
     ) -> Result<(), SystemError> {
         if !midpoint.held.is_empty() {
-            let (end, velocities, spins) = self.end(midpoint, after, 0.5 * dt)?;
+            let [end, velocities, spins] = self.end(midpoint, after, 0.5 * dt)?;
             q.copy_from_slice(&end);
             u.copy_from_slice(&velocities);
             midpoint.momenta = spins;
