@@ -46,7 +46,8 @@ pub(super) struct Assembly {
     /// of the speed likewise.
     directions: Vec<f64>,
     responses: Vec<f64>,
-    /// What joints change velocities by until the end of the step.
+    /// The velocities before the step that joints let pass at its midpoint, and what joints change these by until its end.
+    passed: Vec<f64>,
     bend: Vec<f64>,
     /// Diagonal of the Delassus operator without joints where there are any, times their compliance.
     compliance: Vec<f64>,
@@ -382,7 +383,7 @@ impl Assembly {
         let (mut gained, mut row) = (0.0, self.evaluated.rows.iter());
         for &block in system.touched(contact) {
             let range = system.blocks().range(block);
-            let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
+            let change = self.free[range.clone()].iter().zip(&self.before()[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
         let chord = self.evaluated.chord(system, &self.midpoint, step, contact, &self.bend);
@@ -437,7 +438,7 @@ impl Assembly {
         }
         let (rows, tangent) =
             (&self.contacts[place], system.contacts()[contact].normal_rows()..len);
-        let before = self.velocities(rows, &self.midpoint.before);
+        let before = self.velocities(rows, self.before());
         let slip = tangent.clone().map(|k| before[k] + self.chi[first + k]);
         let slip = slip.fold(0.0, |sum, v| sum + v * v);
         let change = tangent.clone().map(|k| self.chord[first + k]).fold(0.0, |s, v| s + v * v);
@@ -489,10 +490,16 @@ impl Assembly {
         loads[..N].copy_from_slice(&sums);
     }
 
+    /// The velocities before the step that contacts see at its midpoint.
+    #[inline]
+    fn before(&self) -> &[f64] {
+        if self.passed.is_empty() { &self.midpoint.before } else { &self.passed }
+    }
+
     /// The velocities of a contact before the step.
     fn update_slip(&mut self, place: usize, closing: f64) {
         let rows = &self.contacts[place];
-        let before = self.velocities(rows, &self.midpoint.before);
+        let before = self.velocities(rows, self.before());
         for (k, row) in (rows.first..rows.first + rows.len).enumerate() {
             let closing = if k == 0 { closing } else { 0.0 };
             self.slip[row] = before[k] + self.chi[row] + closing - self.chord[row];
@@ -686,15 +693,15 @@ impl Assembly {
     /// Leaves of the free velocities what joints let pass at the midpoint; and what those before the step would change by
     /// until its end.
     fn let_pass(&mut self, system: &dyn System, dt: f64) -> Result<(), SystemError> {
-        let Self { midpoint, free, bend, .. } = self;
-        bend.clone_from(&midpoint.before);
+        let Self { midpoint, free, passed, bend, .. } = self;
+        passed.clone_from(&midpoint.before);
         for held in &midpoint.held {
             held.project(&mut free[held.velocities.clone()]);
-            held.project(&mut bend[held.velocities.clone()]);
+            held.project(&mut passed[held.velocities.clone()]);
         }
-        let before = bend.clone();
+        bend.clone_from(passed);
         system.turning().map_or(Ok(()), |turning| turning.hold(midpoint, bend, dt))?;
-        bend.iter_mut().zip(before).for_each(|(end, before)| *end -= before);
+        bend.iter_mut().zip(passed).for_each(|(end, before)| *end -= *before);
         Ok(())
     }
 
