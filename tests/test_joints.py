@@ -136,6 +136,34 @@ def test_runs_can_be_continued_stored_and_made_many_times(tmp_path):
     np.testing.assert_array_equal(many.q[1], half.q[-1])
 
 
+def test_runs_at_rest_can_be_continued():
+    """Velocities at rest are rounding, which joints need not let pass."""
+    system, _ = leg(asp.FrictionLaw.isotropic(0.5))
+    whole = asp.simulate(system, dt=1e-3, t_end=0.1)
+    half = asp.simulate(system, dt=1e-3, t_end=0.05)
+    rest = asp.simulate(system, dt=1e-3, t_end=0.1, start=half)
+    np.testing.assert_array_equal(rest.q[-1], whole.q[-1])
+    np.testing.assert_array_equal(rest.u[-1], whole.u[-1])
+    asp.simulate(system, dt=1e-3, t_end=0.1, q0=half.q[-1], u0=half.u[-1])
+
+
+def test_pendulum_that_rebounds_keeps_its_energy():
+    ball = asp.Body.ball(1.0, radius=0.1, position=(0.5, 0.0, 0.5))
+    floor = asp.SpherePlane(
+        0,
+        radius=0.1,
+        plane=asp.Plane(),
+        law=asp.FrictionLaw.isotropic(1e-12),
+        normal_restitution=1.0,
+    )
+    hinge = asp.Hinge(0, anchor=(0.0, 0.0, 0.3), axis=(0.0, 1.0, 0.0))
+    system = asp.RigidBodies([ball], pairs=[floor], joints=[hinge])
+    motion = asp.simulate(system, dt=1e-3, t_end=5.0)
+    energy = system.energy(motion)
+    assert (motion.normal_force[1:] > 0.0).sum() > 5
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
+
+
 def test_slider_on_an_incline_accelerates_by_its_slope():
     turn = Rotation.from_euler("yz", [0.4, 0.7])
     box = asp.Body.box(3.0, half_sizes=(0.1, 0.2, 0.3), position=(1.0, 2.0, 3.0))
@@ -259,6 +287,22 @@ def test_four_bar_loop_stays_closed():
     kinetic = np.ptp(system.positions(motion)[..., 2].sum(axis=1)) * G
     assert kinetic > 1.0
     assert np.abs(energy - energy[0]).max() < 1e-4 * kinetic
+
+
+@pytest.mark.parametrize("tilt", [1e-12, 1e-10, 1e-6])
+def test_loop_whose_axes_are_not_quite_parallel(tilt):
+    """Up to what a start may be off it moves on, with more the joints do not fit."""
+    system, _ = four_bar()
+    expected = asp.simulate(system, dt=1e-3, t_end=1.0)
+    joints = list(system.joints)
+    joints[1] = joints[1].replace(axis=(tilt, 1.0, 0.0))
+    tilted = system.replace(joints=joints)
+    if tilt > 1e-9:
+        with pytest.raises(asp.ParameterError, match="or joints do not fit"):
+            asp.simulate(tilted, dt=1e-3, t_end=1.0)
+        return
+    motion = asp.simulate(tilted, dt=1e-3, t_end=1.0)
+    np.testing.assert_allclose(motion.q, expected.q, atol=1e-8)
 
 
 def test_planar_joints_move_bodies_as_joints_in_space_do():

@@ -100,8 +100,9 @@ impl From<SystemError> for Failure {
                     (error.to_string(), if blocks > 1 { "block_mass" } else { "mass" });
                 parameter(name, text.strip_prefix("mass: ").unwrap_or(&text))
             }
-            SystemError::Rotation { .. } | SystemError::Joints { .. } => {
-                parameter("dt", &format!("is too long: {error}"))
+            SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
+            SystemError::Joints { .. } => {
+                parameter("dt", &format!("is too long, or joints do not fit: {error}"))
             }
             // An exception of the user's code comes back as itself.
             SystemError::Foreign(source) => match source.downcast::<PyErr>() {

@@ -52,6 +52,11 @@ impl Held {
         Self { block, velocities, count, kept, rows, responses, factor }
     }
 
+    /// Whether a row is none that repeats others.
+    pub(crate) fn keeps(&self, row: usize) -> bool {
+        self.kept.contains(&row)
+    }
+
     /// Takes rates of what is held, of all rows, out of velocities of the block.
     pub(crate) fn take(&self, rates: &[f64], velocities: &mut [f64]) {
         self.remove(

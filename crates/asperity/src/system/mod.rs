@@ -129,9 +129,9 @@ pub enum SystemError {
         /// Step times angular velocity in rad.
         angle: f64,
     },
-    /// Bodies turn too far in a step for joints to be held.
+    /// Bodies turn too far in a step for joints to be held, or joints contradict each other.
     #[error(
-        "joints are not held at t = {time} s: dt times the angular velocities should be below about 1"
+        "joints are not held at t = {time} s: dt times the angular velocities should be below about 1, and joints must not nearly repeat each other"
     )]
     Joints {
         /// Time in s.

@@ -74,12 +74,12 @@ pub trait Turning: Debug + Sync {
     /// Whether these momenta belong to a state, but for rounding.
     fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool;
 
-    /// Refuses coordinates and velocities that joints do not allow.
+    /// Refuses coordinates that joints do not allow, and velocities that lead to such in a step.
     ///
     /// # Errors
     ///
     /// [`ArgumentError`] that names the joint.
-    fn meets(&self, _q: &[f64], _u: &[f64]) -> Result<(), ArgumentError> {
+    fn meets(&self, _q: &[f64], _u: &[f64], _dt: f64) -> Result<(), ArgumentError> {
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{Matrix4, SymmetricEigen};
 
 use super::closed::{Change, Closed};
 use super::coupling;
@@ -632,7 +632,11 @@ impl Assembly {
         if compliance.contains(&0.0) {
             return;
         }
-        let scaled = DMatrix::from_fn(len, len, |a, b| block[len * a + b] / entry(a, b));
+        let scaled = Matrix4::from_fn(|a, b| match a.max(b) < len {
+            true => block[len * a + b] / entry(a, b),
+            // Out of the way of what is held.
+            false => f64::from(u8::from(a == b)) * 2.0,
+        });
         let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
         for k in (0..len).filter(|&k| eigenvalues[k] < 1.0) {
             for (i, g) in block.iter_mut().enumerate() {

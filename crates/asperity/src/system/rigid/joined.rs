@@ -19,7 +19,7 @@ use crate::argument::{ArgumentError, refuse};
 use crate::system::held::Held;
 use crate::system::{Midpoint, System, SystemError};
 
-/// Relative defect up to which a start meets the joints.
+/// Relative defect up to which a start meets the joints, and up to which a row all but repeats others.
 const MET: f64 = 1e-9;
 /// Relative defects that are rounding, and that are where rounding of more than one term lets none smaller be found.
 const ROUNDED: f64 = 4.0 * f64::EPSILON;
@@ -78,10 +78,14 @@ impl RigidBodies {
         rates
     }
 
-    /// Refuses a state that joints do not allow.
-    pub(super) fn check_joints(&self, q: &[f64], u: &[f64]) -> Result<(), ArgumentError> {
+    /// Refuses a state that joints do not allow, or leave in half a step: at rest, velocities are rounding of a step.
+    pub(super) fn check_joints(
+        &self,
+        q: &[f64],
+        u: &[f64],
+        half: f64,
+    ) -> Result<(), ArgumentError> {
         let (defects, rates) = (self.defects(q), self.rates(q, u));
-        let fastest = (0..self.bodies()).map(|body| self.twist(u, body).norm()).fold(0.0, f64::max);
         let mut row = 0;
         for &joint in self.jointed.iter().flat_map(|(_, joints)| joints) {
             for (defect, rate) in
@@ -94,7 +98,7 @@ impl RigidBodies {
                     );
                     return refuse("q0", message);
                 }
-                if rate.abs() > MET * (1.0 + size) * fastest {
+                if half * rate.abs() > MET * size {
                     let message = format!(
                         "must be velocities that joint {joint} lets pass, is off by {rate:.3e} m/s or rad/s"
                     );
@@ -117,7 +121,10 @@ impl RigidBodies {
         let mut last = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
             let defects = off(x)?;
-            let relative = defects.iter().map(|defect| defect.value.abs() / defect.size);
+            let bound = |held: &Held, k| if held.keeps(k) { 1.0 } else { ROUNDED / MET };
+            let bounds = held.iter().flat_map(|held| (0..held.count).map(move |k| bound(held, k)));
+            let relative =
+                defects.iter().zip(bounds).map(|(d, bound)| bound * d.value.abs() / d.size);
             let worst = relative
                 .fold(0.0, |worst: f64, one| if one > worst || one.is_nan() { one } else { worst });
             if worst <= ROUNDED || worst <= UNFOUND && worst > 0.5 * last {
@@ -188,9 +195,6 @@ impl RigidBodies {
         after: &mut [f64],
         half: f64,
     ) -> Result<(), SystemError> {
-        if midpoint.held.is_empty() {
-            return Ok(());
-        }
         self.settle(midpoint.t, &midpoint.held, after, |after| {
             let [q, u, _] = self.end(midpoint, after, half)?;
             let rates = self.rates(&q, &u).into_iter().zip(self.defects(&q));

@@ -254,8 +254,8 @@ impl Turning for RigidBodies {
             && self.unequal.iter().zip(momenta.chunks_exact(3)).all(has)
     }
 
-    fn meets(&self, q: &[f64], u: &[f64]) -> Result<(), ArgumentError> {
-        self.check_joints(q, u)
+    fn meets(&self, q: &[f64], u: &[f64], dt: f64) -> Result<(), ArgumentError> {
+        self.check_joints(q, u, 0.5 * dt)
     }
 
     fn hold(&self, midpoint: &Midpoint, after: &mut [f64], dt: f64) -> Result<(), SystemError> {
