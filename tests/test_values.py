@@ -198,7 +198,12 @@ VALUES = [
         [asp.Body.ball(1.0, radius=0.1), asp.Body.ball(2.0, radius=0.2)],
         pairs=[asp.SphereSphere(0, radius=0.1, other=1, other_radius=0.2, law=LAW)],
         springs=[asp.Spring(0, point=(0.1, 0.0, 0.0), other=1, stiffness=2.0)],
+        joints=[asp.Weld(0, other=1), asp.Weld(1)],
     ),
+    asp.Hinge(0, other=1, anchor=(0.1, 0.0, 0.0), axis=(0.0, 3.0, 4.0)),
+    asp.Hinge(0, anchor=(0.1, 0.0)),
+    asp.Slider(0, anchor=(0.1, 0.0), axis=(0.0, 1.0)),
+    asp.Weld(0, other=1),
 ]
 NAMES = public_of(asp)
 

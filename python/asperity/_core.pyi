@@ -412,7 +412,9 @@ class RigidBodies:
         timed_loads: Sequence[tuple[int, Any, Any]],
         pairs: Sequence[dict[str, Any]],
         springs: Sequence[dict[str, Any]],
+        joints: Sequence[dict[str, Any]],
         gravity: _Array,
+        q0: _Array,
     ) -> RigidBodies: ...
     def advance(self, q: _Array, u: _Array, dt: float) -> _Array: ...
     def energy(self, t: _Array, q: _Array, u: _Array) -> _Array: ...

@@ -101,6 +101,9 @@ impl From<SystemError> for Failure {
                 parameter(name, text.strip_prefix("mass: ").unwrap_or(&text))
             }
             SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
+            SystemError::Joints { .. } => {
+                parameter("dt", &format!("is too long, or joints do not fit: {error}"))
+            }
             // An exception of the user's code comes back as itself.
             SystemError::Foreign(source) => match source.downcast::<PyErr>() {
                 Ok(error) => *error,

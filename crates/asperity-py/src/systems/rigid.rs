@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use asperity::ArgumentError;
 use asperity::system::rigid::{
-    self, Bodies, Body, Frame, Pair, PlanarBody, Plane, PlaneMotion, Shape, Spring,
+    self, Bodies, Body, Frame, Joint, JointKind, Pair, PlanarBody, Plane, PlaneMotion, Shape,
+    Spring,
 };
 use asperity::system::{Field, FrictionMap, System};
 use nalgebra::Vector3;
@@ -208,6 +209,16 @@ fn spring(given: &Bound<'_, PyDict>, raised: &Raised) -> PyResult<Spring> {
     })
 }
 
+fn joint(given: &Bound<'_, PyDict>) -> PyResult<Joint> {
+    let kind = match item(given, "kind")?.extract::<&str>()? {
+        "Hinge" => JointKind::Hinge,
+        "Slider" => JointKind::Slider,
+        _ => JointKind::Weld,
+    };
+    let (body, other) = (index(given, "body")?, item(given, "other")?.extract()?);
+    Ok(Joint { kind, body, other, anchor: place(given, "anchor")?, axis: place(given, "axis")? })
+}
+
 /// Force and torque of a body, by its number, at least one of which depends on time.
 type TimedLoad<'py> = (usize, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
@@ -270,7 +281,9 @@ impl RigidBodies {
         timed_loads: Vec<TimedLoad<'_>>,
         pairs: Vec<Bound<'_, PyDict>>,
         springs: Vec<Bound<'_, PyDict>>,
+        joints: Vec<Bound<'_, PyDict>>,
         gravity: Numbers<'_>,
+        q0: Numbers<'_>,
     ) -> Result<Self, Failure> {
         let raised = Raised::default();
         let bodies = bodies(planar, &mass, &inertia, &load, &timed_loads, &raised)?;
@@ -278,7 +291,11 @@ impl RigidBodies {
         let springs =
             springs.iter().map(|given| spring(given, &raised)).collect::<PyResult<_>>()?;
         let gravity = padded(numbers(&gravity, "gravity")?, "gravity")?;
-        Ok(Self { system: rigid::RigidBodies::new(bodies, &pairs, springs, gravity)?, raised })
+        let joints = joints.iter().map(joint).collect::<PyResult<Vec<_>>>()?;
+        let system = rigid::RigidBodies::new(bodies, &pairs, springs, gravity)?;
+        let q0 = numbers(&q0, "q0")?;
+        let joined = if joints.is_empty() { system } else { system.with_joints(&joints, q0)? };
+        Ok(Self { system: joined, raised })
     }
 
     /// Whether loads, springs or planes depend on time.

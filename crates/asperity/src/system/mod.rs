@@ -1,6 +1,7 @@
 //! Mechanical systems: what a time step asks of them.
 
 pub(crate) mod friction_map;
+pub(crate) mod held;
 pub(crate) mod linear;
 pub(crate) mod mass;
 mod models;
@@ -128,6 +129,14 @@ pub enum SystemError {
         /// Step times angular velocity in rad.
         angle: f64,
     },
+    /// Bodies turn too far in a step for joints to be held, or joints contradict each other.
+    #[error(
+        "joints are not held at t = {time} s: dt times the angular velocities should be below about 1, and joints must not nearly repeat each other"
+    )]
+    Joints {
+        /// Time in s.
+        time: f64,
+    },
     /// The mass matrix of a block has no Cholesky factor.
     #[error("mass: must be symmetric positive definite, is not{} at t = {time} s", of_block(*block, *blocks))]
     SingularMass {
@@ -153,6 +162,14 @@ impl SystemError {
     pub(crate) fn direction(contact: usize) -> Self {
         let message = format!("must be finite and not zero, is not at contact {contact}");
         ArgumentError::new("direction", message).into()
+    }
+
+    /// The force of this contact would be any, as joints let nothing move along its normal.
+    pub(crate) fn held(contact: usize) -> Self {
+        let message = format!(
+            "must let the bodies of contact {contact} move along its normal, where it is closed"
+        );
+        ArgumentError::new("joints", message).into()
     }
 }
 
@@ -355,6 +372,11 @@ pub trait System: Debug + Sync {
     /// by default, if all is one part. Event-driven integration gives each its own steps.
     fn parts(&self) -> Vec<SystemPart> {
         Vec::new()
+    }
+
+    /// Whether joints hold bodies, which only [`Turning`] of a time step knows: event-driven integration refuses them.
+    fn has_joints(&self) -> bool {
+        false
     }
 
     /// The system by its matrices, if it is linear and made of them, so that steps need not ask for these.

@@ -2,7 +2,9 @@
 
 use std::fmt::Debug;
 
+use super::held::Held;
 use super::{Configuration, System, SystemError};
+use crate::argument::ArgumentError;
 use crate::vectors::copy;
 
 /// A step of Moreau's midpoint rule, from the state before it.
@@ -33,6 +35,8 @@ pub struct Midpoint {
     pub forces: Vec<f64>,
     /// What [`Turning::momenta`] carries from step to step.
     pub momenta: Vec<f64>,
+    /// What joints hold.
+    pub(crate) held: Vec<Held>,
 }
 
 impl Midpoint {
@@ -69,6 +73,25 @@ pub trait Turning: Debug + Sync {
 
     /// Whether these momenta belong to a state, but for rounding.
     fn has_momenta(&self, q: &[f64], u: &[f64], momenta: &[f64]) -> bool;
+
+    /// Refuses coordinates that joints do not allow, and velocities that lead to such in a step.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] that names the joint.
+    fn meets(&self, _q: &[f64], _u: &[f64], _dt: f64) -> Result<(), ArgumentError> {
+        Ok(())
+    }
+
+    /// Changes the velocities `after` all other forces have acted by those of joints, so that they hold at the end of the
+    /// step.
+    ///
+    /// # Errors
+    ///
+    /// Where no forces of joints do.
+    fn hold(&self, _midpoint: &Midpoint, _after: &mut [f64], _dt: f64) -> Result<(), SystemError> {
+        Ok(())
+    }
 
     /// The first half of a step: `q_M = q ⊕ ½Δt u`, and the forces there.
     ///

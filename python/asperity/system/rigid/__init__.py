@@ -2,6 +2,7 @@
 
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.friction_maps import FrictionRaster, FrictionRegions
+from asperity.system.rigid.joints import Hinge, Slider, Weld
 from asperity.system.rigid.pairs import BoxPlane, PointPlane, SpherePlane, SphereSphere
 from asperity.system.rigid.plane_motion import PlaneMotion
 from asperity.system.rigid.rotation import axis_angle
@@ -16,14 +17,17 @@ __all__ = [
     "ContactLabel",
     "FrictionRaster",
     "FrictionRegions",
+    "Hinge",
     "Line",
     "PlanarBody",
     "Plane",
     "PlaneMotion",
     "PointPlane",
     "RigidBodies",
+    "Slider",
     "SpherePlane",
     "SphereSphere",
     "Spring",
+    "Weld",
     "axis_angle",
 ]

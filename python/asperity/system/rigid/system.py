@@ -20,6 +20,7 @@ from asperity.system.contacts import relawed
 from asperity.system.labels import Labels
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
+from asperity.system.rigid.joints import Joint
 from asperity.system.rigid.pairs import Pair, PlanePair, SphereSphere
 from asperity.system.rigid.springs import Spring
 from asperity.system.rigid.surfaces import Line
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from asperity.runs.run import Run
 
 
-_Part = TypeVar("_Part", Pair, Spring)
+_Part = TypeVar("_Part", Pair, Spring, Joint)
 
 
 # Coordinates and velocities of a body, with their units.
@@ -58,7 +59,7 @@ class ContactLabel(NamedTuple):
 
 
 class RigidBodies(Value):
-    """Rigid bodies in space or in a plane, with contacts, springs and gravity.
+    """Rigid bodies in space or in a plane, with contacts, joints, springs and gravity.
 
     In space a body has 7 coordinates, position and unit quaternion (w, x, y, z), and 6 velocities,
     v of the centre of mass in the world's axes and the angular velocity Ω in the body's. In a plane
@@ -68,6 +69,8 @@ class RigidBodies(Value):
         bodies: all `Body` or all `PlanarBody`; `simulate` starts from their states.
         pairs: which parts of bodies may touch what.
         springs: springs and dampers.
+        joints: `Hinge`, `Slider` and `Weld`, placed as the bodies are given; they may repeat each
+            other. `simulate` holds them to 1e-9 m and rad; `integrate` refuses them.
         gravity: in m/s², shape ``(3,)``, planar ``(2,)``. Default 9.81 downwards, against the last
             axis.
 
@@ -87,6 +90,7 @@ class RigidBodies(Value):
     bodies: tuple[Body, ...] | tuple[PlanarBody, ...]
     pairs: tuple[Pair, ...]
     springs: tuple[Spring, ...]
+    joints: tuple[Joint, ...]
     gravity: Array
     contacts: tuple[ContactLabel, ...]
     """Where each contact comes from, in the order of a trajectory's contacts."""
@@ -100,6 +104,7 @@ class RigidBodies(Value):
         *,
         pairs: Sequence[Pair] = (),
         springs: Sequence[Spring] = (),
+        joints: Sequence[Joint] = (),
         gravity: ArrayLike | None = None,
     ) -> None:
         listed = _bodies(bodies)
@@ -109,6 +114,7 @@ class RigidBodies(Value):
             bodies=listed,
             pairs=_parts(pairs, "pairs", Pair, listed),
             springs=_parts(springs, "springs", Spring, listed),
+            joints=_parts(joints, "joints", Joint, listed),
             gravity=arrays.array(down if gravity is None else gravity, "gravity", (len(down),)),
         )
         core = _core.RigidBodies(
@@ -123,7 +129,9 @@ class RigidBodies(Value):
             ],
             [pair._core_data() for pair in self.pairs],
             [spring._core_data() for spring in self.springs],
+            [joint._core_data() for joint in self.joints],
             self.gravity,
+            self.q0,
         )
         contacts = tuple(
             ContactLabel(number, corner)
@@ -428,12 +436,12 @@ def _bodies(bodies: Sequence[Any]) -> tuple[Any, ...]:
 def _parts(
     parts: Sequence[_Part], argument: str, kind: type[_Part], bodies: Sequence[Body | PlanarBody]
 ) -> tuple[_Part, ...]:
-    """Return pairs or springs that fit the bodies."""
+    """Return pairs, springs or joints that fit the bodies."""
     listed, planar = arrays.several(parts, argument), isinstance(bodies[0], PlanarBody)
     for number, part in enumerate(listed):
         if not isinstance(part, kind):
             raise ParameterError(argument, f"must hold {kind.__name__} objects, got {part!r}")
-        if part.planar != planar:
+        if part.planar not in (planar, None):
             where = ("space", "a plane")
             raise DimensionError(
                 argument,

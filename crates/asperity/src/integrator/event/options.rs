@@ -135,6 +135,12 @@ impl Options {
     /// Refuses options, and systems that cannot be integrated from event to event; else where to start.
     pub(crate) fn check(&self, system: &dyn System) -> Result<InitialState, ArgumentError> {
         check_structure(system)?;
+        if system.has_joints() {
+            return refuse(
+                "system",
+                "must have no joints: integrate it by time steps, with simulate",
+            );
+        }
         let (n, coordinates) = (system.dof(), system.coordinates());
         if n == 0 {
             return refuse("system", "must have velocities");

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use nalgebra::{Matrix4, SymmetricEigen};
+
 use super::closed::{Change, Closed};
 use super::coupling;
 use super::outcome::StepError;
@@ -18,6 +20,10 @@ use crate::vectors::copy;
 
 /// Part of the way that the contact forces have to make up for in a step, up to which a gap is rounding.
 const ROUNDING: f64 = 1e-6;
+
+/// Compliance in directions that joints hold, relative to that of the bodies without joints: contacts see them at rest, and
+/// transmit nothing there while they stick.
+const COMPLIANCE: f64 = 1e-8;
 
 /// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
 /// once as much, of none where a run begins, and of twice as much where it was not held along the chord before, which
@@ -40,6 +46,11 @@ pub(super) struct Assembly {
     /// of the speed likewise.
     directions: Vec<f64>,
     responses: Vec<f64>,
+    /// The velocities before the step that joints let pass at its midpoint, and what joints change these by until its end.
+    passed: Vec<f64>,
+    bend: Vec<f64>,
+    /// Diagonal of the Delassus operator without joints where there are any, times their compliance.
+    compliance: Vec<f64>,
     /// χ row by row, and the velocities before the step where they are needed.
     chi: Vec<f64>,
     slip: Vec<f64>,
@@ -101,6 +112,7 @@ impl Evaluated {
         midpoint: &Midpoint,
         step: &Step<'_>,
         contact: usize,
+        joints_bend: &[f64],
     ) -> [f64; 4] {
         if self.bends.is_none() {
             let len = system.contacts()[contact].rows();
@@ -115,6 +127,15 @@ impl Evaluated {
             if law.law().dimension() == 3 {
                 // That of drilling does not follow from its row.
                 correction[law.rows() - 1] *= self.by_place;
+            }
+            if !joints_bend.is_empty() {
+                let (mut entries, width) = (rows, rows.len() / len);
+                for &block in system.touched(contact) {
+                    let bend = &joints_bend[system.blocks().range(block)];
+                    Part { entries, width }.add_product(bend, correction);
+                    entries = &entries[bend.len()..];
+                }
+                self.bends = Some(true);
             }
         }
         if self.bends == Some(true) { self.chord } else { [0.0; 4] }
@@ -235,7 +256,7 @@ impl Assembly {
     ) -> Result<Change, StepError> {
         let dt = step.dt;
         system::begin(system, step, &mut self.midpoint)?;
-        let new_mass = !(self.has_mass && self.constancy.mass);
+        let mut new_mass = !(self.has_mass && self.constancy.mass);
         if new_mass {
             self.has_mass = false;
             self.mass.update(system, step.midpoint, &self.midpoint.q)?;
@@ -243,6 +264,11 @@ impl Assembly {
         }
         let Midpoint { before, forces, .. } = &self.midpoint;
         self.mass.accelerate(system, before, (dt, forces), &mut self.free);
+        if !self.midpoint.held.is_empty() && !system.contacts().is_empty() {
+            self.let_pass(system, dt)?;
+            // Joints change what contacts do to each other.
+            new_mass = true;
+        }
         if self.constant && closed.ready && !new_mass {
             let loads = closed.problem.free_velocity_mut();
             copy(&self.chi, loads);
@@ -271,7 +297,7 @@ impl Assembly {
         }
         if !same || changed || self.factors.any() {
             self.fill(system, closed);
-            closed.check_directions()?;
+            closed.check_directions(&self.compliance)?;
             self.constant = self.is_constant(system, closed);
             if self.constant {
                 // No sum with a chord of zero tells zeros from their negatives any more.
@@ -357,10 +383,10 @@ impl Assembly {
         let (mut gained, mut row) = (0.0, self.evaluated.rows.iter());
         for &block in system.touched(contact) {
             let range = system.blocks().range(block);
-            let change = self.free[range.clone()].iter().zip(&self.midpoint.before[range]);
+            let change = self.free[range.clone()].iter().zip(&self.before()[range]);
             gained += change.zip(&mut row).map(|((a, b), w)| (w * (a - b)).abs()).sum::<f64>();
         }
-        let chord = self.evaluated.chord(system, &self.midpoint, step, contact);
+        let chord = self.evaluated.chord(system, &self.midpoint, step, contact, &self.bend);
         Ok(step.dt * (ROUNDING * gained + chord[0].abs()))
     }
 
@@ -404,7 +430,7 @@ impl Assembly {
         let Rows { first, len, .. } = self.contacts[place];
         let (own, mut chord) = (first..first + len, [0.0; 4]);
         if undisturbed {
-            chord = self.evaluated.chord(system, &self.midpoint, step, contact);
+            chord = self.evaluated.chord(system, &self.midpoint, step, contact, &self.bend);
         }
         self.chord[own.clone()].copy_from_slice(&chord[..len]);
         if !undisturbed || self.evaluated.bends != Some(true) {
@@ -412,7 +438,7 @@ impl Assembly {
         }
         let (rows, tangent) =
             (&self.contacts[place], system.contacts()[contact].normal_rows()..len);
-        let before = self.velocities(rows, &self.midpoint.before);
+        let before = self.velocities(rows, self.before());
         let slip = tangent.clone().map(|k| before[k] + self.chi[first + k]);
         let slip = slip.fold(0.0, |sum, v| sum + v * v);
         let change = tangent.clone().map(|k| self.chord[first + k]).fold(0.0, |s, v| s + v * v);
@@ -464,10 +490,16 @@ impl Assembly {
         loads[..N].copy_from_slice(&sums);
     }
 
+    /// The velocities before the step that contacts see at its midpoint.
+    #[inline]
+    fn before(&self) -> &[f64] {
+        if self.passed.is_empty() { &self.midpoint.before } else { &self.passed }
+    }
+
     /// The velocities of a contact before the step.
     fn update_slip(&mut self, place: usize, closing: f64) {
         let rows = &self.contacts[place];
-        let before = self.velocities(rows, &self.midpoint.before);
+        let before = self.velocities(rows, self.before());
         for (k, row) in (rows.first..rows.first + rows.len).enumerate() {
             let closing = if k == 0 { closing } else { 0.0 };
             self.slip[row] = before[k] + self.chi[row] + closing - self.chord[row];
@@ -519,7 +551,13 @@ impl Assembly {
         for list in [&mut self.directions, &mut self.responses] {
             list.resize(place, 0.0);
         }
-        for list in [&mut self.chi, &mut self.slip, &mut self.chord, &mut self.by_place] {
+        for list in [
+            &mut self.compliance,
+            &mut self.chi,
+            &mut self.slip,
+            &mut self.chord,
+            &mut self.by_place,
+        ] {
             list.resize(rows, 0.0);
         }
         self.factors.reset(&closed.problem);
@@ -544,11 +582,19 @@ impl Assembly {
             for k in 0..rows.len {
                 let factor = self.factors.rows()[rows.first + k];
                 let start = rows.place + k * rows.width;
+                self.compliance[rows.first + k] = 0.0;
                 for side in &self.sides[rows.sides.clone()] {
                     let first = start + side.offset;
                     let response = &mut self.responses[first..first + side.len];
                     response.copy_from_slice(&self.directions[first..first + side.len]);
                     self.mass.solve_block(system, side.block, response);
+                    let mut held = self.midpoint.held.iter();
+                    if let Some(held) = held.find(|held| held.block == side.block) {
+                        let own = &self.directions[first..first + side.len];
+                        let mobility = own.iter().zip(&*response).map(|(w, r)| w * r).sum::<f64>();
+                        self.compliance[rows.first + k] += COMPLIANCE * mobility;
+                        held.project(response);
+                    }
                     if factor != 1.0 {
                         response.iter_mut().for_each(|value| *value *= factor);
                     }
@@ -571,6 +617,31 @@ impl Assembly {
             for k in 0..blocks.neighbours(i).len() {
                 let (j, block) = blocks.block_mut(i, k);
                 self.fill_block(contact, &self.contacts[j], block);
+                if i == j && !self.midpoint.held.is_empty() {
+                    self.yield_to(contact, block);
+                }
+            }
+        }
+    }
+
+    /// Adds the compliance of joints to the block of a contact, in the directions that they hold.
+    fn yield_to(&self, contact: &Rows, block: &mut [f64]) {
+        let len = contact.len;
+        let compliance = &self.compliance[contact.first..contact.first + len];
+        let entry = |a: usize, b: usize| (compliance[a] * compliance[b]).sqrt();
+        if compliance.contains(&0.0) {
+            return;
+        }
+        let scaled = Matrix4::from_fn(|a, b| match a.max(b) < len {
+            true => block[len * a + b] / entry(a, b),
+            // Out of the way of what is held.
+            false => f64::from(u8::from(a == b)) * 2.0,
+        });
+        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
+        for k in (0..len).filter(|&k| eigenvalues[k] < 1.0) {
+            for (i, g) in block.iter_mut().enumerate() {
+                let (a, b) = (i / len, i % len);
+                *g += eigenvectors[(a, k)] * entry(a, b) * eigenvectors[(b, k)];
             }
         }
     }
@@ -617,7 +688,25 @@ impl Assembly {
         } else {
             self.add_responses(percussion);
         }
+        if let (false, Some(turning)) = (self.midpoint.held.is_empty(), system.turning()) {
+            turning.hold(&self.midpoint, &mut self.free, dt)?;
+        }
         system::finish(system, &mut self.midpoint, &self.free, dt, q, u)
+    }
+
+    /// Leaves of the free velocities what joints let pass at the midpoint; and what those before the step would change by
+    /// until its end.
+    fn let_pass(&mut self, system: &dyn System, dt: f64) -> Result<(), SystemError> {
+        let Self { midpoint, free, passed, bend, .. } = self;
+        passed.clone_from(&midpoint.before);
+        for held in &midpoint.held {
+            held.project(&mut free[held.velocities.clone()]);
+            held.project(&mut passed[held.velocities.clone()]);
+        }
+        bend.clone_from(passed);
+        system.turning().map_or(Ok(()), |turning| turning.hold(midpoint, bend, dt))?;
+        bend.iter_mut().zip(passed).for_each(|(end, before)| *end -= *before);
+        Ok(())
     }
 
     /// Adds what percussions change of the velocities.

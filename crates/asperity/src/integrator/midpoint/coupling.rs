@@ -30,8 +30,10 @@ pub(super) fn pattern(
     let touched = (0..at.len()).filter(|&block| !at[block].is_empty());
     let velocities: usize = touched.map(|block| system.blocks().range(block).len()).sum();
     let blocks = BlockMatrix::with_pattern(&sizes, &neighbours);
-    // A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
-    let known = system.constancy().mass && laws().all(|contact| contact.law().rate().is_none());
+    // Joints are not in the mass matrix. A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
+    let known = system.constancy().mass
+        && !system.has_joints()
+        && laws().all(|contact| contact.law().rate().is_none());
     if blocks.rows() <= velocities || system.blocks().count() == 1 || !known {
         return Ok(blocks.into());
     }

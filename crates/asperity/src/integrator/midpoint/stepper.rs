@@ -40,6 +40,7 @@ fn checked(system: &dyn System, dt: f64, state: &State) -> Result<State, StepErr
     state.check(system)?;
     let mut start = state.in_steps_of(dt);
     rotation::normalise(system.rotations(), &mut start.q)?;
+    system.turning().map_or(Ok(()), |turning| turning.meets(&start.q, &start.u, dt))?;
     Ok(start)
 }
 

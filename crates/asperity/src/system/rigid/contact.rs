@@ -1,5 +1,6 @@
 //! One possible contact: gap, place, directions, and its rows of `W_Nᵀ` and `Wᵀ`.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -16,6 +17,11 @@ pub(super) struct Contact {
     pub(super) other: Option<usize>,
     /// The bodies in ascending order, the only one twice.
     pub(super) bodies: [usize; 2],
+    /// Their blocks of velocities in ascending order, the only one twice; the places of the first and of the second body
+    /// in its rows, and how many bodies these have.
+    pub(super) blocks: [usize; 2],
+    pub(super) places: (usize, usize),
+    pub(super) width: usize,
     /// Whether it may open, and has a normal row.
     pub(super) unilateral: bool,
     /// Number of tangential rows.
@@ -67,16 +73,23 @@ impl ContactGeometry {
 }
 
 impl Contact {
-    /// The bodies that it touches, ascending.
+    /// The blocks that it touches, ascending.
     #[inline]
     pub(super) fn touched(&self) -> &[usize] {
-        &self.bodies[..1 + usize::from(self.other.is_some())]
+        &self.blocks[..1 + usize::from(self.blocks[0] != self.blocks[1])]
     }
 
-    /// The places of the first and of the second body among those.
-    #[inline]
-    pub(super) fn places(&self) -> (usize, usize) {
-        if self.bodies[0] == self.body { (0, 1) } else { (1, 0) }
+    /// The same where a block has the bodies from the first one that `range` returns for any of them on to the last one.
+    pub(super) fn in_blocks(self, block: &[usize], range: impl Fn(usize) -> Range<usize>) -> Self {
+        let blocks = self.bodies.map(|body| block[body]);
+        let first = range(blocks[0]);
+        let place = |body: usize| match block[body] == blocks[0] {
+            true => body - first.start,
+            false => first.len() + body - range(blocks[1]).start,
+        };
+        let second = if blocks[0] == blocks[1] { 0 } else { range(blocks[1]).len() };
+        let places = (place(self.body), self.other.map_or(0, place));
+        Self { blocks, places, width: first.len() + second, ..self }
     }
 
     /// The same between bodies with other numbers in the same order; nothing where a body has none.
@@ -84,7 +97,7 @@ impl Contact {
         let other = self.other.map(&number);
         let [a, b] = self.bodies.map(&number);
         let (body, bodies) = (number(self.body)?, [a?, b?]);
-        Some(Self { body, other: other.flatten(), bodies, ..self.clone() })
+        Some(Self { body, other: other.flatten(), bodies, blocks: bodies, ..self.clone() })
     }
 
     /// What of its plane depends on time.

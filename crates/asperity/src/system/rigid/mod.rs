@@ -1,4 +1,4 @@
-//! Rigid bodies with contacts, springs and weight, in space or in a plane.
+//! Rigid bodies with contacts, joints, springs and weight, in space or in a plane.
 //!
 //! The body `k` of space has the coordinates `q[7k..]` (centre of mass, unit quaternion `(w, x, y, z)`) and
 //! the velocities `u[6k..]` (velocity of the centre of mass in the world's axes, angular velocity Ω in the
@@ -7,6 +7,8 @@
 mod body;
 mod chord;
 mod contact;
+mod joined;
+mod joint;
 mod measures;
 mod motion;
 mod pair;
@@ -19,6 +21,7 @@ mod surface;
 
 pub use body::{Bodies, Body, PlanarBody};
 pub use contact::ContactGeometry;
+pub use joint::{Joint, JointKind};
 pub use pair::{Pair, Shape};
 pub use plane_motion::PlaneMotion;
 pub use pose::Pose;

@@ -149,10 +149,14 @@ impl Pair {
             let message = "must not be given for a law whose friction depends on the speed";
             return refuse("friction_factor", message);
         }
+        let bodies = other.map_or([body; 2], |other| [body.min(other), body.max(other)]);
         let contact = |touching| Contact {
             body,
             other,
-            bodies: other.map_or([body; 2], |other| [body.min(other), body.max(other)]),
+            bodies,
+            blocks: bodies,
+            places: if bodies[0] == body { (0, 1) } else { (1, 0) },
+            width: 1 + usize::from(other.is_some()),
             unilateral: self.normal_force.is_unilateral(),
             tangential: self.law.dimension(),
             touching,

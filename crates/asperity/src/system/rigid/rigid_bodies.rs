@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::body::{Bodies, Inertial, Parts, TimedLoad};
 use super::contact::{Contact, ContactGeometry};
+use super::joint::{Joint, Placed};
 use super::pair::Pair;
 use super::pose::Pose;
 use super::spring::Spring;
@@ -38,8 +39,11 @@ pub struct RigidBodies {
     pub(super) rotations: Vec<Rotation>,
     pub(super) blocks: Blocks,
     pub(super) inertial: Vec<Inertial>,
-    /// Bodies of unequal moments, whose angular momenta are what is stepped.
+    /// Bodies of unequal moments or with joints, whose angular momenta are what is stepped.
     pub(super) unequal: Vec<usize>,
+    pub(super) joints: Vec<Placed>,
+    /// Blocks with joints, and the numbers of these.
+    pub(super) jointed: Vec<(usize, Vec<usize>)>,
     pub(super) timed_loads: Vec<TimedLoad>,
     pub(super) timed_planes: Vec<Arc<Timed>>,
     pub(super) gravity: Vector3<f64>,
@@ -116,8 +120,62 @@ impl RigidBodies {
         let rotations = (0..turning).map(rotation).collect();
         #[rustfmt::skip]
         let bodies =
-            Self { planar, size, rotations, blocks, inertial, unequal, timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
+            Self { planar, size, rotations, blocks, inertial, unequal, joints: vec![], jointed: vec![], timed_loads, timed_planes, gravity, springs, contacts, laws, labels, prescribed, q0, u0 };
         Ok(bodies)
+    }
+
+    /// The same system with joints, placed as the bodies are at the coordinates `q`. Bodies that joints connect, and those
+    /// numbered between them, become one block of velocities.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] that says of which joint a number, index or axis is not allowed, or if `q` has not the coordinates
+    /// of the system.
+    pub fn with_joints(mut self, joints: &[Joint], q: &[f64]) -> Result<Self, ArgumentError> {
+        entries("q", q, self.coordinates())?;
+        let count = self.bodies();
+        let mut joined = vec![false; count];
+        for (i, joint) in joints.iter().enumerate() {
+            joint.check(count, self.planar).map_err(|error| error.within("joint", i))?;
+            let other = joint.other.unwrap_or(joint.body);
+            joined[joint.body.min(other)..joint.body.max(other)].fill(true);
+        }
+        let mut blocks: Vec<usize> = Vec::new();
+        let block: Vec<usize> = (0..count)
+            .map(|body| {
+                if body == 0 || !joined[body - 1] {
+                    blocks.push(0);
+                }
+                let last = blocks.len() - 1;
+                blocks[last] += self.size;
+                last
+            })
+            .collect();
+        self.blocks = Blocks::new(blocks);
+        let range = |number: usize| {
+            let range = self.blocks.range(number);
+            range.start / self.size..range.end / self.size
+        };
+        let contacts = self.contacts.drain(..);
+        self.contacts = contacts.map(|contact| contact.in_blocks(&block, range)).collect();
+        let place = |joint: &Joint| {
+            let bodies = [joint.body, joint.other.unwrap_or(joint.body)];
+            let square =
+                |body: usize| self.inertial[body].inertia.trace() / self.inertial[body].mass;
+            let length = bodies.map(|body| square(body).sqrt()).iter().sum();
+            Placed::new(joint, length, |body| self.pose_of(q, body))
+        };
+        self.joints = joints.iter().map(place).collect();
+        let of = |number: usize| -> Vec<usize> {
+            (0..joints.len()).filter(|&joint| block[joints[joint].body] == number).collect()
+        };
+        let numbers = (0..self.blocks.count()).map(|number| (number, of(number)));
+        self.jointed = numbers.filter(|(_, joints)| !joints.is_empty()).collect();
+        let holds = |body: usize| joints.iter().any(|j| j.body == body || j.other == Some(body));
+        let steps_momentum =
+            |body: &usize| !self.inertial[*body].isotropic || !self.planar && holds(*body);
+        self.unequal = (0..count).filter(steps_momentum).collect();
+        Ok(self)
     }
 
     /// The system of some of the bodies alone, ascending, with these contacts and springs, which touch no others.
@@ -145,6 +203,8 @@ impl RigidBodies {
             blocks: Blocks::new(std::iter::repeat_n(self.size, count)),
             unequal: (0..count).filter(|&body| !inertial[body].isotropic).collect(),
             inertial,
+            joints: Vec::new(),
+            jointed: Vec::new(),
             timed_loads: loads.collect(),
             timed_planes: timed_planes(&own),
             gravity: self.gravity,

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::pose::{Speeds, Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
+use crate::argument::ArgumentError;
 use crate::contact::Components;
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, FrictionMap, InitialState, Midpoint,
@@ -48,12 +49,19 @@ impl System for RigidBodies {
         Constancy { mass: true, contacts: false, autonomous: !self.depends_on_time() }
     }
 
+    fn has_joints(&self) -> bool {
+        !self.joints.is_empty()
+    }
+
     fn turning(&self) -> Option<&dyn Turning> {
         Some(self)
     }
 
     /// Bodies between which there are contacts or springs are of one part, however far they are from each other.
     fn parts(&self) -> Vec<SystemPart> {
+        if self.has_joints() {
+            return Vec::new();
+        }
         let mut connected = Components::default();
         connected.separate(self.bodies());
         for contact in &self.contacts {
@@ -78,16 +86,22 @@ impl System for RigidBodies {
 
     fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
         mass.fill(0.0);
-        let (n, inertial) = (self.size, &self.inertial[block]);
-        if self.planar {
-            (mass[0], mass[n + 1]) = (inertial.mass, inertial.mass);
-            mass[2 * n + 2] = inertial.inertia.m33;
-            return Ok(());
-        }
-        for i in 0..3 {
-            mass[n * i + i] = inertial.mass;
-            for j in 0..3 {
-                mass[n * (3 + j) + 3 + i] = inertial.inertia[(i, j)];
+        let range = self.blocks.range(block);
+        let n = range.len();
+        for first in (0..n).step_by(self.size) {
+            let inertial = &self.inertial[(range.start + first) / self.size];
+            let mut set = |i: usize, j: usize, entry| mass[n * (first + j) + first + i] = entry;
+            if self.planar {
+                set(0, 0, inertial.mass);
+                set(1, 1, inertial.mass);
+                set(2, 2, inertial.inertia.m33);
+                continue;
+            }
+            for i in 0..3 {
+                set(i, i, inertial.mass);
+                for j in 0..3 {
+                    set(3 + i, 3 + j, inertial.inertia[(i, j)]);
+                }
             }
         }
         Ok(())
@@ -171,8 +185,11 @@ impl System for RigidBodies {
         let (mut own, mut others) = ([Twist::zeros(); 4], [Twist::zeros(); 4]);
         let geometry = contact.geometry(at.moment(), &poses);
         contact.rows(&geometry, &poses, &mut own, &mut others, velocity);
-        let (place, other_place) = contact.places();
-        for (k, row) in rows.chunks_exact_mut(self.size * contact.touched().len()).enumerate() {
+        let (place, other_place) = contact.places;
+        if self.has_joints() {
+            rows.fill(0.0);
+        }
+        for (k, row) in rows.chunks_exact_mut(self.size * contact.width).enumerate() {
             self.set_twist(row, place, &own[k]);
             if contact.other.is_some() {
                 self.set_twist(row, other_place, &others[k]);
@@ -209,8 +226,8 @@ impl Turning for RigidBodies {
         let first = self.predicted(midpoint, u, contact.body, dt);
         let second = contact.other.map(|body| self.predicted(midpoint, u, body, dt));
         let bend = contact.bend(midpoint.t, &first, second.as_ref(), dt);
-        let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places());
-        let width = self.size * contact.touched().len();
+        let (normal_rows, (place, _)) = (usize::from(contact.unilateral), contact.places);
+        let width = self.size * contact.width;
         for (k, (row, out)) in rows.chunks_exact(width).zip(correction).enumerate() {
             // The force of a row on the first body is its direction.
             *out = match (k + 1) - normal_rows {
@@ -237,11 +254,27 @@ impl Turning for RigidBodies {
             && self.unequal.iter().zip(momenta.chunks_exact(3)).all(has)
     }
 
+    fn meets(&self, q: &[f64], u: &[f64], dt: f64) -> Result<(), ArgumentError> {
+        self.check_joints(q, u, 0.5 * dt)
+    }
+
+    fn hold(&self, midpoint: &Midpoint, after: &mut [f64], dt: f64) -> Result<(), SystemError> {
+        self.hold_velocities(midpoint, after, 0.5 * dt)
+    }
+
     fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
         let &Step { midpoint: t, dt, q, u } = step;
         midpoint.t = t;
-        let Midpoint { q: mid, derived, before, forces, momenta, .. } = midpoint;
+        let Midpoint { q: mid, derived, before, forces, momenta, held, .. } = midpoint;
         self.advance(q, u, 0.5 * dt, mid);
+        if self.has_joints() {
+            // Along forces of joints as they are before the step, then as they are where that leads.
+            let mut rates = u.to_vec();
+            for k in 0..3 {
+                *held = self.held(if k == 0 { q } else { mid });
+                self.arrive(t, held, (q, &mut rates, 0.5 * dt), mid, |_, _| {})?;
+            }
+        }
         self.derive(mid, derived);
         before.copy_from_slice(u);
         let at = Configuration { t, piece: t, q: mid, derived };
@@ -263,7 +296,14 @@ impl Turning for RigidBodies {
         q: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), SystemError> {
-        let Midpoint { t, q: mid, derived, before, forces, momenta } = midpoint;
+        if !midpoint.held.is_empty() {
+            let [end, velocities, spins] = self.end(midpoint, after, 0.5 * dt)?;
+            q.copy_from_slice(&end);
+            u.copy_from_slice(&velocities);
+            midpoint.momenta = spins;
+            return Ok(());
+        }
+        let Midpoint { t, q: mid, derived, before, forces, momenta, .. } = midpoint;
         let at = Configuration { t: *t, piece: *t, q: mid, derived };
         // Nothing changes unless all are found: until then the place of the forces, which have acted, holds them.
         let ends = forces;
