@@ -431,3 +431,27 @@ def test_hands_that_are_placed_elsewhere_give_no_velocity():
     data.mocap_pos[0, 0] = np.nan
     with pytest.raises(asp.ParameterError, match="finite mocap_pos"):
         scene.step(data)
+
+
+def test_a_hand_out_of_reach_is_named_and_leaves_the_state():
+    rod = 'type="capsule" fromto="0 0 0 .3 0 0" size=".02" contype="0" conaffinity="0"'
+    model = model_of(
+        f"""<worldbody><body name="hand" mocap="true"/><body>
+<joint axis="0 0 1"/><geom {rod}/><body name="fore" pos=".3 0 0"><joint axis="0 0 1"/><geom {rod}/>
+</body></body></worldbody>
+<equality><connect name="grip" site1="palm" site2="tip"/></equality>""".replace(
+            '"true"/>', '"true"><site name="palm"/></body>'
+        ).replace(f"<geom {rod}/>\n</body>", f'<geom {rod}/><site name="tip" pos=".3 0 0"/></body>')
+    )
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qpos[:] = 0.5, -1.0
+    data.mocap_pos[0, 0] = 0.6 * np.cos(0.5)
+    scene.step(data)
+    with pytest.raises(asp.NoSolutionError, match="cannot follow.*equality 'grip'"):
+        for _ in range(400):
+            data.mocap_pos[0, 0] += 0.5e-3
+            before = data.qpos.copy(), data.qvel.copy(), data.time
+            scene.step(data)
+    assert data.mocap_pos[0, 0] == pytest.approx(0.6, abs=2e-3)
+    assert (data.qpos == before[0]).all() and (data.qvel == before[1]).all()
+    assert data.time == before[2]

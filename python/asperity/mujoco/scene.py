@@ -173,12 +173,14 @@ class Scene:
             if control is not None:
                 control(self._rows.user, data)
             found, solution = self._advance(data, q, v, start)
+            projected, violation = self._projector.settle()
+            if self._reader.guidance is not None:
+                self._refuse_out_of_reach(data)
         except BaseException:
             data.qpos[:], data.qvel[:] = before
             raise
         after = found.velocity
         self._write(data, v, after, found, solution)
-        projected, violation = self._projector.settle()
         data.qpos[:] = self._projector.data.qpos
         if data.ne:
             data.qvel[:] = self._projector.level(after)
@@ -349,6 +351,14 @@ class Scene:
             return v
         self._still = ahead.level(self._still)
         return ahead.level(v)
+
+    def _refuse_out_of_reach(self, data: mujoco.MjData) -> None:
+        left = self._projector.violations(_START * self._extent)
+        if left:
+            raise NoSolutionError(
+                f"mocap bodies go where the others cannot follow, at {data.time:g} s: "
+                f"{_listed(left)} are left"
+            )
 
     def _is_new(self, data: mujoco.MjData) -> bool:
         return self._owner is not data or self._left != self._state(data)
