@@ -443,10 +443,15 @@ class Scene:
             name = self._name(data, self._reader.layout, stepper.near(), item)
             message = f"with drilling need bodies that can drill and slide: {name}"
             raise ParameterError("laws", message) from error
-        if data.ne and found.step is not None and found.step.status != Status.CONVERGED.value:
+        converged = Status.CONVERGED.value
+        if found.step is not None and found.step.status != converged:
+            # Percussions of the step before may be a bad start.
+            stepper.forget()
+            found = stepper.step(v, *settings)
+        if data.ne and found.step is not None and found.step.status != converged:
             # Anchors that move by what their paths curve may jam contacts: they rest then.
             rests = stepper.step(self._still, *settings)
-            if rests.step is None or rests.step.status == Status.CONVERGED.value:
+            if rests.step is None or rests.step.status == converged:
                 return rests
         return found
 
