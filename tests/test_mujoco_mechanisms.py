@@ -321,15 +321,139 @@ def test_equalities_that_are_switched_on_far_from_where_they_hold_are_refused():
     scene.step(data)
 
 
-def test_mocap_bodies_that_jump_are_refused():
-    model = model_of("""<worldbody><body name="hand" mocap="true"/>
-  <body name="tool"><freejoint/><geom size=".1" mass="1"/></body></worldbody>
-<equality><weld body1="hand" body2="tool"/></equality>""")
+HAND = """<worldbody><body name="hand" mocap="true"/><body name="tool" pos=".2 0 0"><freejoint/>
+<geom type="box" size=".05 .02 .03" mass="2"/></body></worldbody>
+<equality><weld body1="hand" body2="tool"/></equality>"""
+
+
+def test_a_tool_follows_the_hand_that_it_is_welded_to():
+    """And has the hand's velocity, and the forces that this takes, to first order in h."""
+    errors = []
+    for dt in (1e-3, 5e-4):
+        model = model_of(HAND, dt=dt)
+        data, scene = mujoco.MjData(model), Scene(model)
+        scene.step(data)
+        worst = 0.0
+        for k in range(1, round(0.5 / dt) + 1):
+            t, middle = k * dt, (k - 0.5) * dt
+            data.mocap_pos[0, 1] = 0.1 * (1.0 - np.cos(6.0 * t))
+            step = scene.step(data)
+            assert step.solution.converged
+            place = [0.2, data.mocap_pos[0, 1], 0.0, 1.0, 0.0, 0.0, 0.0]
+            np.testing.assert_allclose(data.qpos, place, atol=1e-8)
+            worst = max(worst, abs(data.qvel[1] - 0.6 * np.sin(6.0 * t)))
+            if k > 1:
+                force = 2.0 * 3.6 * np.cos(6.0 * middle)
+                worst = max(worst, abs(data.qfrc_constraint[1] - force))
+            assert data.qfrc_constraint[2] == pytest.approx(2.0 * GRAVITY, rel=1e-9)
+        errors.append(worst)
+    assert errors[1] < 0.6 * errors[0] < 0.03
+    scene.step(data)
+    assert np.abs(data.qvel).max() < 1e-9
+
+
+def test_a_tool_turns_with_the_hand():
+    model = model_of(HAND)
+    data, scene = mujoco.MjData(model), Scene(model)
+    scene.step(data)
+    for k in range(1, 501):
+        angle = 2e-3 * k
+        data.mocap_quat[0] = np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)
+        scene.step(data)
+    np.testing.assert_allclose(data.qpos[:2], [0.2 * np.cos(1.0), 0.2 * np.sin(1.0)], atol=1e-7)
+    np.testing.assert_allclose(data.qvel[3:], [0.0, 0.0, 2.0], atol=1e-5)
+    speed = [-0.4 * np.sin(1.0), 0.4 * np.cos(1.0)]
+    np.testing.assert_allclose(data.qvel[:2], speed, atol=1e-3)
+    inward = -data.qfrc_constraint[:2] @ [np.cos(1.0), np.sin(1.0)]
+    assert inward == pytest.approx(2.0 * 0.2 * 4.0, rel=1e-2)
+
+
+TRAY = """<worldbody><body name="tray" mocap="true" {}>
+<geom name="tray" type="box" size=".5 .5 .1"/></body>
+<body name="load" pos="0 0 .15"><freejoint/>
+<geom name="load" type="box" size=".05 .05 .05" mass="2"/></body></worldbody>"""
+
+
+def test_a_tray_carries_its_load_by_friction():
+    model = model_of(TRAY.format(""))
+    laws = {("tray", "load"): asp.FrictionLaw.isotropic(0.2)}
+    data, scene = mujoco.MjData(model), Scene(model, laws)
+    scene.simulate(data, t_end=0.02)
+    for k in range(1, 301):
+        data.mocap_pos[0, 0] += 0.4e-3
+        scene.step(data)
+        assert data.qvel[0] == pytest.approx(min(0.2 * GRAVITY * 1e-3 * k, 0.4), abs=1e-9)
+    assert data.qpos[0] == pytest.approx(0.12 - 0.4**2 / (2 * 0.2 * GRAVITY), abs=1e-6)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_a_mocap_body_strikes_and_lifts(e):
+    model = model_of(TRAY.format('pos="0 0 -.0105"'))
+    model.opt.gravity[:] = 0.0
+    data, scene = mujoco.MjData(model), Scene(model, normal_restitution=e)
+    data.qvel[2] = -1.0
+    scene.step(data)
+    for _ in range(9):
+        data.mocap_pos[0, 2] += 0.5e-3
+        scene.step(data)
+    assert data.qvel[2] == pytest.approx(0.5 + 1.5 * e, abs=1e-9)
+    gap = data.qpos[2] - data.mocap_pos[0, 2] - 0.15
+    assert gap == pytest.approx(0.0, abs=1e-5) if e == 0.0 else gap > 0.0
+
+
+def test_a_mocap_body_pushes_against_friction():
+    model = model_of("""<worldbody><geom name="floor" type="plane" size="2 2 .1"/>
+<body name="pusher" mocap="true" pos="-.1 0 .05"><geom name="pusher" size=".05"/></body>
+<body name="load" pos="0 0 .05"><freejoint/>
+<geom name="load" type="box" size=".05 .05 .05" mass="2"/></body></worldbody>""")
+    floor, pusher = asp.FrictionLaw.isotropic(0.3), asp.FrictionLaw.isotropic(1e-9)
+    scene = Scene(model, {("floor", "load"): floor, ("pusher", "load"): pusher})
+    data = mujoco.MjData(model)
+    scene.step(data)
+    for _ in range(200):
+        data.mocap_pos[0, 0] += 0.2e-3
+        scene.step(data)
+    assert data.qvel[0] == pytest.approx(0.2, abs=1e-9)
+    assert data.qpos[0] == pytest.approx(0.04, abs=1e-6)
+    (push,) = [c for c in scene.contacts(data) if "pusher" in c.geoms]
+    assert abs(push.force[0]) == pytest.approx(0.3 * 2.0 * GRAVITY, rel=1e-6)
+
+
+def test_hands_that_are_placed_elsewhere_give_no_velocity():
+    model = model_of(HAND)
     data, scene = mujoco.MjData(model), Scene(model)
     scene.step(data)
     data.mocap_pos[0, 0] = 0.1
-    with pytest.raises(asp.ParameterError, match=r"violates equality .* by 0\.1 \(m or rad\)"):
+    scene.project(data)
+    scene.step(data)
+    assert data.qpos[0] == pytest.approx(0.3, abs=1e-6)
+    assert np.abs(data.qvel).max() < 1e-9
+    data.mocap_pos[0, 0] = np.nan
+    with pytest.raises(asp.ParameterError, match="finite mocap_pos"):
         scene.step(data)
-    follower = Scene(model, starts="project")
-    follower.step(data)
-    assert data.qpos[0] == pytest.approx(0.1, abs=1e-6)
+
+
+def test_a_hand_out_of_reach_is_named_and_leaves_the_state():
+    rod = 'type="capsule" fromto="0 0 0 .3 0 0" size=".02" contype="0" conaffinity="0"'
+    model = model_of(
+        f"""<worldbody><body name="hand" mocap="true"/><body>
+<joint axis="0 0 1"/><geom {rod}/><body name="fore" pos=".3 0 0"><joint axis="0 0 1"/><geom {rod}/>
+</body></body></worldbody>
+<equality><connect name="grip" site1="palm" site2="tip"/></equality>""".replace(
+            '"true"/>', '"true"><site name="palm"/></body>'
+        ).replace(f"<geom {rod}/>\n</body>", f'<geom {rod}/><site name="tip" pos=".3 0 0"/></body>')
+    )
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.qpos[:] = 0.5, -1.0
+    data.mocap_pos[0, 0] = 0.6 * np.cos(0.5)
+    scene.step(data)
+    for _ in range(145):
+        data.mocap_pos[0, 0] += 0.5e-3
+        scene.step(data)
+    data.mocap_pos[0, 0] = 0.601
+    before = data.qpos.copy(), data.qvel.copy(), data.time
+    with pytest.raises(asp.NoSolutionError, match=r"cannot follow.*equality 'grip'"):
+        scene.step(data)
+    np.testing.assert_array_equal(data.qpos, before[0])
+    np.testing.assert_array_equal(data.qvel, before[1])
+    assert data.time == before[2]

@@ -61,6 +61,8 @@ class RowsModel:
         self.names = tuple(_geom_name(model, geom) for geom in range(model.ngeom))
         self.rank = self._ranks()
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
+        # The mocap body that a geom is part of, or −1.
+        self.hand = m.body_mocapid[m.body_weldid[m.geom_bodyid]]
         self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
         self.depth = self._depths()
         self.have_margins = bool(model.jnt_margin.any() or model.tendon_margin.any())

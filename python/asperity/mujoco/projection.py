@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.mujoco.guided import Guidance
 from asperity.mujoco.model import RowsModel
 from asperity.mujoco.rows import Reader
 from asperity.solvers import Solver
@@ -44,7 +45,8 @@ class Projector:
         self._is_plain = bool(turns.all()) and not (m.neq or m.tendon_limited.any())
 
     def place(self, data: mujoco.MjData) -> None:
-        """Find the rows at the coordinates of `data`."""
+        """Find the rows at the coordinates of `data`, of mocap bodies that rest."""
+        self.reader.guidance = None
         self._copy(data)
         self._find()
 
@@ -81,11 +83,21 @@ class Projector:
         return first, self._worst
 
     def level(self, velocity: Array) -> Array:
-        """Return a velocity without what it has in equalities."""
+        """Return a velocity with that of equalities, which is zero unless mocap bodies move."""
         rows = np.arange(self.data.ne)
         before = self.reader.stepper.row_velocities(rows, velocity)
         self._factor()
         return velocity + self.reader.stepper.least_change(rows, before, _TOLERANCE)
+
+    def rates(self, time: float) -> Array:
+        """Return velocities in m/s or rad/s with which equalities came to where they are."""
+        errors = self.data.efc_pos[: self.data.ne]
+        return np.asarray(errors * self.reader.stepper.moves() / time)
+
+    def guide(self, guidance: Guidance) -> None:
+        """Have mocap bodies move where the rows are."""
+        self.reader.guidance = guidance
+        self.reader.drive(self.data)
 
     def energy(self, velocity: Array) -> Array:
         """Return potential and kinetic energy in J."""
@@ -153,4 +165,4 @@ class Projector:
         m, ahead = self._model.model, self.data
         self._mj.mj_makeM(m, ahead)
         self._mj.mj_factorM(m, ahead)
-        self.reader.stepper.factor(ahead.qLD)
+        self.reader.factor(ahead)

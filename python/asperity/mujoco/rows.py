@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import asperity._core as _core
+from asperity.errors import ParameterError
+from asperity.mujoco.guided import Guidance
 from asperity.mujoco.laws import PairLaws
 from asperity.mujoco.model import RowsModel
 from asperity.solvers import Solver, chosen
@@ -50,6 +52,7 @@ class Reader:
         )
         self._known = 0
         self._moves_surfaces = bool(m.flg_surfacevel)
+        self.guidance: Guidance | None = None
         self._renew()
 
     def _renew(self) -> None:
@@ -88,9 +91,39 @@ class Reader:
             if self._laws.have_factors:
                 factors = self._laws.factors(data, self.layout.contacts, self.layout.pairs)
             stepper.turn(contacts.frame, data.geom_xmat, data.xmat, factors)
-        if self._moves_surfaces and len(address):
-            stepper.move_surfaces(contacts.surfacevel)
+        if self._moves_surfaces or self.guidance is not None:
+            self.drive(data)
         return depth
+
+    def factor(self, data: mujoco.MjData) -> None:
+        """Take in the factors of the mass matrix."""
+        try:
+            self.stepper.factor(data.qLD)
+        except ParameterError as error:
+            fastest = float(np.abs(data.qvel).max())
+            raise ParameterError(
+                "data",
+                f"must have a positive definite mass matrix, it has none at {data.time:g} s, where "
+                f"the largest velocity is {fastest:.3g}: try a smaller timestep",
+            ) from error
+
+    def drive(self, data: mujoco.MjData) -> None:
+        """Take in the velocities of surfaces and of mocap bodies."""
+        contacts, layout, driven = data.contact, self.layout, np.zeros(data.nefc)
+        number, first = layout.contacts, layout.unilateral[layout.limits :]
+        velocities, dimensions = np.zeros((len(number), 4)), contacts.dim[number]
+        if self._moves_surfaces:
+            velocities[:, 1:] = contacts.surfacevel[number]
+        if self.guidance is not None:
+            driven[: data.ne] = self.guidance.rates
+            frames, hands = contacts.frame[number], self._model.hand[contacts.geom[number]]
+            velocities += self.guidance.of_contacts(
+                hands, contacts.pos[number], frames.reshape(-1, 3, 3)
+            )
+        for axis in range(4):
+            has = dimensions > axis
+            driven[first[has] + axis] = velocities[has, axis]
+        self.stepper.drive(driven)
 
     def _list(
         self,

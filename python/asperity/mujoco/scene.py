@@ -12,6 +12,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact import StepSolution
 from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
+from asperity.mujoco.guided import Guidance, Places
 from asperity.mujoco.laws import Laws, PairLaws
 from asperity.mujoco.model import RowsModel
 from asperity.mujoco.projection import Projector
@@ -51,6 +52,10 @@ class Scene:
     the friction coefficients of MuJoCo, which combines those of the geoms: a disk, for ``condim`` 4
     an ellipsoid with the drilling, also where the cone is pyramidal; ``condim`` 1 has no friction.
 
+    Mocap bodies that were moved since the last step go there in this one, with constant velocity:
+    they carry what is welded to them and what lies on them. ``scene.project(data)`` places them at
+    rest.
+
     After a step ``data`` holds the state at its end; positions of bodies, contacts and forces
     (``efc_force``, ``qacc``, ``cfrc_ext`` by ``mj_rnePostConstraint``, sensors) are those of its
     midpoint. Contacts nearby are listed, too.
@@ -62,7 +67,7 @@ class Scene:
             both have the name.
         starts: ``"refuse"`` states that violate gaps, limits or equalities by more than 1e-6 of the
             model's extent, or ``"project"`` them: the first state, and every one that was changed
-            by hand, also by moving mocap bodies or switching equalities.
+            by hand, also by switching equalities.
         normal_restitution: e_N in [0, 1] of contacts whose `PairLaw` gives none; limits have none.
         rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
         on_failure: ``"raise"``, with the data as before the step, or ``"record"``.
@@ -120,13 +125,15 @@ class Scene:
         self._quiet = 0
         # The state at the end of the last step, as bytes.
         self._left = b""
-        # Mocap bodies and active equalities of the last step, likewise.
-        self._driven = b""
+        # The least velocity that equalities allow.
+        self._still = np.zeros(rows.model.nv)
+        # Where mocap bodies were then, and whether they had moved.
+        self._places: Places | None = None
+        self._moved = False
         # Whose step was the last one, and what it solved, if anything.
         self._owner: mujoco.MjData | None = None
         self._last: tuple[_core.TreeStep, StepSolution, Array, Array] | None = None
         m, enable = self._model, self._mj.mjtEnableBit
-        self._is_driven = bool(m.nmocap or m.neq)
         self._integrates_more = bool(m.na or m.nhistory or m.nplastic or m.nplugin)
         # Enumerators and options are slow to read.
         self._options, cones = m.opt, self._mj.mjtCone
@@ -152,32 +159,36 @@ class Scene:
             ParameterError: if the state is not finite, or inadmissible, see `starts`.
             NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
         """
-        is_new = self._owner is not data or self._left != self._state(data)
+        is_new = self._is_new(data)
         if is_new:
             self._rows.check(data)
             self._reader.stepper.forget()
-        driven = self._drives(data)
         q, v = before = data.qpos.copy(), data.qvel.copy()
         try:
-            if is_new or driven != self._driven:
+            if is_new:
                 self._start(data)
                 q, v = data.qpos.copy(), data.qvel.copy()
+            start = self._guided(data, v, is_new=is_new)
             control = self._mj.get_mjcb_control()
             if control is not None:
                 control(self._rows.user, data)
-            found, solution = self._advance(data, q, v)
+            found, solution = self._advance(data, q, v, start)
+            projected, violation = self._projector.settle()
+            if self._reader.guidance is not None:
+                self._refuse_out_of_reach(data)
         except BaseException:
             data.qpos[:], data.qvel[:] = before
             raise
         after = found.velocity
         self._write(data, v, after, found, solution)
-        projected, violation = self._projector.settle()
         data.qpos[:] = self._projector.data.qpos
         if data.ne:
             data.qvel[:] = self._projector.level(after)
         if self._has_energy:
             data.energy[:] = self._projector.energy(data.qvel)
-        self._left, self._driven = self._state(data), driven
+        self._left, self._moved = self._state(data), self._reader.guidance is not None
+        if self._model.nmocap:
+            self._places = Places.of(self._mj, data)
         self._quiet += 1
         if self._quiet > _QUIET and self._rows.detection > self._least_detection:
             self._quiet = 0
@@ -230,7 +241,9 @@ class Scene:
         self._rows.check(data)
         trial = self._mj.MjData(self._model)
         self._mj.mj_copyData(trial, self._model, data)
-        found = self._solve(trial, data.qpos.copy(), data.qvel.copy())
+        q, v = data.qpos.copy(), data.qvel.copy()
+        start = self._guided(data, v, is_new=self._is_new(data))
+        found = self._solve(trial, q, v, start)
         layout, near = found.layout(), found.near
         delassus, free, kinds, bounds, keys = self._reader.stepper.problem()
         return SceneProblem(
@@ -252,7 +265,7 @@ class Scene:
         Raises:
             ParameterError: if it is not.
         """
-        if self._owner is not data or self._left != self._state(data):
+        if self._is_new(data):
             raise ParameterError("data", "must be as the scene's last step left it")
         if self._last is None:
             return []
@@ -288,6 +301,7 @@ class Scene:
             NoSolutionError: if they cannot, to 1e-6 of the model's extent.
         """
         self._rows.check(data)
+        self._left = b""
         ahead = self._projector
         ahead.place(data)
         violations = ahead.violations(_EXACT * self._extent)
@@ -316,21 +330,49 @@ class Scene:
             # What equalities do not allow would be reflected.
             data.qvel[:] = self._projector.level(data.qvel)
 
-    @staticmethod
-    def _state(data: mujoco.MjData) -> bytes:
-        return data.qpos.tobytes() + data.qvel.tobytes()
+    def _guided(self, data: mujoco.MjData, v: Array, *, is_new: bool) -> Array:
+        """Have mocap bodies move to where they are now; return v with that of equalities."""
+        self._reader.guidance = self._projector.reader.guidance = None
+        self._still = np.zeros_like(v)
+        if is_new or self._places is None:
+            return v
+        places = Places.of(self._mj, data)
+        moves = any((a != b).any() for a, b in zip(places, self._places, strict=True))
+        if not (moves or self._moved):
+            return v
+        ahead = self._projector
+        ahead.place(data)
+        if moves:
+            rates = ahead.rates(self._dt)
+            guidance = Guidance.between(self._mj, self._places, places, self._dt, rates)
+            ahead.guide(guidance)
+            self._reader.guidance = guidance
+        if not ahead.data.ne:
+            return v
+        self._still = ahead.level(self._still)
+        return ahead.level(v)
 
-    def _drives(self, data: mujoco.MjData) -> bytes:
-        if not self._is_driven:
-            return b""
-        return data.mocap_pos.tobytes() + data.mocap_quat.tobytes() + data.eq_active.tobytes()
+    def _refuse_out_of_reach(self, data: mujoco.MjData) -> None:
+        left = self._projector.violations(_START * self._extent)
+        if left:
+            raise NoSolutionError(
+                f"mocap bodies go where the others cannot follow, at {data.time:g} s: "
+                f"{_listed(left)} are left"
+            )
+
+    def _is_new(self, data: mujoco.MjData) -> bool:
+        return self._owner is not data or self._left != self._state(data)
+
+    def _state(self, data: mujoco.MjData) -> bytes:
+        state = data.qpos.tobytes() + data.qvel.tobytes()
+        return state + data.eq_active.tobytes() if self._model.neq else state
 
     def _advance(
-        self, data: mujoco.MjData, q: Array, v: Array
+        self, data: mujoco.MjData, q: Array, v: Array, start: Array
     ) -> tuple[_core.TreeStep, StepSolution | None]:
         """Solve the step, from contacts that are found in time, and find the rows at its end."""
         while True:
-            found = self._solve(data, q, v)
+            found = self._solve(data, q, v, start)
             solution = None if found.step is None else StepSolution(found.step)
             if self._on_failure == "raise" and solution is not None and not solution.converged:
                 raise self._failure(data, found, solution)
@@ -342,28 +384,34 @@ class Scene:
             self._quiet = 0
             self._rows.widen(2.0 * distance)
 
-    def _solve(self, data: mujoco.MjData, q: Array, v: Array) -> _core.TreeStep:
-        """Solve the step with the rows at the midpoint."""
+    def _solve(self, data: mujoco.MjData, q: Array, v: Array, start: Array) -> _core.TreeStep:
+        """Solve the step with the rows at the midpoint; `start` is v with that of equalities."""
         mj, m, reader = self._mj, self._model, self._reader
         data.qpos[:] = q
         mj.mj_integratePos(m, data.qpos, v, 0.5 * self._dt)
         data.qvel[:] = v
-        mj.mj_fwdPosition(m, data)
+        if reader.guidance is None:
+            mj.mj_fwdPosition(m, data)
+        else:
+            places = data.mocap_pos.copy(), data.mocap_quat.copy()
+            data.mocap_pos[:], data.mocap_quat[:] = reader.guidance.middle
+            mj.mj_fwdPosition(m, data)
+            data.mocap_pos[:], data.mocap_quat[:] = places
         if self._rows.is_damped:
             self._rows.factor(data)
         reader.read(data)
         stepper = reader.stepper
-        stepper.factor(data.qLD)
+        reader.factor(data)
         self._accelerate(data, v)
         # Forces at the mean velocity, or a tumbling body would gain energy.
         self._accelerate(data, v)
-        found = self._percussions(data, v)
+        found = self._percussions(data, start)
         if found.step is not None:
             # Percussions are part of it, or stiff joints and stuck feet would lend energy.
             data.qvel[:] = 0.5 * (v + found.velocity)
             self._accelerate(data, v)
             if not stepper.was_from(self._tolerance):
-                found = self._percussions(data, v)
+                found = self._percussions(data, start)
         return found
 
     def _accelerate(self, data: mujoco.MjData, v: Array) -> None:
@@ -384,7 +432,7 @@ class Scene:
             )
 
     def _percussions(self, data: mujoco.MjData, v: Array) -> _core.TreeStep:
-        """Solve the step from the velocities without percussions."""
+        """Solve the step from the velocities without percussions and those before."""
         stepper, settings = self._reader.stepper, (self._dt, _EXACT, self._tolerance)
         try:
             found = stepper.step(v, *settings)
@@ -395,10 +443,15 @@ class Scene:
             name = self._name(data, self._reader.layout, stepper.near(), item)
             message = f"with drilling need bodies that can drill and slide: {name}"
             raise ParameterError("laws", message) from error
-        if data.ne and found.step is not None and found.step.status != Status.CONVERGED.value:
+        converged = Status.CONVERGED.value
+        if found.step is not None and found.step.status != converged:
+            # Percussions of the step before may be a bad start.
+            stepper.forget()
+            found = stepper.step(v, *settings)
+        if data.ne and found.step is not None and found.step.status != converged:
             # Anchors that move by what their paths curve may jam contacts: they rest then.
-            rests = stepper.step(np.zeros_like(v), *settings)
-            if rests.step is None or rests.step.status == Status.CONVERGED.value:
+            rests = stepper.step(self._still, *settings)
+            if rests.step is None or rests.step.status == converged:
                 return rests
         return found
 

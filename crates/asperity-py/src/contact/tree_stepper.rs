@@ -316,13 +316,9 @@ impl TreeStepper {
         Ok(())
     }
 
-    /// Moves the surfaces of contacts against each other at this place.
-    fn move_surfaces(&mut self, velocities: Points<'_>) {
-        let (velocities, limits) = (velocities.as_array(), self.listing.counts.2);
-        for (k, &contact) in self.listing.contacts.iter().enumerate() {
-            let own = velocities.row(contact);
-            self.stepper.move_surface(limits + k, std::array::from_fn(|i| own[i]));
-        }
+    /// Adds velocities from outside the trees to all rows of the engine at this place.
+    fn drive(&mut self, velocities: Numbers<'_>) -> Result<(), Failure> {
+        Ok(self.stepper.drive(numbers(&velocities, "velocities")?)?)
     }
 
     /// Takes in the velocities without percussions, by accelerations at these `velocities`, which become their mean with those

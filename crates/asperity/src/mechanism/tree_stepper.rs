@@ -150,8 +150,8 @@ pub struct TreeStepper {
     /// Of every limit and contact.
     gaps: Vec<f64>,
     turns: Vec<Option<Turn>>,
-    /// Velocities of surfaces in their own plane, of contacts.
-    surfaces: Vec<[f64; 3]>,
+    /// Velocities of rows that come from outside the trees; none where nothing moves them.
+    driven: Vec<f64>,
     bounds: Vec<f64>,
     jacobian: Rowwise,
     /// Velocities in m/s that are added to those of limits and contacts, those before, and a buffer.
@@ -189,6 +189,11 @@ impl Rowwise {
     }
 }
 
+/// The velocity from outside the trees of a row.
+fn part(driven: &[f64], row: usize) -> f64 {
+    driven.get(row).copied().unwrap_or(0.0)
+}
+
 impl TreeStepper {
     /// A stepper that knows no rows yet.
     ///
@@ -202,7 +207,7 @@ impl TreeStepper {
             listed: Listed::default(),
             gaps: Vec::new(),
             turns: Vec::new(),
-            surfaces: Vec::new(),
+            driven: Vec::new(),
             bounds: Vec::new(),
             jacobian: Rowwise::default(),
             added: Vec::new(),
@@ -285,7 +290,7 @@ impl TreeStepper {
         length("bounds", *dry, self.bounds.len())?;
         self.turns.clear();
         self.turns.resize(unilateral.len(), None);
-        self.surfaces.clear();
+        self.driven.clear();
         self.is_chosen = false;
         Ok(())
     }
@@ -295,10 +300,18 @@ impl TreeStepper {
         self.turns[number] = Some(turn);
     }
 
-    /// Moves the surfaces of a contact at this place against each other, in m/s in the tangents and rad/s about the normal.
-    pub fn move_surface(&mut self, number: usize, velocity: [f64; 3]) {
-        self.surfaces.resize(self.turns.len(), [0.0; 3]);
-        self.surfaces[number] = velocity;
+    /// Adds velocities from outside the trees, as of surfaces or guided bodies, to all rows at this place.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] if they are not as many as the rows, or not finite.
+    pub fn drive(&mut self, velocities: &[f64]) -> Result<(), ArgumentError> {
+        length("velocities", self.jacobian.starts.len().saturating_sub(1), velocities.len())?;
+        finite("velocities", velocities)?;
+        self.driven.clear();
+        self.driven.extend_from_slice(velocities);
+        self.is_chosen = false;
+        Ok(())
     }
 
     /// Takes in the velocities without percussions, by accelerations that forces cause at the velocities `at`; whether they and their
@@ -365,15 +378,15 @@ impl TreeStepper {
         closing: Closing<'_>,
     ) -> Result<Option<SolveReport>, ArgumentError> {
         let Closing { time, exact, stop } = closing;
-        let Self { jacobian, listed, gaps, added, opening, .. } = &mut *self;
+        let Self { jacobian, listed, gaps, added, opening, driven, .. } = &mut *self;
         opening.clear();
         opening.extend(listed.unilateral.iter().zip(&*gaps).map(|(u, gap)| {
-            let opening = gap.max(0.0) / time;
+            let (opening, driven) = (gap.max(0.0) / time, part(driven, u.row));
             if u.restitution == 0.0 {
-                return opening;
+                return driven + opening;
             }
-            let closing = jacobian.dot(u.row, before);
-            if closing + opening < 0.0 { u.restitution * closing } else { opening }
+            let closing = jacobian.dot(u.row, before) + driven;
+            driven + if closing + opening < 0.0 { u.restitution * closing } else { opening }
         }));
         if opening != added {
             std::mem::swap(opening, added);
@@ -507,14 +520,15 @@ impl TreeStepper {
             items.push(dry.map_or(Rows::Bilateral, |k| Rows::DryFriction(self.bounds[k])));
             keys.push(row as u64);
             factors.push(1.0);
-            rows.push(plain(row, 0.0));
+            // Both halves of the step are driven.
+            rows.push(plain(row, 2.0 * part(&self.driven, row)));
         }
         for (k, u) in listed.unilateral.iter().enumerate().filter(|(k, _)| self.near[*k]) {
             items.push(u.rows);
             keys.push(u.key);
             factors.push(self.turns[k].map_or(1.0, |turn| turn.factor));
             rows.push(plain(u.row, self.added[k]));
-            let surface = self.surfaces.get(k).copied().unwrap_or_default();
+            let surface = [1, 2, 3].map(|axis| part(&self.driven, u.row + axis));
             for axis in 0..u.rows.count(self.stepper.laws()).unwrap_or(1) - 1 {
                 rows.push(match self.turns[k] {
                     None => plain(u.row + 1 + axis, surface[axis]),
@@ -616,7 +630,7 @@ impl TreeStepper {
 
     /// Velocity of a row of the engine with these velocities of the trees.
     pub fn row_velocity(&self, row: usize, velocities: &[f64]) -> f64 {
-        self.jacobian.dot(row, velocities)
+        self.jacobian.dot(row, velocities) + part(&self.driven, row)
     }
 
     /// Whether something can move a row of the engine.
