@@ -555,6 +555,7 @@ def test_quantiles_are_those_of_students_distribution():
         np.testing.assert_allclose(betainc(0.5, 0.5 * degrees, ends[0]), levels, atol=1e-9)
         # Half of what is left near 1 is rounded to 1e-16.
         np.testing.assert_allclose(betainc(0.5 * degrees, 0.5, ends[1]), 1.0 - levels, rtol=3e-4)
+    assert type(student(0.95, 3)) is float
     cauchy = np.tan(0.5 * np.pi * levels)
     np.testing.assert_allclose(student(levels, 1.0), cauchy, rtol=3e-4)
     np.testing.assert_allclose(student(levels, 1e9), ndtri(0.5 + 0.5 * levels), rtol=1e-7)
