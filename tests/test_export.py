@@ -18,6 +18,7 @@ E = np.stack([np.cos(PHI), np.sin(PHI)], axis=-1)
 GROOVED = asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(3.0, 2.0))
 TURNED = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4, angle=0.3))
 LAWS = {"isotropic": asp.FrictionLaw.isotropic(0.5), "grooved": GROOVED, "turned": TURNED}
+NOT_RUN = {"abaqus", "ansys", "lsdyna"}
 # Laws that a program has come back as they were.
 EXACT = {
     "isotropic": set(TARGETS),
@@ -31,7 +32,14 @@ def test_prices_are_those_of_the_law_that_the_program_makes_of_it(target, name):
     law = LAWS[name]
     export = law.export(target)
     there = export.law
-    if export.parameters and target != "abaqus":
+    if there is None:
+        # The manual states the coefficients along the axes.
+        assert (target, name != "isotropic") == ("ansys", True)
+        along = np.linalg.norm(law.force(np.eye(2)), axis=1)
+        assert list(export.parameters.values()) == pytest.approx(along, abs=1e-12)
+        assert export.force_error is export.angle_error is export.end_distance is None
+        return
+    if target not in NOT_RUN:
         there = asp.FrictionLaw.like(target, **export.parameters)
         assert there == export.law
     force, other = law.force(E), there.force(E)
@@ -88,6 +96,21 @@ def test_mujoco_reads_its_own_text():
     )
     assert model.pair_friction[0] == pytest.approx([0.5, 0.4, 0.005, 1e-4, 1e-4])
     assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+
+
+def test_the_price_of_what_a_manual_does_not_state_is_not_known(tmp_path, capsys):
+    one = LAWS["isotropic"].export("ansys")
+    assert one.text.splitlines()[-2:] == ["TB,FRIC,1,,,ISO", "TBDATA,1,0.5"]
+    two = GROOVED.export("ansys")
+    assert two.text.splitlines()[-2:] == ["TB,FRIC,1,,,ORTHO", "TBDATA,1,0.5,0.4"]
+    assert "Errors are not known" in two.text.replace("\n! ", " ")
+    assert repr(two) == "<LawExport to ansys: errors are not known>"
+    assert GROOVED.export("lsdyna").text.splitlines()[-2] == "$ fs, fd, dc"
+    GROOVED.save(tmp_path / "law.toml")
+    assert main(["export", str(tmp_path / "law.toml"), "--to", "ansys", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["force_error"] is found["angle_error"] is found["end_distance"] is None
+    assert found["parameters"] == pytest.approx({"MU1": 0.5, "MU2": 0.4})
 
 
 def test_ends_of_a_rectangle_whose_sides_slow_down_each_by_itself():

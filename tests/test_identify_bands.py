@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from asperity import Ellipse, FitError, FrictionLaw, Rectangle, Superellipse
+from asperity._base.quantiles import student
 from asperity.identify import (
     Calibration,
     RawData,
@@ -540,3 +541,21 @@ def test_the_mean_of_two_runs_is_as_uncertain_as_half_their_difference():
     assert found.matters
     assert found.steps[0] == pytest.approx(0.2)
     assert found.covariance[0, 0] == pytest.approx(0.1**2)
+
+
+def test_quantiles_are_those_of_students_distribution():
+    from scipy.special import betainc, ndtri
+    from scipy.stats import t
+
+    levels = np.array([1e-12, 1e-6, 0.05, 0.5, 0.95, 0.999, 1.0 - 1e-6, 1.0 - 1e-12])
+    for degrees in (*range(1, 31), *np.geomspace(31.0, 1e9, 60)):
+        found = student(levels, float(degrees))
+        np.testing.assert_allclose(found, t.ppf(0.5 + 0.5 * levels, degrees), rtol=1e-9)
+        ends = found**2 / (degrees + found**2), degrees / (degrees + found**2)
+        np.testing.assert_allclose(betainc(0.5, 0.5 * degrees, ends[0]), levels, atol=1e-9)
+        # Half of what is left near 1 is rounded to 1e-16.
+        np.testing.assert_allclose(betainc(0.5 * degrees, 0.5, ends[1]), 1.0 - levels, rtol=3e-4)
+    assert type(student(0.95, 3)) is float
+    cauchy = np.tan(0.5 * np.pi * levels)
+    np.testing.assert_allclose(student(levels, 1.0), cauchy, rtol=3e-4)
+    np.testing.assert_allclose(student(levels, 1e9), ndtri(0.5 + 0.5 * levels), rtol=1e-7)

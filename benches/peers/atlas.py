@@ -962,7 +962,14 @@ def jaxsim() -> Iterator[tuple[str, Mode]]:
 
         return Body(step, launch, state)
 
-    yield "SoftContacts", Mode(make, 5e-4, settle=0.5)
+    mode = Mode(make, 5e-4, settle=0.5)
+
+    def extras():
+        height = launched(mode, 2.0, 0.0, 0.05, CUBE, (None, 0.8))[:, 4]
+        rise = (height[-1] - height[-2] - height[1] + height[0]) / mode.step
+        yield "mean normal force over the weight, coefficient 0.8", 1.0 + rise / (0.05 * GRAVITY)
+
+    yield "SoftContacts", mode._replace(extras=extras)
 
 
 def ipctk() -> Iterator[tuple[str, Mode]]:

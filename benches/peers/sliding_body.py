@@ -3,7 +3,7 @@
     python benches/peers/sliding_body.py mujoco
 
 with the Python that the engine is installed in (drake, exudyn, bullet: `pybullet`, dart: `dartpy`,
-pinocchio: `pin`, siconos: `python3-siconos` of Debian).
+pinocchio: `pin`, siconos: `python3-siconos` of Debian, solve_nivp).
 The body weighs 18 g, is launched at 1.52 m/s at 58° to x, and slides until 0.36 s in steps of
 0.1 ms, and of larger ones that engines have by default; its friction coefficients are 5/9.3 along x
 and 4.49/9.3 along y, or 0.5. It creeps under half of the load that it can hold, along x.
@@ -324,7 +324,59 @@ def siconos() -> Iterator[Row]:
         yield f"rows times {np.round(scale, 5)}", *run(scale)
 
 
-ENGINES = {one.__name__: one for one in (bullet, dart, drake, exudyn, mujoco, pinocchio, siconos)}
+def solve_nivp() -> Iterator[Row]:
+    """Run the trapezoidal rule with a projection of one's own, of whose set v − prox(v) is."""
+    import solve_nivp as nivp
+    from scipy.optimize import brentq
+
+    class Sliding(nivp.projections.Projection):
+        def __init__(self, mu):
+            super().__init__()
+            self.axes = GRAVITY * np.array(mu)
+
+        def project(self, current_state, candidate, rhok=None):
+            found = candidate.copy()
+            axes, speed = rhok[2:] * self.axes, candidate[2:]
+
+            def nearest(shift):
+                return axes**2 * speed / (axes**2 + shift)
+
+            def outside(shift):
+                return np.linalg.norm(nearest(shift) / axes) - 1.0
+
+            if outside(0.0) <= 0.0:
+                found[2:] = 0.0
+            else:
+                most = axes.max() * np.linalg.norm(speed)
+                found[2:] -= nearest(brentq(outside, 0.0, most, xtol=1e-15 * most))
+            return found
+
+        def tangent_cone(self, *_, **__):
+            return np.eye(4)
+
+    def run(mu, launch, load=0.0):
+        whole = [slice(0, 4)]
+        solver = nivp.ImplicitEquationSolver(
+            method="VI", proj=Sliding(mu), tol=1e-12, component_slices=whole
+        )
+        system = nivp.ODESystem(
+            lambda _, state: np.array([*state[2:], load, 0.0]),
+            np.array([0.0, 0.0, *launch]),
+            method=nivp.Trapezoidal(solver=solver),
+            component_slices=whole,
+        )
+        _, states, *_ = nivp.ODESolver(system, (0.0, TIME), STEP).solve()
+        return states[-1, :2], states[-1, 2:]
+
+    for mu in ((0.5, 0.5), (M1, M2)):
+        yield f"{np.round(mu, 5)}", *run(mu, LAUNCH)
+        yield f"{np.round(mu, 5)} creep", *run(mu, REST, 0.5 * mu[0] * GRAVITY)
+
+
+ENGINES = {
+    one.__name__: one
+    for one in (bullet, dart, drake, exudyn, mujoco, pinocchio, siconos, solve_nivp)
+}
 
 
 def main() -> None:

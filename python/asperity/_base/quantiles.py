@@ -18,4 +18,4 @@ def student(level: float | Array, degrees: float | Array) -> float | Array:
     from scipy.special import stdtrit
 
     found: Any = stdtrit(degrees, 0.5 + 0.5 * level)
-    return found
+    return found if found.ndim else float(found)

@@ -12,7 +12,7 @@ import math
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -176,23 +176,11 @@ def _cardillo(
     solver: CardilloSolver = "Moreau",
 ) -> Translation:
     a, b = arrays.positive(mu, "mu") * _two(anisotropy, "anisotropy")
-    name = _word(solver, "solver", tuple(_CARDILLO))
-    reservoir = direction = _ellipse(a, b)
-    sentences = [name]
-    if name != "Moreau":
-        direction = Disk(1.0)
-        sentences = ["other", name]
-    report = _report("cardillo", *sentences, creep=0.0, end_error=_CARDILLO[name])
-    return Translation(reservoir, direction, report)
-
-
-# Distance of the end points.
-_CARDILLO: dict[CardilloSolver, float | None] = {
-    "Moreau": 1e-7,
-    "BackwardEuler": 3.8e-3,
-    "DualStormerVerlet": 1e-7,
-    "Rattle": None,
-}
+    name = _word(solver, "solver", get_args(CardilloSolver))
+    reservoir = _ellipse(a, b)
+    if name == "Moreau":
+        return Translation(reservoir, reservoir, _report("cardillo", "Moreau"))
+    return Translation(reservoir, Disk(1.0), _report("cardillo", "other"))
 
 
 def _drake(

@@ -21,7 +21,7 @@ from asperity._base.value import NonNegative, Number, Record
 from asperity.errors import DimensionError
 from asperity.law import engines
 from asperity.law.engine_report import EngineReport
-from asperity.sets import Ellipse, StarSet
+from asperity.sets import Disk, Ellipse, StarSet
 from asperity.solvers import Auto
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ _PHI = np.linspace(0.0, 2.0 * math.pi, 180, endpoint=False)
 _LAUNCH, _GRAVITY = 1.52 * unit_vectors(np.array(math.radians(58.0))), 9.81
 # Step over the time in which the mean coefficient stops the point, and how many there may be.
 _STEP, _MOST_STEPS = 2e-5, 2_000_000
+# Forces that differ by less than this part are those of one law.
+_EXACT = 1e-9
 
 
 class LawExport(Record):
@@ -42,10 +44,11 @@ class LawExport(Record):
         version: of the program, in which its law was found; of a program that was not run, the page
             of its manual.
         text: what to put into its input, complete with comments.
-        law: what the program makes of it.
-        parameters: likewise, in its own words, as `FrictionLaw.like` takes them; empty for programs
-            that were not run.
-        force_error: largest difference of ‖λ‖/λ_N over the direction of sliding.
+        law: what the program makes of it, None where the manual of a program that was not run
+            does not state it.
+        parameters: likewise, in its own words, as `FrictionLaw.like` takes them.
+        force_error: largest difference of ‖λ‖/λ_N over the direction of sliding; None, as all
+            three, where `law` is.
         angle_error: largest difference of the direction of λ in rad.
         end_distance: distance in m of the points where both laws end the sliding experiment of
             docs/engines.md; what the program does otherwise, `FrictionLaw.report` says.
@@ -57,9 +60,9 @@ class LawExport(Record):
     text: str
     law: Any
     parameters: Mapping[str, Any]
-    force_error: NonNegative
-    angle_error: Number
-    end_distance: NonNegative
+    force_error: NonNegative | None
+    angle_error: Number | None
+    end_distance: NonNegative | None
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the text to a file, which is complete or not there; return its path."""
@@ -68,6 +71,8 @@ class LawExport(Record):
         return Path(path)
 
     def __repr__(self) -> str:
+        if self.force_error is None or self.angle_error is None or self.end_distance is None:
+            return f"<LawExport to {self.target}: errors are not known>"
         return (
             f"<LawExport to {self.target}: force ±{self.force_error:.3g}, "
             f"{math.degrees(self.angle_error):.3g}°, {1e3 * self.end_distance:.3g} mm>"
@@ -121,6 +126,11 @@ def _ellipse(mu_1: float, mu_2: float) -> tuple[StarSet, StarSet]:
     return Ellipse(mu_1, mu_2), Ellipse(mu_1, mu_2)
 
 
+def _disk(**coefficients: float) -> tuple[StarSet, StarSet]:
+    disk = Disk(next(iter(coefficients.values())))
+    return disk, disk
+
+
 def _two(a: float, b: float, _: float) -> dict[str, Any]:
     return {"mu_1": a, "mu_2": b}
 
@@ -160,11 +170,14 @@ def _rows(name: str, a: float, b: float, angle: float) -> dict[str, Any]:
 # Of each program the laws that it has; the one that comes nearest is taken.
 _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "abaqus": (_Family(_two, sets=_ellipse),),
+    # Of two coefficients its manual states the axes only.
+    "ansys": (_Family(partial(_one, "MU"), sizes=1, sets=_disk),),
     "bullet": tuple(_Family(partial(_bullet, cone)) for cone in (True, False)),
     "cardillo": tuple(_Family(partial(_cardillo, one)) for one in ("Moreau", "BackwardEuler")),
     "dart": (_Family(_dart, sizes=1), _Family(partial(_one, "mu"), sizes=1)),
     "drake": (_Family(partial(_one, "dynamic_friction"), sizes=1),),
     "exudyn": (_Family(_exudyn, turns=True),),
+    "lsdyna": (_Family(lambda a, *_: {"FS": a, "FD": a}, sizes=1, sets=_disk),),
     "mujoco": tuple(_Family(partial(_mujoco, cone)) for cone in ("elliptic", "pyramidal")),
     "pinocchio": (_Family(partial(_rows, "S"), turns=True),),
     "rapier": (_Family(partial(_one, "friction"), sizes=1),),
@@ -200,6 +213,7 @@ def exported(law: FrictionLaw, target: str, *, notes: Sequence[str] = ()) -> Law
     force = bare.force(unit_vectors(_PHI))
     scale = np.abs(force).max()
     best: tuple[float, dict[str, Any], FrictionLaw] | None = None
+    there: FrictionLaw | None
     for family in _FAMILIES[target]:
 
         def off(found: Array, family: _Family = family) -> Array:
@@ -216,14 +230,19 @@ def exported(law: FrictionLaw, target: str, *, notes: Sequence[str] = ()) -> Law
     sizes = np.linalg.norm(force, axis=1), np.linalg.norm(other, axis=1)
     cross = force[:, 0] * other[:, 1] - force[:, 1] * other[:, 0]
     angles = np.abs(np.arctan2(cross, (force * other).sum(axis=1)))
-    prices = {
+    prices: dict[str, float | None] = {
         "force_error": float(np.abs(sizes[0] - sizes[1]).max()),
         "angle_error": float(angles.max()),
         "end_distance": float(np.linalg.norm(_end(bare) - _end(there))),
     }
+    if target == "ansys" and not np.allclose(other, force, rtol=0.0, atol=_EXACT * scale):
+        along = np.linalg.norm(bare.force(np.eye(2)), axis=1)
+        parameters, there = dict(zip(("MU1", "MU2"), along.tolist(), strict=True)), None
+        prices = dict.fromkeys(prices)
     known = _texts(target)
     version = known.get("version") or engines.known_of(target)["version"]
-    deviation = there.report.deviation if isinstance(there.report, EngineReport) else ""
+    report = there.report if there is not None else None
+    deviation = report.deviation if isinstance(report, EngineReport) else ""
     if law.rate is not None:
         notes = (*notes, f"The dependence on the speed is left out: {law.rate!r}.")
     return LawExport(
@@ -240,18 +259,21 @@ def _text(
     target: str,
     version: str,
     parameters: Mapping[str, Any],
-    prices: Mapping[str, float],
+    prices: Mapping[str, float | None],
     notes: Sequence[str],
     deviation: str,
 ) -> str:
     known = _texts(target)
-    said = [
-        *notes,
-        f"For {target}, as found in {version}. {known['note']}",
-        f"Beside the law, forces differ by up to {prices['force_error']:.3g} λ_N and "
-        f"{math.degrees(prices['angle_error']):.3g}°, the end of a path after a "
-        f"launch with {np.linalg.norm(_LAUNCH):.3g} m/s by {1e3 * prices['end_distance']:.3g} mm.",
-    ]
+    said = [*notes, f"For {target}, as found in {version}. {known['note']}"]
+    force, angle, end = (prices[one] for one in ("force_error", "angle_error", "end_distance"))
+    if force is None or angle is None or end is None:
+        said.append(known["unknown"])
+    else:
+        said.append(
+            f"Beside the law, forces differ by up to {force:.3g} λ_N and "
+            f"{math.degrees(angle):.3g}°, the end of a path after a launch with "
+            f"{np.linalg.norm(_LAUNCH):.3g} m/s by {1e3 * end:.3g} mm."
+        )
     if deviation:
         said.append(f"The program itself: {deviation}")
     lines = [line for one in said for line in textwrap.wrap(one, 90)]
@@ -260,7 +282,8 @@ def _text(
         lines = [line.replace("--", "- -").replace("--", "- -") for line in lines]
     head = "".join(f"{known['comment']} {line}{known['close']}\n" for line in lines)
     words = {"solver": "the default one", **parameters}
-    return head + known["text"].format(**{name: _Words(value) for name, value in words.items()})
+    text = known["text"] if force is not None else known["text_of_two"]
+    return head + text.format(**{name: _Words(value) for name, value in words.items()})
 
 
 class _Words:

@@ -358,9 +358,12 @@ class FrictionLaw(Questions):
         sliding, of all laws that the program was found to have, or that its manual states.
 
         Args:
-            to: ``"abaqus"``, ``"bullet"``, ``"cardillo"``, ``"dart"``, ``"drake"``, ``"exudyn"``,
-                ``"mujoco"``, ``"pinocchio"``, ``"rapier"``, ``"siconos"`` or ``"yade"``, or the
-                name of its package, as `like` takes it.
+            to: ``"abaqus"``, ``"ansys"``, ``"bullet"``, ``"cardillo"``, ``"dart"``, ``"drake"``,
+                ``"exudyn"``, ``"lsdyna"``, ``"mujoco"``, ``"pinocchio"``, ``"rapier"``,
+                ``"siconos"`` or ``"yade"``, or the name of its package, as `like` takes it.
+                Abaqus, Ansys (Mechanical APDL, TB,FRIC) and LS-DYNA were not run: their laws are
+                those of their manuals. Two coefficients of Ansys have no errors: what the force is
+                between the axes, and where it points, was not found stated. LS-DYNA gets one.
 
         Raises:
             ParameterError: for a program that is not known.

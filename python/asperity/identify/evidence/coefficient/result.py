@@ -291,11 +291,7 @@ class FrictionCoefficient(TableResult):
         """
         data, turns = self.processed, self.over_turns
         cell = data.turn[turns.kept] * _BINS + bin_numbers(data.phi[turns.kept], _BINS)
-        y = np.sum(
-            data.force[turns.kept]
-            * np.stack([np.cos(data.phi[turns.kept]), np.sin(data.phi[turns.kept])], axis=-1),
-            axis=1,
-        )
+        y = arrays.along_and_across(data.force[turns.kept], data.phi[turns.kept])[0]
         size = data.turns * _BINS
         sums = np.bincount(cell, y / data.normal_force[turns.kept], size)
         means = (sums / np.maximum(np.bincount(cell, minlength=size), 1)).reshape(-1, _BINS)

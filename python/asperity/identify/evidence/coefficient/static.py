@@ -98,7 +98,7 @@ def segments(data: ProcessedData) -> Iterator[Segment]:
             angle = run.angle[used] * (run.velocity is not None) + data.grid_angle + way
             if run.velocity is None:
                 angle = angle + run.angle[used]
-            along = (force[used] * arrays.unit_vectors(angle)).sum(axis=1)
+            along = arrays.along_and_across(force[used], angle)[0]
             yield Segment(
                 int(data.turn[part][rows[0]]),
                 bool(e[0] > 0.0),
