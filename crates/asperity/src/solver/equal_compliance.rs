@@ -41,8 +41,8 @@ const SAME: f64 = 1e-9;
 const MORE_EXCHANGES: usize = 4;
 /// Residual that counts as solved; what it is in the whole is looked at afterwards.
 const ROUNDED: f64 = 1e-9;
-/// Makes what is found as accurate as rounding allows, so that it does not depend on the start.
-const POLISH: Solver = Solver::SemismoothNewton { max_iterations: 8 };
+/// Newton iterations that make what is found as accurate as rounding allows, so that it does not depend on the start.
+const POLISH: usize = 8;
 
 /// What is known of a problem whose shares are asked for.
 pub(crate) struct Given<'a> {
@@ -498,12 +498,11 @@ fn solve(
 ) -> bool {
     let finest = Stop { tolerance: f64::EPSILON, ..stop };
     found.copy_from(start);
-    let report = POLISH.solve_prepared(problem, finest, found, workspace);
-    if report.residual <= stop.tolerance {
+    if workspace.polish(problem, finest, found, POLISH) <= stop.tolerance {
         return true;
     }
     found.copy_from(start);
     Solver::AUTO.solve_prepared(problem, stop, found, workspace);
     found.states.clone_from(&start.states);
-    POLISH.solve_prepared(problem, finest, found, workspace).residual <= ROUNDED
+    workspace.polish(problem, finest, found, POLISH) <= ROUNDED
 }

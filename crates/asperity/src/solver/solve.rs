@@ -111,6 +111,32 @@ impl Workspace {
         self.list.refresh();
     }
 
+    /// Residual to which Newton's method alone leads the only island of a problem that this was prepared for. Neither proofs nor
+    /// other solutions are looked for: where rounding ends it, there is nothing to prove.
+    pub(super) fn polish(
+        &mut self,
+        problem: &ContactProblem,
+        stop: Stop<'_>,
+        memory: &mut Memory,
+        max_iterations: usize,
+    ) -> f64 {
+        let Self { velocity, ambiguous, infeasibility, stages, before, buffers, .. } = self;
+        before.copy_from(memory);
+        *infeasibility = None;
+        stages.clear();
+        let Memory { percussion, states } = memory;
+        let mut iterate =
+            Iterate { percussion, velocity, states, ambiguous, stages, infeasibility };
+        let (start, history, past) = (&before.percussion[..], &before.states[..], Past::Unswept);
+        let task = Task { problem, stop, start, history, threads: Threads::NONE, past };
+        let methods = buffers.methods.get_or_insert_default();
+        let own = iterate.reborrow();
+        let reached =
+            methods.single(task, own, &mut buffers.sweeper, Method::Newton, max_iterations);
+        iterate.classify(problem);
+        reached.residual.value
+    }
+
     /// Solves the only contact of a problem.
     #[inline(always)]
     fn solve_only(
