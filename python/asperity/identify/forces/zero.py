@@ -12,9 +12,8 @@ from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.records.record import RawData, Recording
 
-# Batches a record is cut into, so that their means scatter like independent numbers; of 20 in 4 s
-# with noise of 2 Hz they do not.
-_BATCHES = 10
+# Batches a record is cut into, so that their means scatter like independent numbers.
+_BATCHES = 20
 
 
 @dataclass(frozen=True)
@@ -144,8 +143,6 @@ def _covariance(record: Recording, slope: Array) -> Array:
 def batch_covariance(values: Array) -> Array:
     """Return the covariance of the mean of correlated samples ``(n, p)`` from means of batches.
 
-    It is that of Student's distribution, as so few batches tell their scatter.
-
     >>> import numpy as np
     >>> from asperity.identify.forces.zero import batch_covariance
     >>> noise = np.random.default_rng(0).normal(size=(1000, 500))
@@ -155,5 +152,4 @@ def batch_covariance(values: Array) -> Array:
     batches = min(_BATCHES, len(values))
     length = len(values) // batches
     means = values[: batches * length].reshape(batches, length, -1).mean(axis=1)
-    degrees = batches - 1
-    return np.atleast_2d(np.cov(means.T)) / batches * degrees / max(degrees - 2, 1)
+    return np.atleast_2d(np.cov(means.T)) / batches
