@@ -30,7 +30,8 @@ pub(super) fn pattern(
     let touched = (0..at.len()).filter(|&block| !at[block].is_empty());
     let velocities: usize = touched.map(|block| system.blocks().range(block).len()).sum();
     let blocks = BlockMatrix::with_pattern(&sizes, &neighbours);
-    // Joints are not in the mass matrix. A factor of the speed scales columns of G only; a mass matrix that changes would have to be filled in anew.
+    // Joints are not in the mass matrix. A factor of the speed scales columns of G only; a mass matrix that changes would
+    // have to be filled in anew.
     let known = system.constancy().mass
         && !system.has_joints()
         && laws().all(|contact| contact.law().rate().is_none());
