@@ -2,7 +2,7 @@
 
     python benches/peers/exported_laws.py mujoco
 
-with the Python that has the engine (drake, exudyn, pybullet as bullet) and asperity. Every row has
+with the Python that has the engine (drake, mujoco, yade, pybullet as bullet) and asperity. Every row has
 the end in the engine, that of the law which the export promises, and their distance.
 """
 
