@@ -2,8 +2,8 @@
 
     python benches/peers/exported_laws.py mujoco
 
-with the Python that has the engine (drake, mujoco, yade, pybullet as bullet) and asperity. Every row has
-the end in the engine, that of the law which the export promises, and their distance.
+with the Python that has the engine (drake, mujoco, yade, pybullet as bullet) and asperity. Every
+row has the end in the engine, that of the law which the export promises, and their distance.
 """
 
 import re
