@@ -242,7 +242,7 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
             left = max(left, z[rows.start] * scale[rows.start])
         if isinstance(state, tuple):
             ends = arrays.unit_vectors(np.array(state))[:, : law.dimension]
-            left = max(left, (ends @ z[tangent]).max() * scale[tangent][0])
+            left = max(left, (ends @ z[tangent] / (np.abs(ends) @ (1.0 / scale[tangent]))).max())
         elif state != "stick" and z[tangent].any():
             return False
         if state == "open":

@@ -284,7 +284,7 @@ impl ContactProblem {
     fn update_rho(&mut self) {
         for (i, (rho, contact)) in self.rho.iter_mut().zip(&self.contacts).enumerate() {
             let diagonal = |a| self.delassus.own(i, a, a);
-            *rho = contact.len() as f64 / (0..contact.len()).map(diagonal).sum::<f64>();
+            *rho = contact.len() as f64 / (0..contact.len()).map(diagonal).sum::<f64>().abs();
         }
     }
 

@@ -37,6 +37,8 @@ const MOST_CASES: usize = 400;
 const SLACK: f64 = 1e-6;
 /// `−(Gᵀz)·P` and `z·ξ` in scaled rows, relative to `Σ |z_i|` and `Σ |P_j|`, that rounding of the entries of `G` explains.
 const EXPLAINED: f64 = 4.0 * f64::EPSILON;
+/// The same which least squares may leave, and which a vector is then taken off.
+const LEFT_OVER: f64 = 1e-10;
 
 /// What a contact does in a case; a sector is that of the direction of slip, on a line one of the angles 0 and π.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -235,7 +237,8 @@ impl Search<'_> {
                 owners.push((i, size));
             };
             for direction in state.sector(law.dimension()) {
-                add(on_rows(&-direction, &|row| scales[tangent] / scales[row]), 0.0, 0.0);
+                let slip = on_rows(&-direction, &|row| 1.0 / scales[row]);
+                add(&slip / slip.lp_norm(1), 0.0, 0.0);
             }
             if matches!(state, State::Any | State::Open) {
                 let mut opening = DVector::zeros(rows);
@@ -265,26 +268,31 @@ impl Search<'_> {
             generators.row_mut(row).fill(0.0);
         }
         let factors = nonnegative::least_squares(&generators, &right)?;
-        let used: Vec<usize> = (0..factors.len()).filter(|k| factors[*k] > 0.0).collect();
         let mut rest = &right - &generators * DVector::from_column_slice(&factors);
-        if !used.is_empty() {
-            let span = LeastNorm::new(generators.select_columns(&used), 1e-14)?;
-            for _ in 0..2 {
-                rest -= span.range() * span.range().tr_mul(&rest);
+        let mut spanned: Vec<usize> = (0..factors.len()).filter(|k| factors[*k] > 0.0).collect();
+        for _ in 0..3 {
+            if !spanned.is_empty() {
+                let span = LeastNorm::new(generators.select_columns(&spanned), 1e-14)?;
+                for _ in 0..2 {
+                    rest -= span.range() * span.range().tr_mul(&rest);
+                }
             }
-        }
-        free.iter().for_each(|&row| rest[row] = 0.0);
-        // What rounding leaves allows for percussions and velocities beyond all bounds only, also for whoever computes in
-        // another order and finds other last digits.
-        let (left, sum) = (generators.tr_mul(&rest).max().max(0.0), rest.lp_norm(1));
-        if sum > 0.0
-            && left <= EXPLAINED * sum
-            && right.dot(&rest) >= HUGE * (left + f64::EPSILON * sum)
-        {
-            self.residual = self.residual.max(left / sum);
-            let direction = (0..rows).map(|row| -rest[row] / (sum * scales[row]));
-            self.cases.push(Case::Empty(direction.collect()));
-            return Some(None);
+            free.iter().for_each(|&row| rest[row] = 0.0);
+            // What rounding leaves allows for percussions and velocities beyond all bounds only, also for whoever computes
+            // in another order and finds other last digits.
+            let (seen, sum) = (generators.tr_mul(&rest), rest.lp_norm(1));
+            let left = seen.max().max(0.0);
+            if sum > 0.0
+                && left <= EXPLAINED * sum
+                && right.dot(&rest) >= HUGE * (left + f64::EPSILON * sum)
+            {
+                self.residual = self.residual.max(left / sum);
+                let direction = (0..rows).map(|row| -rest[row] / (sum * scales[row]));
+                self.cases.push(Case::Empty(direction.collect()));
+                return Some(None);
+            }
+            let rounding = |k: &usize| seen[*k] > 0.0 && seen[*k] <= LEFT_OVER * sum;
+            spanned.extend((0..seen.len()).filter(rounding));
         }
         let mut worth = vec![0.0; states.len()];
         factors.iter().zip(owners).for_each(|(factor, (i, size))| worth[i] += factor * size);

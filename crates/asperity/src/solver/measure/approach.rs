@@ -94,8 +94,10 @@ impl Approach {
             if !(moves > most * shared) {
                 continue;
             }
-            let own = of_own * own_load(problem, i, percussion, prescribed);
-            let allowed = f64::max(shared, own).max(ROUNDING * brought_to(problem, i, percussion));
+            let load = own_load(problem, i, percussion, prescribed);
+            // A load that is rounding of percussions is none that they carry.
+            let explained = f64::min(ROUNDING * brought_to(problem, i, percussion), OF_OWN * load);
+            let allowed = f64::max(shared, of_own * load).max(explained);
             if moves > most * allowed {
                 most = moves / allowed;
                 found.moving = Some(i);

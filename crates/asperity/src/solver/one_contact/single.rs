@@ -92,8 +92,8 @@ impl<'a, const P: usize> Single<'a, P> {
         });
         let b = V::from_fn(|i, _| if i < len { load(i) } else { 0.0 });
         let tangent: f64 = (first..len).map(|i| g[(i, i)]).sum();
-        let rho = Rho { normal: 1.0 / g[(0, 0)], tangent: P as f64 / tangent };
-        let own_rho = 1.0 / mean;
+        let rho = Rho { normal: 1.0 / g[(0, 0)], tangent: P as f64 / tangent.abs() };
+        let own_rho = 1.0 / mean.abs();
         Self { law, normal, g, b, rho, own_rho, loads: own_rho * b.norm() }
     }
 
