@@ -16,7 +16,9 @@ fn with_a_solution(seed: &mut u64) -> ContactProblem {
         for _ in 0..p + usize::from(!bilateral) {
             let along = random(seed);
             let other = vector(seed, freedoms);
-            directions.push(if hinge { &seen * along } else { other });
+            // A row may be far larger or smaller than the others of its contact.
+            let size = 10_f64.powf(3.0 * random(seed) * f64::from(pick(seed, 4) == 0));
+            directions.push(if hinge { &seen * along } else { other } * size);
         }
         let size = 10_f64.powf(2.0 * random(seed));
         let near = [0.0, 1e-9, 1e-4, random(seed).abs()][pick(seed, 4)];
