@@ -278,6 +278,7 @@ ARGUMENTS = {
     },
     "ContactStepper": {"laws": [LAW]},
     "ContactStepper.certificate": {},
+    "ContactStepper.contact_problem": {},
     "ContactStepper.forget": {},
     "ContactStepper.solve": {
         "delassus": np.eye(4),

@@ -18,8 +18,10 @@ from asperity import (
     NoSolutionError,
     ParameterError,
     Phase,
+    ProxGaussSeidel,
     Status,
 )
+from asperity.contact.grading import proves_no_solution
 from profiles import counts
 from scipy.linalg import block_diag
 from scipy.sparse import coo_array, csc_array, csr_array
@@ -152,6 +154,37 @@ def test_contacts_alone_are_a_contact_problem(count):
         assert np.array_equal(step.percussion, solution.percussion)
         assert np.array_equal(step.phase, solution.phase)
         assert step.residual == solution.residual
+
+
+@counts(50, 1000)
+def test_contacts_among_joints_are_a_contact_problem(count, tmp_path):
+    """Solved without the stepper it has the percussions of a step, and it goes into a file."""
+    rng = np.random.default_rng(3)
+    stepper = ContactStepper(LAWS)
+    for _ in range(count):
+        items = [0, *rng.choice([0, 1, 2, 3, FREE, JOINT, DRY], size=rng.integers(1, 6)).tolist()]
+        starts = row_starts(items)
+        rows = rng.normal(size=(starts[-1], 20))
+        delassus, free = rows @ rows.T, rows @ rng.normal(size=20)
+        bounds = rng.uniform(0.0, 2.0, len(items))
+        stepper.forget()
+        step = stepper.solve(delassus, free_velocity=free, items=items, bounds=bounds)
+        problem, places = stepper.contact_problem()
+        assert places.tolist() == [k for k, item in enumerate(items) if item != JOINT]
+        solution = problem.solve(ProxGaussSeidel())
+        for own, k in zip(problem.row_slices, places, strict=True):
+            found = step.percussion[starts[k] : starts[k + 1]]
+            np.testing.assert_allclose(solution.percussion[own][: len(found)], found, atol=1e-6)
+    problem.save(tmp_path / "problem.npz")
+    assert ContactProblem.load(tmp_path / "problem.npz") == problem
+
+
+def test_a_step_without_a_solution_hands_over_its_proof():
+    stepper = ContactStepper(FrictionLaw.isotropic(1.0, dimension=1))
+    delassus = np.array([[1.0, 2.0, 0.0], [2.0, 3.0, 0.0], [0.0, 0.0, 1.0]])
+    with pytest.raises(NoSolutionError) as caught:
+        stepper.solve(delassus, free_velocity=[-1.0, 5.0, 0.3], items=[0, JOINT])
+    assert proves_no_solution(caught.value.problem, caught.value.infeasibility)
 
 
 def test_feet_that_slide_in_different_directions_share_as_if_of_equal_compliance():

@@ -15,8 +15,10 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact.certificate import Certificate
 from asperity.contact.compressed import compressed
+from asperity.contact.problem import ContactProblem
 from asperity.errors import ConvergenceError, DimensionError, NoSolutionError, ParameterError
 from asperity.law import FrictionLaw
+from asperity.sets import Interval
 from asperity.solvers import Solver, chosen
 from asperity.status import Status
 
@@ -242,7 +244,7 @@ class ContactStepper:
         )
         solution = StepSolution(step)
         if on_failure == "raise" and not solution.converged:
-            raise _failure(solution)
+            raise self._failure(solution)
         return solution
 
     def forget(self) -> None:
@@ -252,6 +254,64 @@ class ContactStepper:
     def certificate(self) -> Certificate:
         """Return what is left of the contact laws in the last step, from its percussions alone."""
         return Certificate(**self._stepper.certificate())
+
+    def contact_problem(self) -> tuple[ContactProblem, NDArray[np.int64]]:
+        """Return the contacts of the last step as a problem of their own.
+
+        Joints are eliminated, so that files, proofs, `natural_map` and every solver take it. Its
+        contacts are the items that are no joints and that anything moves; contacts without friction
+        have a row besides that nothing moves, under a law on a line.
+
+        Returns:
+            The problem, with dense G, and the item that each of its contacts is.
+
+        Raises:
+            ParameterError: if the last step had no such items.
+
+        >>> import numpy as np
+        >>> from asperity import ContactStepper
+        >>> stepper = ContactStepper([])
+        >>> bar = np.array([[1.0, 0.5], [0.5, 1.0]])  # a joint beside a limit
+        >>> kinds = [ContactStepper.BILATERAL, ContactStepper.FRICTIONLESS]
+        >>> step = stepper.solve(bar, free_velocity=[0.0, -1.0], items=kinds)
+        >>> problem, items = stepper.contact_problem()
+        >>> items.tolist(), problem.solve().percussion[0].round(12) == step.percussion[1].round(12)
+        ([1], np.True_)
+        """
+        found = self._stepper.contact_problem()
+        if not found["laws"]:
+            raise ParameterError("items", "must have had a contact that moves in the last step")
+        laws = [
+            self._laws[number] if ends is None else FrictionLaw.associated(Interval(*ends))
+            for number, ends in zip(found["laws"], found["ends"], strict=True)
+        ]
+        problem = ContactProblem(
+            found["delassus"],
+            free_velocity=found["free_velocity"],
+            laws=laws,
+            normal_force=found["normal_force"],
+        )
+        return problem, found["items"]
+
+    def _failure(self, step: StepSolution) -> ConvergenceError | ParameterError:
+        status = step.status
+        if status is Status.NOT_APPLICABLE:
+            return ParameterError("solver", f"{status.message}. {status.advice}")
+        if status is Status.NO_SOLUTION:
+            message = f"{status.message} at item {step.worst_item}"
+            if step.mismatch:
+                message += f", where {step.mismatch:.3g} m/s are left"
+                return NoSolutionError(message, residual=step.residual)
+            problem, _ = self.contact_problem()
+            proof = problem.solve(on_failure="record").infeasibility
+            return NoSolutionError(
+                message, residual=step.residual, problem=problem, infeasibility=proof
+            )
+        return ConvergenceError(
+            f"{status.message} at item {step.worst_item}",
+            residual=step.residual,
+            advice=status.advice,
+        )
 
 
 def _restored(parts: dict[str, Any]) -> StepSolution:
@@ -319,16 +379,3 @@ def _bounds(values: ArrayLike, items: NDArray[np.int64]) -> Array:
         found = f"that of item {wrong[0]} is {bounds[wrong[0]]:g}"
         raise ParameterError("bounds", f"must be finite and not negative, {found}")
     return np.where(is_dry, bounds, 0.0)
-
-
-def _failure(step: StepSolution) -> ConvergenceError | ParameterError:
-    status = step.status
-    if status is Status.NOT_APPLICABLE:
-        return ParameterError("solver", f"{status.message}. {status.advice}")
-    if status is Status.NO_SOLUTION:
-        left = f" at item {step.worst_item}, where {step.mismatch:.3g} m/s are left"
-        message = status.message + (left if step.mismatch else f" at item {step.worst_item}")
-        return NoSolutionError(message, residual=step.residual)
-    return ConvergenceError(
-        f"{status.message} at item {step.worst_item}", residual=step.residual, advice=status.advice
-    )

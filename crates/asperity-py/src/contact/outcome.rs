@@ -52,21 +52,32 @@ pub fn without_solution<'py>(
     unsolvable: &Unsolvable,
 ) -> PyResult<Bound<'py, PyDict>> {
     let Unsolvable { problem, contacts, infeasibility } = unsolvable;
+    let out = numbers(py, problem, problem.rows() <= LARGEST)?;
+    out.set_item("free_velocity", array(py, unsolvable.load()))?;
+    out.set_item("contacts", contacts.clone())?;
+    out.set_item("infeasibility", proven(py, infeasibility)?)?;
+    Ok(out)
+}
+
+/// The numbers of a contact problem, with its operator or without.
+pub fn numbers<'py>(
+    py: Python<'py>,
+    problem: &ContactProblem,
+    with_operator: bool,
+) -> PyResult<Bound<'py, PyDict>> {
     let normal_force = problem.contacts().iter().map(|rows| match rows.normal {
         NormalForce::Prescribed(value) => Some(value),
         NormalForce::Unilateral => None,
     });
     let out = PyDict::new(py);
-    if problem.rows() <= LARGEST {
+    if with_operator {
         // Rows follow each other in Python.
         let operator = problem.delassus().to_dense();
         let entries = PyArray1::from_slice(py, operator.transpose().as_slice());
         out.set_item("delassus", entries.reshape(operator.shape())?)?;
     }
-    out.set_item("free_velocity", array(py, unsolvable.load()))?;
-    out.set_item("contacts", contacts.clone())?;
+    out.set_item("free_velocity", array(py, problem.free_velocity().to_vec()))?;
     out.set_item("normal_force", normal_force.collect::<Vec<_>>())?;
-    out.set_item("infeasibility", proven(py, infeasibility)?)?;
     Ok(out)
 }
 

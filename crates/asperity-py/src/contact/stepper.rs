@@ -4,7 +4,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use asperity::contact::Phase;
+use asperity::law;
 use asperity::mechanism::{ContactStepper, Mobility, Rows, StepRows};
+use asperity::set::StarSet;
 use asperity::solver::{SolveReport, Stop};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -12,7 +14,7 @@ use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use super::delassus::{Triple, sparse};
-use super::outcome::{array, certified};
+use super::outcome::{array, certified, numbers as numbers_of};
 use super::solver::Solver;
 use crate::convert::{Numbers, Points, numbers};
 use crate::errors::{Failure, dimension, parameter};
@@ -133,6 +135,30 @@ impl Stepper {
         let guard =
             self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
         Ok(certified(py, &guard.0.certificate()?)?)
+    }
+
+    /// The contacts of the last step with joints eliminated: numbers, items, and laws by their number or, on a line, by the
+    /// largest friction to both sides.
+    fn contact_problem<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
+        let guard =
+            self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
+        let problem = guard.0.contact_problem();
+        let out = numbers_of(py, problem, true)?;
+        let (mut items, mut laws, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+        for ((item, kind), rows) in guard.0.contact_items().zip(problem.contacts()) {
+            items.push(item);
+            laws.push(if let Rows::Contact(law) = kind { Some(law) } else { None });
+            ends.push(match &rows.law {
+                law::Law::One(law) => {
+                    Some([-1.0, 1.0].map(|x| x / law.reservoir().gauge(&[x].into())))
+                }
+                _ => None,
+            });
+        }
+        out.set_item("items", array(py, items))?;
+        out.set_item("laws", laws)?;
+        out.set_item("ends", ends)?;
+        Ok(out)
     }
 }
 

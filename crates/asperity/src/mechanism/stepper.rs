@@ -223,6 +223,21 @@ impl ContactStepper {
         Ok(certificate)
     }
 
+    /// The contacts of the last step as a problem of their own, in which joints have been eliminated.
+    ///
+    /// Contacts without friction have a row besides that nothing moves, under a law on a line.
+    pub fn contact_problem(&self) -> &ContactProblem {
+        &self.problem
+    }
+
+    /// The items that are its contacts: their places as listed, and what they are.
+    pub fn contact_items(&self) -> impl Iterator<Item = (usize, Rows)> + '_ {
+        let of = |member: &Member| {
+            (self.arranged.order[member.place], self.arranged.items[member.place])
+        };
+        self.layout.members.iter().map(of)
+    }
+
     fn item_of(&self, member: usize) -> usize {
         self.layout.members.get(member).map_or(0, |member| self.arranged.order[member.place])
     }
