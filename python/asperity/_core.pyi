@@ -349,6 +349,7 @@ class LinearSystem:
         damping: _Array,
         force: _Array,
         contacts: Sequence[dict[str, Any]],
+        constraints: tuple[_Array, _Array] | None = None,
     ) -> LinearSystem: ...
 
 @final
@@ -375,6 +376,7 @@ class CallbackSystem:
         touched: Sequence[Sequence[int]] | None,
         rotations: Sequence[int],
         coordinates: int | None,
+        constraints: int,
         constant: tuple[bool, bool],
         contacts: Sequence[dict[str, Any]],
     ) -> CallbackSystem: ...

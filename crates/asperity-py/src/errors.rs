@@ -101,6 +101,9 @@ impl From<SystemError> for Failure {
                 parameter(name, text.strip_prefix("mass: ").unwrap_or(&text))
             }
             SystemError::Rotation { .. } => parameter("dt", &format!("is too long: {error}")),
+            SystemError::Constraints { .. } => {
+                parameter("dt", &format!("is too long, or constraints do not fit: {error}"))
+            }
             SystemError::Joints { .. } => {
                 parameter("dt", &format!("is too long, or joints do not fit: {error}"))
             }

@@ -260,7 +260,7 @@ def _linear(system: Model) -> LinearSystem | None:
     """Return the linear system behind one."""
     if type(system) is SlidingPoint or type(system) is MassOnBelt:
         return system.linear
-    return system if type(system) is LinearSystem else None
+    return system if type(system) is LinearSystem and not system.constraints else None
 
 
 def _contact_of_law(system: Model, place: Place) -> int | None:

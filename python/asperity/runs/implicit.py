@@ -64,6 +64,7 @@ class ImplicitSteps:
             system.damping + 2.0 * self._shift * system.stiffness,
             system.force,
             [contact._core_data() for contact in system.contacts],
+            system._constraints,
         )
         self.start = state.replace(q=state.q - self._shift * state.u)
 

@@ -51,6 +51,11 @@ class System:
     coordinates, and ``coordinates`` is their number if it is not ``dof``. Such systems are for
     `simulate` and `stability`; `integrate` refuses them.
 
+    Where velocities are held, as by a rod or a rail, ``constraints`` is the number m of bilateral
+    constraints g(q) = 0, with `constraint`, g, and `constraint_rows`, the rows J of its rates J u.
+    They hold at every sample of `simulate`, and may repeat each other; other methods refuse them.
+    A system with constraints has no ``blocks``.
+
     ``coordinate_names`` and ``coordinate_units``, one text per coordinate, are what tables and
     messages call them; contacts have the ``name`` of their `ContactLaw`.
 
@@ -79,6 +84,7 @@ class System:
     blocks: Sequence[int] | None = None
     rotations: Sequence[int] = ()
     coordinates: int | None = None
+    constraints: int = 0
     coordinate_names: Sequence[str] | None = None
     coordinate_units: Sequence[str] | None = None
     constant_mass: bool = False
@@ -111,6 +117,14 @@ class System:
     def advance(self, q: Array, u: Array, dt: float) -> Array:
         """Return the coordinates after moving with the velocities u for dt, shape of ``q``."""
         return q + dt * u
+
+    def constraint(self, q: Array) -> Array:
+        """Return g(q) in m or rad, which constraints keep at 0, shape ``(m,)``."""
+        raise NotImplementedError
+
+    def constraint_rows(self, q: Array) -> Array:
+        """Return J(q) with the rates J u of g, shape ``(m, n)``."""
+        raise NotImplementedError
 
     def forces(self, t: float, q: Array, u: Array) -> Array:
         """Return h(t, q, u), all forces but those of the contacts, shape ``(n,)``.
@@ -192,9 +206,23 @@ class System:
             _require(cls, "advance")
         elif self._advances:
             coordinates = sum(blocks)
+        constraints = self._constraints()
         constant = (bool(self.constant_mass), bool(self.constant_contacts))
         data = [contact._core_data() for contact in listed]
-        return _core.CallbackSystem(self, blocks, touched, rotations, coordinates, constant, data)
+        return _core.CallbackSystem(
+            self, blocks, touched, rotations, coordinates, constraints, constant, data
+        )
+
+    def _constraints(self) -> int:
+        constraints = arrays.count(self.constraints, "constraints", 0)
+        if constraints:
+            _require(type(self), "constraint")
+            _require(type(self), "constraint_rows")
+            if self.blocks is not None:
+                raise ParameterError(
+                    "blocks", "must be left out where a system has constraints, which couple them"
+                )
+        return constraints
 
     @property
     def _advances(self) -> bool:
@@ -266,6 +294,8 @@ _INTERFACE: dict[str, Callable[..., Any]] = {
         "block_mass",
         "touched",
         "advance",
+        "constraint",
+        "constraint_rows",
         "forces",
         "direction",
         "velocity",

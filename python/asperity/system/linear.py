@@ -12,7 +12,7 @@ import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
-from asperity.errors import DimensionError
+from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import labels
 from asperity.system.contacts import Contact, relawed
@@ -41,6 +41,10 @@ class LinearSystem(Value):
         damping: B, shape ``(n, n)``. Default 0.
         force: constant f, shape ``(n,)``. Default 0.
         contacts: the contacts.
+        constraint_rows: J, shape ``(m, n)``, of bilateral constraints J q + c = 0, which may repeat
+            each other and hold at every sample of `simulate`; other methods refuse them, and so do
+            sparse matrices. Default none.
+        constraint: c, what is to be 0 as it is at q = 0, in m or rad, shape ``(m,)``. Default 0.
         coordinate_names: one per coordinate; default ``"q0"``, ``"q1"``, ….
         coordinate_units: such as ``["m", "rad"]``; default ``"SI"``, which may be a length or an
             angle.
@@ -64,6 +68,8 @@ class LinearSystem(Value):
     damping: Array
     force: Array
     contacts: tuple[Contact, ...]
+    constraint_rows: Array | None
+    constraint: Array | None
     coordinate_names: tuple[str, ...] | None
     coordinate_units: tuple[str, ...] | None
     labels: Labels
@@ -78,6 +84,8 @@ class LinearSystem(Value):
         damping: ArrayLike | AnySparse | None = None,
         force: ArrayLike | None = None,
         contacts: Sequence[Contact | MeshContacts] | Contact | MeshContacts = (),
+        constraint_rows: ArrayLike | None = None,
+        constraint: ArrayLike | None = None,
         coordinate_names: Sequence[str] | None = None,
         coordinate_units: Sequence[str] | None = None,
     ) -> LinearSystem:
@@ -97,11 +105,14 @@ class LinearSystem(Value):
         damping: ArrayLike | AnySparse | None = None,
         force: ArrayLike | None = None,
         contacts: Sequence[Contact | MeshContacts] | Contact | MeshContacts = (),
+        constraint_rows: ArrayLike | None = None,
+        constraint: ArrayLike | None = None,
         coordinate_names: Sequence[str] | None = None,
         coordinate_units: Sequence[str] | None = None,
     ) -> None:
         listed = _contacts(contacts)
         n = _dof(mass, listed)
+        rows = _constraint_rows(constraint_rows, constraint, n)
         if arrays.array(cast(ArrayLike, mass), "mass").ndim == 0 and not listed:
             _refuse_more_than_one(stiffness=stiffness, damping=damping, force=force)
         self._set(
@@ -110,6 +121,8 @@ class LinearSystem(Value):
             damping=_matrix(damping, "damping", n),
             force=arrays.constant(np.zeros(n) if force is None else force, "force", (n,)),
             contacts=listed,
+            constraint_rows=rows,
+            constraint=None if rows is None else _constraint(constraint, len(rows)),
             coordinate_names=texts_of_coordinates(coordinate_names, "coordinate_names", n),
             coordinate_units=texts_of_coordinates(coordinate_units, "coordinate_units", n),
         )
@@ -121,6 +134,7 @@ class LinearSystem(Value):
             self.damping,
             self.force,
             [contact._core_data() for contact in listed],
+            self._constraints,
         )
         names = labels.contact_names([contact.name for contact in listed])
         self._keep(
@@ -174,12 +188,36 @@ class LinearSystem(Value):
         """Number n of coordinates."""
         return len(self.force)
 
+    @property
+    def constraints(self) -> int:
+        """Number m of bilateral constraints."""
+        rows = self._parameters.get("constraint_rows")
+        return 0 if rows is None else len(rows)
+
+    @property
+    def _constraints(self) -> tuple[Array, Array] | None:
+        if self.constraint_rows is None or self.constraint is None:
+            return None
+        return self.constraint_rows, self.constraint
+
 
 def _contacts(contacts: Any) -> tuple[Contact, ...]:
     listed = tuple(contacts) if isinstance(contacts, Sequence) else (contacts,)
     for contact in listed:
         arrays.of_kind(contact, "contacts", Contact, "a sequence of Contact")
     return listed
+
+
+def _constraint_rows(given: Any, constraint: Any, n: int) -> Array | None:
+    if given is not None:
+        return arrays.constant(given, "constraint_rows", (None, n))
+    if constraint is not None:
+        raise ParameterError("constraint_rows", "must be given with constraint")
+    return None
+
+
+def _constraint(given: Any, count: int) -> Array:
+    return arrays.constant(np.zeros(count) if given is None else given, "constraint", (count,))
 
 
 def texts_of_coordinates(

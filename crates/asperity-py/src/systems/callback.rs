@@ -19,6 +19,7 @@ pub struct CallbackSystem {
     object: Py<PyAny>,
     blocks: Blocks,
     rotations: Vec<Rotation>,
+    constraints: usize,
     /// Number of coordinates, where the system advances them itself.
     coordinates: Option<usize>,
     /// Whether it announces the blocks that contacts touch; else each touches all velocities, which are one block.
@@ -39,6 +40,7 @@ impl CallbackSystem {
         touched: Option<Vec<Vec<usize>>>,
         rotations: Vec<usize>,
         coordinates: Option<usize>,
+        constraints: usize,
         constant: (bool, bool),
         contacts: Vec<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
@@ -63,6 +65,7 @@ impl CallbackSystem {
             object: system,
             blocks,
             rotations,
+            constraints,
             coordinates,
             in_blocks,
             touched,
@@ -159,6 +162,21 @@ impl System for CallbackSystem {
 
     fn constancy(&self) -> Constancy {
         self.constancy
+    }
+
+    fn constraints(&self) -> usize {
+        self.constraints
+    }
+
+    fn constraint(&self, q: &[f64], off: &mut [f64]) -> Result<(), SystemError> {
+        let arguments = |py: Python<'_>| Ok(vec![array(py, q)]);
+        self.call("constraint", &[off.len()], arguments, |values| off.copy_from_slice(values))
+    }
+
+    fn constraint_rows(&self, q: &[f64], rows: &mut [f64]) -> Result<(), SystemError> {
+        let (shape, arguments) =
+            ([self.constraints, self.dof()], |py: Python<'_>| Ok(vec![array(py, q)]));
+        self.call("constraint_rows", &shape, arguments, |values| rows.copy_from_slice(values))
     }
 
     fn mass(&self, q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {

@@ -31,20 +31,25 @@ pub fn linear_contact(contact: &Bound<'_, PyDict>) -> PyResult<Contact> {
 #[pymethods]
 impl LinearSystem {
     #[new]
+    #[pyo3(signature = (mass, stiffness, damping, force, contacts, constraints=None))]
     fn new(
         mass: Points<'_>,
         stiffness: Points<'_>,
         damping: Points<'_>,
         force: Numbers<'_>,
         contacts: Vec<Bound<'_, PyDict>>,
+        constraints: Option<(Points<'_>, Numbers<'_>)>,
     ) -> Result<Self, Failure> {
         let contacts = contacts.iter().map(linear_contact).collect::<PyResult<_>>()?;
-        Ok(Self(system::LinearSystem::new(
+        let system = system::LinearSystem::new(
             matrix(&mass, "mass")?,
             matrix(&stiffness, "stiffness")?,
             matrix(&damping, "damping")?,
             numbers(&force, "force")?.to_vec(),
             contacts,
-        )?))
+        )?;
+        let Some((rows, constraint)) = constraints else { return Ok(Self(system)) };
+        let constraint = numbers(&constraint, "constraint")?.to_vec();
+        Ok(Self(system.with_constraints(&matrix(&rows, "constraint_rows")?, constraint)?))
     }
 }

@@ -25,6 +25,12 @@ pub(crate) fn check_structure(system: &dyn System) -> Result<(), ArgumentError> 
     if (0..blocks).any(|block| system.blocks().range(block).is_empty()) {
         return refuse("system", "must have a velocity at least in every block");
     }
+    if system.constraints() > 0 && blocks > 1 {
+        return refuse(
+            "constraints",
+            format!("must be of one block of velocities, not of {blocks}"),
+        );
+    }
     for contact in 0..system.contacts().len() {
         let touched = system.touched(contact);
         let ascends = touched.windows(2).all(|pair| pair[0] < pair[1]);

@@ -1,6 +1,6 @@
-//! Velocities that joints hold: projections along their forces.
+//! Velocities that bilateral constraints hold: projections along their forces.
 //!
-//! With rows `J` of what is held, forces of joints change velocities by `M⁻¹JᵀΛ`. What they take out of velocities `u` is
+//! With rows `J` of what is held, forces of constraints change velocities by `M⁻¹JᵀΛ`. What they take out of velocities `u` is
 //! `M⁻¹Jᵀ(J M⁻¹Jᵀ)⁻¹J u` with as many rows as do not repeat others, as some do in planar loops in space.
 
 use std::ops::Range;
@@ -10,13 +10,15 @@ use nalgebra::{DMatrix, DVector};
 /// Share of the diagonal below which pivots are rounding; that of a light body between heavy ones is their ratio of masses.
 const REPEATED: f64 = 1e-13;
 
-/// The joints of a block of velocities at a configuration.
+/// The constraints of a block of velocities at a configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Held {
     pub(crate) block: usize,
     pub(crate) velocities: Range<usize>,
     /// Number of rows, and those that repeat no others.
     pub(crate) count: usize,
+    /// Sizes of the terms of `g`, of all rows.
+    pub(crate) sizes: Vec<f64>,
     kept: Vec<usize>,
     /// `J` and `M⁻¹Jᵀ` of these, and the Cholesky factor of `J M⁻¹Jᵀ`.
     rows: DMatrix<f64>,
@@ -25,12 +27,13 @@ pub(crate) struct Held {
 }
 
 impl Held {
-    /// From `J` and `M⁻¹Jᵀ` of all rows.
+    /// From `J`, `M⁻¹Jᵀ` and sizes of all rows.
     pub(crate) fn new(
         block: usize,
         velocities: Range<usize>,
         rows: &DMatrix<f64>,
         responses: &DMatrix<f64>,
+        sizes: Vec<f64>,
     ) -> Self {
         let (count, mut left) = (rows.nrows(), rows * responses);
         let diagonal = left.diagonal();
@@ -49,7 +52,7 @@ impl Held {
         let entry = |i: usize, k: usize| if i < k { 0.0 } else { columns[k][kept[i]] };
         let factor = DMatrix::from_fn(kept.len(), kept.len(), entry);
         let (rows, responses) = (rows.select_rows(&kept), responses.select_columns(&kept));
-        Self { block, velocities, count, kept, rows, responses, factor }
+        Self { block, velocities, count, sizes, kept, rows, responses, factor }
     }
 
     /// Whether a row is none that repeats others.
@@ -65,7 +68,7 @@ impl Held {
         );
     }
 
-    /// Leaves of velocities of the block what the joints let pass.
+    /// Leaves of velocities of the block what the constraints let pass.
     pub(crate) fn project(&self, velocities: &mut [f64]) {
         // Twice, as the first is off by rounding of what it takes.
         for _ in 0..2 {

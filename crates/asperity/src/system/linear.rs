@@ -86,6 +86,9 @@ pub struct LinearSystem {
     force: Vec<f64>,
     contacts: Vec<LinearContact>,
     laws: Vec<ContactLaw>,
+    /// The rows of `J` in the constraints `J q + c = 0`, one after another, and `c`.
+    constraint_rows: Vec<f64>,
+    constraint: Vec<f64>,
     longest_step: LongestStep,
 }
 
@@ -175,12 +178,30 @@ impl LinearSystem {
             force,
             contacts: checked,
             laws,
+            constraint_rows: Vec::new(),
+            constraint: Vec::new(),
             longest_step: LongestStep::default(),
         })
     }
+
+    /// The same system with the constraints `J q + c = 0`, which may repeat each other.
+    ///
+    /// # Errors
+    ///
+    /// [`ArgumentError`] unless `rows`, J, have a column per coordinate and `constraint`, c, an entry per row, all finite.
+    pub fn with_constraints(
+        self,
+        rows: &DMatrix<f64>,
+        constraint: Vec<f64>,
+    ) -> Result<Self, ArgumentError> {
+        check_matrix("constraint_rows", rows, rows.nrows(), self.force.len())?;
+        entries("constraint", &constraint, rows.nrows())?;
+        let constraint_rows = rows.transpose().data.into();
+        Ok(Self { constraint_rows, constraint, longest_step: LongestStep::default(), ..self })
+    }
 }
 
-/// `M`, `K` and `B` of a linear system, and the directions that its contacts may hold as columns.
+/// `M`, `K` and `B` of a linear system, and the directions that its contacts may hold and its constraints do as columns.
 pub(crate) struct Matrices<'a> {
     pub(crate) mass: &'a DMatrix<f64>,
     pub(crate) stiffness: DMatrix<f64>,
@@ -217,7 +238,9 @@ impl LinearSystem {
         let contacts = self.contacts.iter().zip(&self.laws);
         let held: Vec<f64> = contacts
             .filter(|(_, law)| law.normal_force() != NormalForce::Prescribed(0.0))
-            .flat_map(|(contact, _)| contact.rows.iter().copied())
+            .flat_map(|(contact, _)| &contact.rows)
+            .chain(&self.constraint_rows)
+            .copied()
             .collect();
         let held = DMatrix::from_vec(n, held.len() / n, held);
         Some(Matrices { mass: &self.mass, stiffness, damping, held })
@@ -255,6 +278,8 @@ impl LinearSystem {
             force: velocities.iter().map(|&k| self.force[k]).collect(),
             contacts: contacts.iter().map(contact).collect(),
             laws: contacts.iter().map(|&i| self.laws[i].clone()).collect(),
+            constraint_rows: Vec::new(),
+            constraint: Vec::new(),
             longest_step: LongestStep::default(),
         }
     }
@@ -271,7 +296,8 @@ impl LinearSystem {
     /// The system by its matrices, if it is such a one.
     pub(crate) fn planar_motion(&self) -> Option<PlanarMotion> {
         let ([contact], [law]) = (&self.contacts[..], &self.laws[..]) else { return None };
-        let fits = self.force.len() == 2 && law.rows() == 2 && !law.normal_force().is_unilateral();
+        let fits = self.force.len() == 2 && law.rows() == 2 && self.constraint.is_empty();
+        let fits = fits && !law.normal_force().is_unilateral();
         fits.then(|| PlanarMotion {
             mass: Matrix2::from_column_slice(self.mass.as_slice()),
             stiffness: Matrix2::from_column_slice(&self.stiffness),
@@ -334,6 +360,23 @@ impl System for LinearSystem {
     #[inline]
     fn constancy(&self) -> Constancy {
         Constancy { mass: true, contacts: true, autonomous: true }
+    }
+
+    fn constraints(&self) -> usize {
+        self.constraint.len()
+    }
+
+    fn constraint(&self, q: &[f64], off: &mut [f64]) -> Result<(), SystemError> {
+        let rows = self.constraint_rows.chunks_exact(q.len());
+        for ((off, c), row) in off.iter_mut().zip(&self.constraint).zip(rows) {
+            *off = c + dot(row, q);
+        }
+        Ok(())
+    }
+
+    fn constraint_rows(&self, _q: &[f64], rows: &mut [f64]) -> Result<(), SystemError> {
+        rows.copy_from_slice(&self.constraint_rows);
+        Ok(())
     }
 
     fn as_linear(&self) -> Option<&LinearSystem> {

@@ -1,5 +1,6 @@
 //! Mechanical systems: what a time step asks of them.
 
+pub(crate) mod constrained;
 pub(crate) mod friction_map;
 pub(crate) mod held;
 pub(crate) mod linear;
@@ -29,7 +30,7 @@ pub use turning::{Midpoint, Step, Turning};
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::contact::NormalForce;
 use crate::law::Law;
-pub(crate) use turning::{begin, derive, finish, momenta};
+pub(crate) use turning::{begin, derive, finish, hold, meets, momenta};
 
 /// What of a system never changes, so that it is computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -137,6 +138,15 @@ pub enum SystemError {
         /// Time in s.
         time: f64,
     },
+    /// Constraints of a system are not held.
+    #[error(
+        "constraints are not held at t = {time} s: they must not bend much within dt, their rows must be the rates of what \
+         they are off, and must not nearly repeat each other"
+    )]
+    Constraints {
+        /// Time in s.
+        time: f64,
+    },
     /// The mass matrix of a block has no Cholesky factor.
     #[error("mass: must be symmetric positive definite, is not{} at t = {time} s", of_block(*block, *blocks))]
     SingularMass {
@@ -164,12 +174,12 @@ impl SystemError {
         ArgumentError::new("direction", message).into()
     }
 
-    /// The force of this contact would be any, as joints let nothing move along its normal.
-    pub(crate) fn held(contact: usize) -> Self {
-        let message = format!(
-            "must let the bodies of contact {contact} move along its normal, where it is closed"
-        );
-        ArgumentError::new("joints", message).into()
+    /// The force of this contact would be any, as joints or constraints let nothing move along its normal.
+    pub(crate) fn held(contact: usize, by_joints: bool) -> Self {
+        let (by, what) = if by_joints { ("joints", "the bodies of ") } else { ("constraints", "") };
+        let message =
+            format!("must let {what}contact {contact} move along its normal, where it is closed");
+        ArgumentError::new(by, message).into()
     }
 }
 
@@ -377,6 +387,30 @@ pub trait System: Debug + Sync {
     /// Whether joints hold bodies, which only [`Turning`] of a time step knows: event-driven integration refuses them.
     fn has_joints(&self) -> bool {
         false
+    }
+
+    /// Number of bilateral constraints `g(q) = 0`, which time steps hold and event-driven integration refuses. A system with
+    /// constraints has one block of velocities.
+    fn constraints(&self) -> usize {
+        0
+    }
+
+    /// What constraints are off: `g(q)` in m or rad.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
+    fn constraint(&self, _q: &[f64], _off: &mut [f64]) -> Result<(), SystemError> {
+        Ok(refuse("constraints", "a constraint needs what it is off")?)
+    }
+
+    /// The rows of `J(q)` in `ġ = J u`, one after another.
+    ///
+    /// # Errors
+    ///
+    /// [`SystemError::Foreign`] if what the user has written fails.
+    fn constraint_rows(&self, _q: &[f64], _rows: &mut [f64]) -> Result<(), SystemError> {
+        Ok(refuse("constraints", "a constraint needs its row")?)
     }
 
     /// The system by its matrices, if it is linear and made of them, so that steps need not ask for these.

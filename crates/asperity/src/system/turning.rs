@@ -2,9 +2,9 @@
 
 use std::fmt::Debug;
 
+use super::constrained::{self, Constraints, Own};
 use super::held::Held;
 use super::{Configuration, System, SystemError};
-use crate::argument::ArgumentError;
 use crate::vectors::copy;
 
 /// A step of Moreau's midpoint rule, from the state before it.
@@ -35,7 +35,7 @@ pub struct Midpoint {
     pub forces: Vec<f64>,
     /// What [`Turning::momenta`] carries from step to step.
     pub momenta: Vec<f64>,
-    /// What joints hold.
+    /// What joints or constraints hold.
     pub(crate) held: Vec<Held>,
 }
 
@@ -78,8 +78,8 @@ pub trait Turning: Debug + Sync {
     ///
     /// # Errors
     ///
-    /// [`ArgumentError`] that names the joint.
-    fn meets(&self, _q: &[f64], _u: &[f64], _dt: f64) -> Result<(), ArgumentError> {
+    /// [`SystemError::Argument`] that names the joint.
+    fn meets(&self, _q: &[f64], _u: &[f64], _dt: f64) -> Result<(), SystemError> {
         Ok(())
     }
 
@@ -128,6 +128,28 @@ pub(crate) fn momenta(system: &dyn System, q: &[f64], u: &[f64]) -> Vec<f64> {
     system.turning().map_or_else(Vec::new, |turning| turning.momenta(q, u))
 }
 
+/// [`Turning::meets`], or the same for constraints of the system.
+pub(crate) fn meets(system: &dyn System, q: &[f64], u: &[f64], dt: f64) -> Result<(), SystemError> {
+    match system.turning() {
+        Some(turning) => turning.meets(q, u, dt),
+        None if system.constraints() > 0 => constrained::check(&Own(system), q, u, 0.5 * dt),
+        None => Ok(()),
+    }
+}
+
+/// [`Turning::hold`], or the same for constraints of the system.
+pub(crate) fn hold(
+    system: &dyn System,
+    midpoint: &Midpoint,
+    after: &mut [f64],
+    dt: f64,
+) -> Result<(), SystemError> {
+    match system.turning() {
+        Some(turning) => turning.hold(midpoint, after, dt),
+        None => constrained::hold(&Own(system), midpoint, after, 0.5 * dt),
+    }
+}
+
 /// [`Turning::begin`], or the same for velocities that are rates of coordinates.
 #[inline]
 pub(crate) fn begin(
@@ -140,8 +162,11 @@ pub(crate) fn begin(
     }
     let &Step { midpoint: t, dt, q, u } = step;
     midpoint.t = t;
-    let Midpoint { q: at_midpoint, derived, before, forces, .. } = midpoint;
+    let Midpoint { q: at_midpoint, derived, before, forces, held, .. } = midpoint;
     system.advance(q, u, 0.5 * dt, at_midpoint);
+    if system.constraints() > 0 {
+        constrained::begin(&Own(system), step, at_midpoint, held)?;
+    }
     copy(u, before);
     system.forces(&Configuration { t, piece: t, q: at_midpoint, derived }, u, forces)
 }
@@ -158,6 +183,12 @@ pub(crate) fn finish(
 ) -> Result<(), SystemError> {
     if let Some(turning) = system.turning() {
         return turning.finish(midpoint, after, dt, q, u);
+    }
+    if !midpoint.held.is_empty() {
+        let [end, velocities, _] = Own(system).end(midpoint, after, 0.5 * dt)?;
+        copy(&end, q);
+        copy(&velocities, u);
+        return Ok(());
     }
     copy(after, u);
     system.advance(&midpoint.q, u, 0.5 * dt, q);

@@ -135,8 +135,9 @@ def start(system: Model, q0: ArrayLike | None) -> Array:
             "depends on time, by a load, the length of a spring or a surface: there is no steady "
             "sliding whose stability could be told from one time",
         )
-    if getattr(system, "joints", ()):
-        raise ParameterError("system", "must have no joints, which only simulate holds")
+    for held in ("joints", "constraints"):
+        if getattr(system, held, ()):
+            raise ParameterError("system", f"must have no {held}, which only simulate holds")
     if any(
         getattr(getattr(pair, "plane", None), "friction_factor", None) is not None
         for pair in getattr(system, "pairs", ())

@@ -260,6 +260,8 @@ def _sparse(system: object) -> SparseLinearSystem:
         raise ParameterError(
             "system", f"must be a LinearSystem for near or band, got {type(system).__name__}"
         )
+    if linear.constraints:
+        raise ParameterError("system", "must have no constraints, which only simulate holds")
     # Of a reduced system without its basis.
     names = inspect.signature(LinearSystem).parameters
     given = {name: linear._parameters[name] for name in names}

@@ -68,7 +68,9 @@ class ReducedSystem(LinearSystem):
         )
         of = arrays.of_kind(full, "full", SparseLinearSystem, "a system with sparse matrices")
         V = arrays.constant(basis, "basis", (of.dof, self.dof))
-        self._set(**self._parameters, full=of, basis=V)
+        taken = inspect.signature(type(self)).parameters
+        given = {name: one for name, one in self._parameters.items() if name in taken}
+        self._set(**given, full=of, basis=V)
 
     @cached_property
     def states(self) -> SlidingStates:

@@ -57,9 +57,13 @@ class SparseLinearSystem(LinearSystem):
         damping: Any = None,
         force: ArrayLike | None = None,
         contacts: Sequence[Contact | MeshContacts] | Contact | MeshContacts = (),
+        constraint_rows: None = None,
+        constraint: None = None,
         coordinate_names: Sequence[str] | None = None,
         coordinate_units: Sequence[str] | None = None,
     ) -> None:
+        if constraint_rows is not None or constraint is not None:
+            raise ParameterError("constraint_rows", "must be left out with sparse matrices")
         given = {"mass": mass, "stiffness": stiffness, "damping": damping}
         name = next(name for name, one in given.items() if matrices.is_sparse(one))
         n = matrices.order(given[name], name)
@@ -74,6 +78,8 @@ class SparseLinearSystem(LinearSystem):
             damping=matrices.of_both_triangles(made["damping"], "damping"),
             force=arrays.constant(np.zeros(n) if force is None else force, "force", (n,)),
             contacts=listed,
+            constraint_rows=None,
+            constraint=None,
             coordinate_names=texts_of_coordinates(coordinate_names, "coordinate_names", n),
             coordinate_units=texts_of_coordinates(coordinate_units, "coordinate_units", n),
         )

@@ -141,6 +141,12 @@ impl Options {
                 "must have no joints: integrate it by time steps, with simulate",
             );
         }
+        if system.constraints() > 0 {
+            return refuse(
+                "system",
+                "must have no constraints: integrate it by time steps, with simulate",
+            );
+        }
         let (n, coordinates) = (system.dof(), system.coordinates());
         if n == 0 {
             return refuse("system", "must have velocities");

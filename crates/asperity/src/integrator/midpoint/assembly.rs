@@ -297,7 +297,7 @@ impl Assembly {
         }
         if !same || changed || self.factors.any() {
             self.fill(system, closed);
-            closed.check_directions(&self.compliance)?;
+            closed.check_directions(&self.compliance, system.has_joints())?;
             self.constant = self.is_constant(system, closed);
             if self.constant {
                 // No sum with a chord of zero tells zeros from their negatives any more.
@@ -688,8 +688,8 @@ impl Assembly {
         } else {
             self.add_responses(percussion);
         }
-        if let (false, Some(turning)) = (self.midpoint.held.is_empty(), system.turning()) {
-            turning.hold(&self.midpoint, &mut self.free, dt)?;
+        if !self.midpoint.held.is_empty() {
+            system::hold(system, &self.midpoint, &mut self.free, dt)?;
         }
         system::finish(system, &mut self.midpoint, &self.free, dt, q, u)
     }
@@ -704,7 +704,7 @@ impl Assembly {
             held.project(&mut passed[held.velocities.clone()]);
         }
         bend.clone_from(passed);
-        system.turning().map_or(Ok(()), |turning| turning.hold(midpoint, bend, dt))?;
+        system::hold(system, midpoint, bend, dt)?;
         bend.iter_mut().zip(passed).for_each(|(end, before)| *end -= *before);
         Ok(())
     }

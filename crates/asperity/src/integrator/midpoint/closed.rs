@@ -164,9 +164,13 @@ impl Closed {
         self.recall(memory);
     }
 
-    /// Refuses directions that move nothing: they would make the friction force meaningless. So do normals that joints hold
-    /// but for their compliance, given row by row.
-    pub(super) fn check_directions(&self, compliance: &[f64]) -> Result<(), SystemError> {
+    /// Refuses directions that move nothing: they would make the friction force meaningless. So do normals that joints
+    /// or constraints hold but for their compliance, given row by row.
+    pub(super) fn check_directions(
+        &self,
+        compliance: &[f64],
+        joints: bool,
+    ) -> Result<(), SystemError> {
         for (i, (contact, c)) in self.problem.contacts().iter().zip(&self.active).enumerate() {
             let diagonal = |a| self.problem.delassus().own(i, a, a);
             if (0..contact.len()).any(|a| diagonal(a) <= 0.0) {
@@ -174,7 +178,7 @@ impl Closed {
             }
             let held = 10.0 * compliance[contact.offset];
             if contact.normal_rows() > 0 && held > 0.0 && diagonal(0) <= held {
-                return Err(SystemError::held(*c));
+                return Err(SystemError::held(*c, joints));
             }
         }
         Ok(())

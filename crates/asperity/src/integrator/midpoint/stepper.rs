@@ -11,7 +11,7 @@ use crate::argument::below;
 use crate::contact::{ContactProblem, ContactState, Memory, Phase};
 use crate::integrator::options;
 use crate::solver::{Shares, Solver, Unsolvable, Workspace};
-use crate::system::{Configuration, System, rotation};
+use crate::system::{self, Configuration, System, rotation};
 
 /// The scheme with its state and all its buffers.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ fn checked(system: &dyn System, dt: f64, state: &State) -> Result<State, StepErr
     state.check(system)?;
     let mut start = state.in_steps_of(dt);
     rotation::normalise(system.rotations(), &mut start.q)?;
-    system.turning().map_or(Ok(()), |turning| turning.meets(&start.q, &start.u, dt))?;
+    system::meets(system, &start.q, &start.u, dt)?;
     Ok(start)
 }
 

@@ -67,12 +67,6 @@ pub(super) struct Placed {
     length: f64,
 }
 
-/// What a joint holds is off by so much, in m or rad; the size of the terms of this difference, in the same unit.
-pub(super) struct Defect {
-    pub(super) value: f64,
-    pub(super) size: f64,
-}
-
 /// Of two sides, the world's where there is no second body.
 fn sides(body: usize, other: Option<usize>, pose: impl Fn(usize) -> Pose) -> [Pose; 2] {
     let world = Pose { position: Vector3::zeros(), rotation: Matrix3::identity() };
@@ -112,8 +106,8 @@ impl Placed {
         self.held().into_iter().map(|held| held.len()).sum()
     }
 
-    /// How far it is off, row by row.
-    pub(super) fn defects(&self, pose: impl Fn(usize) -> Pose, out: &mut Vec<Defect>) {
+    /// How far it is off, row by row, in m or rad.
+    pub(super) fn defects(&self, pose: impl Fn(usize) -> Pose, out: &mut Vec<f64>) {
         let poses = sides(self.body, self.other, pose);
         let [own, axes] = [0, 1].map(|k| poses[k].rotation * self.axes[k]);
         let [first, second] = [0, 1].map(|k| poses[k].point(&self.anchors[k]));
@@ -122,12 +116,18 @@ impl Placed {
             JointKind::Hinge => turn(2),
             _ => (turn(0) + turn(1) + turn(2)) * 0.5,
         };
+        let [along, about] = self.held();
+        out.extend(along.map(|k| axes.column(k).dot(&(first - second))));
+        out.extend(about.map(|k| axes.column(k).dot(&tilt)));
+    }
+
+    /// The sizes of the terms of these differences.
+    pub(super) fn sizes(&self, pose: impl Fn(usize) -> Pose, out: &mut Vec<f64>) {
+        let poses = sides(self.body, self.other, pose);
         let sizes = [0, 1].map(|k| poses[k].position.norm() + self.anchors[k].norm());
         let [along, about] = self.held();
-        let size = sizes[0] + sizes[1] + self.length;
-        let defect = |k| Defect { value: axes.column(k).dot(&(first - second)), size };
-        out.extend(along.map(defect));
-        out.extend(about.map(|k| Defect { value: axes.column(k).dot(&tilt), size: 1.0 }));
+        out.extend(along.map(|_| sizes[0] + sizes[1] + self.length));
+        out.extend(about.map(|_| 1.0));
     }
 
     /// The rows of both bodies, one after another: the rates of its defects where there are none.

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 use super::pose::{Speeds, Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
-use crate::argument::ArgumentError;
 use crate::contact::Components;
+use crate::system::constrained::{self, Constraints};
 use crate::system::{
     Blocks, Break, Configuration, Constancy, ContactLaw, FrictionMap, InitialState, Midpoint,
     MotionBounds, Rotation, Step, System, SystemError, SystemPart, TimeDependence, Turning,
@@ -254,12 +254,12 @@ impl Turning for RigidBodies {
             && self.unequal.iter().zip(momenta.chunks_exact(3)).all(has)
     }
 
-    fn meets(&self, q: &[f64], u: &[f64], dt: f64) -> Result<(), ArgumentError> {
-        self.check_joints(q, u, 0.5 * dt)
+    fn meets(&self, q: &[f64], u: &[f64], dt: f64) -> Result<(), SystemError> {
+        constrained::check(self, q, u, 0.5 * dt)
     }
 
     fn hold(&self, midpoint: &Midpoint, after: &mut [f64], dt: f64) -> Result<(), SystemError> {
-        self.hold_velocities(midpoint, after, 0.5 * dt)
+        constrained::hold(self, midpoint, after, 0.5 * dt)
     }
 
     fn begin(&self, step: &Step<'_>, midpoint: &mut Midpoint) -> Result<(), SystemError> {
@@ -268,12 +268,7 @@ impl Turning for RigidBodies {
         let Midpoint { q: mid, derived, before, forces, momenta, held, .. } = midpoint;
         self.advance(q, u, 0.5 * dt, mid);
         if self.has_joints() {
-            // Along forces of joints as they are before the step, then as they are where that leads.
-            let mut rates = u.to_vec();
-            for k in 0..3 {
-                *held = self.held(if k == 0 { q } else { mid });
-                self.arrive(t, held, (q, &mut rates, 0.5 * dt), mid, |_, _| {})?;
-            }
+            constrained::begin(self, step, mid, held)?;
         }
         self.derive(mid, derived);
         before.copy_from_slice(u);
@@ -297,7 +292,7 @@ impl Turning for RigidBodies {
         u: &mut [f64],
     ) -> Result<(), SystemError> {
         if !midpoint.held.is_empty() {
-            let [end, velocities, spins] = self.end(midpoint, after, 0.5 * dt)?;
+            let [end, velocities, spins] = Constraints::end(self, midpoint, after, 0.5 * dt)?;
             q.copy_from_slice(&end);
             u.copy_from_slice(&velocities);
             midpoint.momenta = spins;
