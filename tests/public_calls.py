@@ -573,6 +573,8 @@ SYSTEMS = {"System", "FollowerPendulum", "FrictionalImpactOscillator"}
 ANSWERS = {
     "advance",
     "block_mass",
+    "constraint",
+    "constraint_rows",
     "direction",
     "forces",
     "gap",

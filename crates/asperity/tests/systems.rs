@@ -504,3 +504,111 @@ fn samples_answer_by_sample_and_contact() {
     assert!(samples.phases(last).eq([guide.phase, floor.phase]));
     assert_eq!([guide.phase, floor.phase], [Phase::Slip; 2]);
 }
+
+/// A point of 1 kg on a circle of 1 m in the plane of its weight, in `x` and `y` up, with what a test gets wrong.
+#[derive(Debug)]
+struct OnCircle {
+    blocks: Blocks,
+    radius: f64,
+    says_rows: bool,
+}
+
+impl System for OnCircle {
+    fn blocks(&self) -> &Blocks {
+        &self.blocks
+    }
+
+    fn contacts(&self) -> &[ContactLaw] {
+        &[]
+    }
+
+    fn constraints(&self) -> usize {
+        1
+    }
+
+    fn constraint(&self, q: &[f64], off: &mut [f64]) -> Result<(), SystemError> {
+        off[0] = q[0].hypot(q[1]) - self.radius;
+        Ok(())
+    }
+
+    fn constraint_rows(&self, q: &[f64], rows: &mut [f64]) -> Result<(), SystemError> {
+        let length = q[0].hypot(q[1]);
+        if self.says_rows {
+            rows.copy_from_slice(&[q[0] / length, q[1] / length]);
+        }
+        Ok(())
+    }
+
+    fn mass(&self, _q: &[f64], block: usize, mass: &mut [f64]) -> Result<(), SystemError> {
+        let n = self.blocks.range(block).len();
+        mass.fill(0.0);
+        (0..n).for_each(|i| mass[n * i + i] = 1.0);
+        Ok(())
+    }
+
+    fn forces(
+        &self,
+        _at: &Configuration<'_>,
+        _u: &[f64],
+        h: &mut [f64],
+    ) -> Result<(), SystemError> {
+        h.copy_from_slice(&[0.0, -10.0]);
+        Ok(())
+    }
+
+    fn rows(
+        &self,
+        _at: &Configuration<'_>,
+        _contact: usize,
+        _rows: &mut [f64],
+        _velocity: &mut [f64],
+    ) -> Result<f64, SystemError> {
+        Ok(0.0)
+    }
+}
+
+fn on_circle() -> OnCircle {
+    OnCircle { blocks: Blocks::one(2), radius: 1.0, says_rows: true }
+}
+
+#[test]
+fn constraints_are_held_with_second_order() {
+    // From the side to the lowest point: u² = 2 g there, and the energy is what the step gets wrong.
+    let error = |dt: f64| {
+        let (system, start) = (on_circle(), State::new(0.0, &[1.0, 0.0], &[0.0, 0.0]));
+        let mut stepper = Stepper::new(&system, EXACT, 1e-10, dt, &start).unwrap();
+        let mut worst: f64 = 0.0;
+        while stepper.time() < 1.0 {
+            stepper.step().unwrap();
+            let (q, u) = (stepper.q(), stepper.u());
+            assert!((q[0].hypot(q[1]) - 1.0).abs() < 1e-14);
+            assert!((q[0] * u[0] + q[1] * u[1]).abs() < 1e-11);
+            worst = worst.max((0.5 * (u[0] * u[0] + u[1] * u[1]) + 10.0 * q[1]).abs());
+        }
+        worst
+    };
+    let (coarse, fine) = (error(4e-3), error(2e-3));
+    assert!(fine < 3e-4 && (coarse / fine - 4.0).abs() < 0.1, "{coarse} {fine}");
+}
+
+#[test]
+fn constraints_that_do_not_fit_are_refused() {
+    let made = |system: &OnCircle, q: [f64; 2]| {
+        let start = State::new(0.0, &q, &[0.0, 0.0]);
+        let mut stepper = Stepper::new(system, EXACT, 1e-10, 1e-3, &start)?;
+        stepper.step().map(|_| ())
+    };
+    let refused = |system: &OnCircle, q| made(system, q).unwrap_err().to_string();
+    assert!(made(&on_circle(), [0.0, 1.0]).is_ok());
+    assert!(
+        refused(&on_circle(), [0.0, 1.1]).contains("q0: must be coordinates that constraint 0")
+    );
+    // At its centre a circle has no row.
+    assert!(refused(&on_circle(), [0.0, 0.0]).contains("constraint 0"));
+    let silent = OnCircle { says_rows: false, ..on_circle() };
+    assert!(refused(&silent, [1.0, 0.0]).contains("constraints are not held"));
+    let apart = OnCircle { blocks: Blocks::new([1, 1]), ..on_circle() };
+    assert!(refused(&apart, [1.0, 0.0]).contains("constraints: must be of one block"));
+    let ended = integrate(&on_circle(), &[1.0, 0.0]);
+    assert!(ended.unwrap_err().to_string().contains("must have no constraints"));
+}

@@ -127,7 +127,7 @@ class SparseSteps(ImplicitSteps):
                 of.laws, of.normal_force.tolist(), restitution, strict=True
             )
         ]
-        self.core = _core.CallbackSystem(self, [r], None, [], None, (True, True), laws)
+        self.core = _core.CallbackSystem(self, [r], None, [], None, 0, (True, True), laws)
 
     def _slip(self, u: Array) -> Array:
         """Return y = L⁻¹Wᵀu."""

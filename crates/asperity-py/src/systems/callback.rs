@@ -34,6 +34,7 @@ pub struct CallbackSystem {
 #[pymethods]
 impl CallbackSystem {
     #[new]
+    #[allow(clippy::too_many_arguments)] // The Python side calls it in two places, by position.
     fn new(
         system: Py<PyAny>,
         blocks: Vec<usize>,

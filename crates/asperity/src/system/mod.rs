@@ -2,6 +2,7 @@
 
 pub(crate) mod constrained;
 pub(crate) mod friction_map;
+mod halves;
 pub(crate) mod held;
 pub(crate) mod linear;
 pub(crate) mod mass;
@@ -30,7 +31,7 @@ pub use turning::{Midpoint, Step, Turning};
 use crate::argument::{ArgumentError, not_negative, part, refuse};
 use crate::contact::NormalForce;
 use crate::law::Law;
-pub(crate) use turning::{begin, derive, finish, hold, meets, momenta};
+pub(crate) use halves::{begin, derive, finish, hold, meets, momenta};
 
 /// What of a system never changes, so that it is computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

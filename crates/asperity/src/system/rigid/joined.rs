@@ -97,8 +97,8 @@ impl Constraints for RigidBodies {
     }
 
     fn name(&self, row: usize) -> String {
-        let rows = self.in_order().flat_map(|j| std::iter::repeat_n(j, self.joints[j].rows()));
-        format!("joint {}", rows.skip(row).next().unwrap_or_default())
+        let mut rows = self.in_order().flat_map(|j| std::iter::repeat_n(j, self.joints[j].rows()));
+        format!("joint {}", rows.nth(row).unwrap_or_default())
     }
 
     fn lost(&self, time: f64) -> SystemError {
