@@ -509,3 +509,88 @@ def test_foot_of_a_leg_slides_smoothly_and_takes_what_friction_takes():
         errors.append(abs(gained - work))
     assert errors[1] < 2e-4
     assert errors[1] < 0.3 * errors[0]
+
+
+def test_hinges_of_a_hanging_chain_carry_what_hangs_below():
+    masses = np.array([1.0, 3.0, 0.5])
+    # One link that hangs beside its hinge, along the axis; then three that hang straight.
+    axes = np.array([(0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.6, 0.8, 0.0)])
+    anchors = np.array([[0.0, 0.0, -0.4 * k] for k in range(3)])
+    centers = anchors + 0.05 * axes - [0.0, 0.0, 0.2]
+    hung = masses[:, None] * [0.0, 0.0, -G]
+    joints = [asp.Hinge(k, other=k - 1, anchor=anchors[k], axis=axes[k]) for k in (1, 2)]
+    links = [
+        asp.Body.box(m, half_sizes=(0.02, 0.03, 0.2), position=center)
+        for m, center in zip(masses, centers, strict=True)
+    ]
+    system = asp.RigidBodies(links[:1], joints=[asp.Hinge(0, anchor=anchors[0], axis=axes[0])])
+    forces, torques = system.joint_reactions(asp.simulate(system, dt=1e-3, t_end=0.01))
+    np.testing.assert_allclose(forces[:, 0], np.broadcast_to(-hung[0], (11, 3)), atol=1e-9)
+    moment = -np.cross(0.05 * axes[0], hung[0])
+    np.testing.assert_allclose(torques[:, 0], np.broadcast_to(moment, (11, 3)), atol=1e-9)
+    straight = [link.replace(position=(0.0, 0.0, -0.2 - 0.4 * k)) for k, link in enumerate(links)]
+    chain = asp.RigidBodies(
+        straight, joints=[*joints, asp.Hinge(0, anchor=anchors[0], axis=axes[0])]
+    )
+    forces, torques = chain.joint_reactions(asp.simulate(chain, dt=1e-3, t_end=0.01))
+    below = np.cumsum(hung[::-1], axis=0)[::-1]
+    np.testing.assert_allclose(forces, np.broadcast_to(-below[[1, 2, 0]], (11, 3, 3)), atol=1e-8)
+    np.testing.assert_allclose(torques, 0.0, atol=1e-8)
+
+
+def test_weld_of_a_bracket_carries_its_weight_and_moment():
+    arm, mass = np.array([0.5, 0.2, 0.1]), 2.0
+    turn = Rotation.from_euler("xyz", [0.3, -0.4, 1.1])
+    x, y, z, w = turn.as_quat()
+    wall = asp.Body.box(mass, half_sizes=(0.1, 0.2, 0.3), position=arm, orientation=(w, x, y, z))
+    tip = asp.Body.ball(1.0, radius=0.1, position=2.0 * arm)
+    system = asp.RigidBodies([wall, tip], joints=[asp.Weld(0), asp.Weld(1, other=0)])
+    forces, torques = system.joint_reactions(asp.simulate(system, dt=1e-3, t_end=0.01))
+    np.testing.assert_allclose(forces[1:, :, 2], np.broadcast_to([3.0 * G, G], (10, 2)), rtol=1e-9)
+    np.testing.assert_allclose(forces[1:, :, :2], 0.0, atol=1e-8)
+    load = np.array([0.0, 0.0, -G])
+    # About the centre of the bracket, the weight at the tip and the wall's force have torques.
+    moment = -np.cross(arm, load)
+    np.testing.assert_allclose(torques[-1, 0], moment, atol=1e-8)
+    np.testing.assert_allclose(torques[-1, 1], 0.0, atol=1e-8)
+
+
+def test_hinge_of_a_pendulum_carries_weight_and_centripetal_force():
+    turn, mass, arm = Rotation.random(random_state=3), 2.0, ROD[2]
+    system, errors = pendulum(1.0, turn), []
+    square = (ROD[0] ** 2 + arm**2) / 3.0
+    for dt in (4e-3, 2e-3):
+        motion = asp.simulate(system, dt=dt, t_end=1.0)
+        forces, torques = system.joint_reactions(motion)
+        middle = motion.t[1:] - 0.5 * dt
+        angle = swing(1.0, np.append(0.0, middle))[1:]
+        rate = G * arm / (arm**2 + square)
+        along = mass * (G * np.cos(angle) + 2.0 * arm * rate * (np.cos(angle) - np.cos(1.0)))
+        across = mass * (G - arm * rate) * np.sin(angle)
+        rod = np.column_stack([np.sin(angle), 0.0 * angle, -np.cos(angle)])
+        side = np.column_stack([np.cos(angle), 0.0 * angle, np.sin(angle)])
+        expected = turn.apply(across[:, None] * side - along[:, None] * rod)
+        errors.append(np.abs(forces[1:, 0] - expected).max())
+        np.testing.assert_allclose(torques[1:], 0.0, atol=1e-3)
+    assert errors[1] < 1e-3
+    assert 3.6 < errors[0] / errors[1] < 4.4
+
+
+def test_reactions_and_forces_of_the_floor_balance_the_weight_of_a_leg():
+    system, _ = leg(asp.FrictionLaw(asp.Ellipse(0.5, 0.3, angle=0.4), asp.Ellipse(1.0, 3.0)))
+    motion = asp.simulate(system, dt=1e-3, t_end=0.1)
+    forces, torques = system.joint_reactions(motion)
+    assert np.isnan(forces[0]).all()
+    floor = system.contact_forces(motion, frame="world")[1:, 0]
+    weight = np.array([0.0, 0.0, G])
+    np.testing.assert_allclose(
+        forces[1:, 0] + floor, np.broadcast_to(2.0 * weight, (100, 3)), atol=1e-6
+    )
+    np.testing.assert_allclose(forces[1:, 1] + floor, np.broadcast_to(weight, (100, 3)), atol=1e-6)
+    np.testing.assert_allclose(torques[1:], 0.0, atol=1e-6)
+    # Planar rods hang with the same force.
+    rod = asp.PlanarBody(1.5, inertia=0.02, position=(0.0, -0.5))
+    flat = asp.RigidBodies([rod], joints=[asp.Hinge(0, anchor=(0.0, 0.0))])
+    forces, torques = flat.joint_reactions(asp.simulate(flat, dt=1e-3, t_end=0.01))
+    np.testing.assert_allclose(forces[:, 0], np.broadcast_to([0.0, 1.5 * G], (11, 2)), atol=1e-9)
+    assert torques.shape == (11, 1)

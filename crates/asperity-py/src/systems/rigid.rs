@@ -358,6 +358,30 @@ impl RigidBodies {
         flat(py, self.states(&q, &u)?.map(momentum))
     }
 
+    /// Forces and torques of joints, `(n_t, n_j, 2, 3)`.
+    fn joint_reactions<'py>(
+        &self,
+        py: Python<'py>,
+        t: Numbers<'py>,
+        dt: f64,
+        q: Points<'py>,
+        u: Points<'py>,
+        contacts: Points<'py>,
+    ) -> Result<Bound<'py, PyArray4<f64>>, Failure> {
+        let (n_t, mut reactions) = (q.as_array().nrows(), Vec::new());
+        let forces = contacts.as_array();
+        let states = numbers(&t, "t")?.iter().zip(self.states(&q, &u)?);
+        for ((&t, state), forces) in states.zip(forces.rows()) {
+            let made = self.system.joint_reactions((t, dt), state, &forces.to_vec())?;
+            reactions.extend(made.iter().flatten().flat_map(|vector| <[f64; 3]>::from(*vector)));
+            if let Some(error) = self.raised() {
+                return Err(error.into());
+            }
+        }
+        let n_j = reactions.len() / (6 * n_t);
+        Ok(PyArray1::from_vec(py, reactions).reshape([n_t, n_j, 2, 3])?)
+    }
+
     /// Contact points `(n_t, n_c, 3)` and the rows e₁, e₂, n, `(n_t, n_c, 3, 3)`.
     fn contact_geometry<'py>(
         &self,

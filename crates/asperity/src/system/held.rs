@@ -76,10 +76,22 @@ impl Held {
         }
     }
 
-    fn remove(&self, mut rates: DVector<f64>, velocities: &mut [f64]) {
+    /// Forces of all rows against rates of what is held; of rows that repeat others none.
+    pub(crate) fn reactions(&self, rates: &[f64]) -> Vec<f64> {
+        let kept = DVector::from_iterator(self.kept.len(), self.kept.iter().map(|&k| -rates[k]));
+        let mut forces = vec![0.0; self.count];
+        self.kept.iter().zip(&self.solved(kept)).for_each(|(&k, &force)| forces[k] = force);
+        forces
+    }
+
+    fn solved(&self, mut rates: DVector<f64>) -> DVector<f64> {
         self.factor.solve_lower_triangular_mut(&mut rates);
         self.factor.tr_solve_lower_triangular_mut(&mut rates);
-        let taken = &self.responses * rates;
+        rates
+    }
+
+    fn remove(&self, rates: DVector<f64>, velocities: &mut [f64]) {
+        let taken = &self.responses * self.solved(rates);
         velocities.iter_mut().zip(&taken).for_each(|(u, taken)| *u -= taken);
     }
 }

@@ -45,7 +45,7 @@ impl Midpoint {
     }
 }
 
-/// What a system of bodies that turn gives besides a [`System`](super::System): attitudes, momenta that a step keeps, and the turning of
+/// What bodies that turn give besides a [`System`](super::System): attitudes, momenta that a step keeps, and the turning of
 /// the directions of contacts in a step.
 pub trait Turning: Debug + Sync {
     /// What follows from the coordinates and is asked for contact by contact, such as the attitudes of bodies. Every method

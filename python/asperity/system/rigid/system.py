@@ -362,6 +362,40 @@ class RigidBodies(Value):
         attitude = self._rotations(self._per_body(middle))[:, touching]
         return _turned(np.swapaxes(attitude, -1, -2), forces)
 
+    def joint_reactions(self, trajectory: Run) -> tuple[Array, Array]:
+        """Return the forces in N and torques in N m of the joints on their (first) bodies.
+
+        They act at the anchors, of welds at the body's centre of mass, in the world's axes. They
+        are those in the middle of the step that ends at a sample, and follow from its state and
+        the forces of its contacts with an error of the order of Δt². Of directions in which joints
+        repeat each other only one transmits anything here.
+
+        Args:
+            trajectory: of this system.
+
+        Returns:
+            Shape ``(n_t, n_joint, 3)`` each; planar ``(n_t, n_joint, 2)`` and ``(n_t, n_joint)``.
+            NaN for the initial state if there are contacts.
+
+        >>> from asperity import Body, RigidBodies, Weld, simulate
+        >>> bracket = Body.box(2.0, half_sizes=(0.3, 0.1, 0.1), position=(0.3, 0.0, 0.0))
+        >>> system = RigidBodies([bracket], joints=[Weld(0)])
+        >>> forces, torques = system.joint_reactions(simulate(system, dt=1e-3, t_end=0.01))
+        >>> (forces[-1].round(9) + 0.0).tolist()
+        [[0.0, 0.0, 19.62]]
+        """
+        self._states(trajectory)
+        rows = [np.zeros((len(trajectory.t), 0))]
+        for number, label in enumerate(self.contacts):
+            pair = self.pairs[label.pair]
+            normal = trajectory.normal_force[:, [number]] if pair.normal_force is None else rows[0]
+            rows += [normal, trajectory.force[:, number, : pair.law.dimension]]
+        given = np.ascontiguousarray(np.hstack(rows))
+        times, dt = trajectory.t, getattr(trajectory, "dt", 0.0)
+        both = self._core.joint_reactions(times, dt, trajectory.q, trajectory.u, given)
+        forces, torques = both[:, :, 0, : self._space], both[:, :, 1]
+        return forces, torques[..., 2] if self.planar else torques
+
     @property
     def _space(self) -> int:
         return len(self.gravity)

@@ -11,7 +11,7 @@ use crate::system::{Midpoint, System, SystemError};
 
 impl RigidBodies {
     /// Joints of all blocks, in the order of what is held.
-    fn in_order(&self) -> impl Iterator<Item = usize> {
+    pub(super) fn in_order(&self) -> impl Iterator<Item = usize> {
         self.jointed.iter().flat_map(|(_, joints)| joints).copied()
     }
 }

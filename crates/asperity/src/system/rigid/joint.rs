@@ -130,6 +130,22 @@ impl Placed {
         out.extend(about.map(|_| 1.0));
     }
 
+    /// Force and torque on the first body at its anchor, of a weld at the body's centre, of forces of the rows.
+    pub(super) fn reaction(
+        &self,
+        pose: impl Fn(usize) -> Pose,
+        forces: &[f64],
+    ) -> [Vector3<f64>; 2] {
+        let poses = sides(self.body, self.other, pose);
+        let (axes, mut forces) = (poses[1].rotation * self.axes[1], forces.iter());
+        let sum =
+            |held: Range<usize>| held.zip(&mut forces).map(|(k, f)| axes.column(k) * *f).sum();
+        let [force, torque]: [Vector3<f64>; 2] = self.held().map(sum);
+        let is_weld = self.kind == JointKind::Weld;
+        let arm = if is_weld { poses[0].rotation * self.anchors[0] } else { Vector3::zeros() };
+        [force, torque + arm.cross(&force)]
+    }
+
     /// The rows of both bodies, one after another: the rates of its defects where there are none.
     pub(super) fn directions(&self, pose: impl Fn(usize) -> Pose) -> Vec<[Twist; 2]> {
         let poses = sides(self.body, self.other, pose);

@@ -14,6 +14,7 @@ mod motion;
 mod pair;
 mod plane_motion;
 mod pose;
+mod reactions;
 mod rigid_bodies;
 mod spring;
 mod structure;
