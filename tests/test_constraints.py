@@ -462,3 +462,22 @@ def test_constraints_that_are_none_are_refused():
     none.constraints = -1
     with pytest.raises(asp.ParameterError, match="constraints: must lie in 0"):
         asp.simulate(none(), dt=1e-3, t_end=0.1)
+
+
+@pytest.mark.parametrize("method", ["constraint", "constraint_rows", "advance"])
+def test_exceptions_of_methods_come_back(method):
+    def failing(*_):
+        raise KeyError("mine")
+
+    class Failing(Pendulum):
+        def constraint(self, q):
+            return failing() if method == "constraint" else super().constraint(q)
+
+        def constraint_rows(self, q):
+            return failing() if method == "constraint_rows" else super().constraint_rows(q)
+
+        def advance(self, q, u, dt):
+            return failing() if method == "advance" else q + dt * u
+
+    with pytest.raises(KeyError, match="mine"):
+        asp.simulate(Failing(), dt=1e-3, t_end=0.1, q0=at(1.0))
