@@ -457,3 +457,27 @@ def test_a_hand_out_of_reach_is_named_and_leaves_the_state():
     np.testing.assert_array_equal(data.qpos, before[0])
     np.testing.assert_array_equal(data.qvel, before[1])
     assert data.time == before[2]
+
+
+ARM = """
+<robot name="arm">
+  <link name="base"><collision><origin xyz="0 0 -0.05"/>
+    <geometry><box size="2 2 0.1"/></geometry></collision></link>
+  <link name="rod">
+    <inertial><mass value="1"/><origin xyz="0.25 0 0"/>
+      <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.05"/></geometry>
+    </collision></link>
+  <joint name="hinge" type="revolute"><parent link="base"/><child link="rod"/>
+    <origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="2" effort="10" velocity="10"/></joint>
+</robot>"""
+
+
+def test_an_arm_in_urdf_falls_on_its_base():
+    model = mujoco.MjModel.from_xml_string(ARM)
+    scene, data = Scene(model, {"default": asp.FrictionLaw.isotropic(0.5)}), mujoco.MjData(model)
+    scene.simulate(data, t_end=1.0)
+    # Its ball of 0.05 m, 0.5 m from the hinge, lies 0.3 m below that.
+    assert abs(np.sin(data.qpos[0]) - 0.5) < 1e-8
+    assert [contact.geoms for contact in scene.contacts(data)] == [("rod[0]", "world[0]")]
