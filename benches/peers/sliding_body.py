@@ -104,7 +104,8 @@ def drake() -> Iterator[Row]:
         plant.Finalize()
         simulator = dr.Simulator(builder.Build())
         context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-        plant.SetPositions(context, [0.0, 0.0, 0.01 - MASS * GRAVITY / 1e5])
+        # At rest: the stiffnesses of ball and floor act in series.
+        plant.SetPositions(context, [0.0, 0.0, 0.01 - 2.0 * MASS * GRAVITY / 1e5])
         plant.SetVelocities(context, [*launch, 0.0])
         port = plant.get_applied_generalized_force_input_port()
         port.FixValue(context, [load, 0.0, 0.0])
@@ -119,56 +120,68 @@ def drake() -> Iterator[Row]:
     yield "continuous, static 0.9", *run(None, 0.0, 0.9, LAUNCH)
 
 
-def exudyn() -> Iterator[Row]:
-    """Run ObjectConnectorRollingDiscPenalty of a disc that cannot turn, its axis along x."""
+def rolling_disc(launch, add, *, load=0.0, time=TIME):
+    """Slide a disc of Exudyn that cannot turn; `add` adds the contact, its axis is along x."""
     import exudyn as exu
     from exudyn import utilities as items
 
-    def run(friction, launch, *, angle=0.0, zone=1e-3, load=0.0):
-        world = exu.SystemContainer().AddSystem()
-        node = world.AddNode(
-            items.NodeRigidBodyRxyz(
-                referenceCoordinates=[0, 0, 0.01, 0, 0, 0], initialVelocities=[*launch, 0, 0, 0, 0]
+    world = exu.SystemContainer().AddSystem()
+    node = world.AddNode(
+        items.NodeRigidBodyRxyz(
+            referenceCoordinates=[0, 0, 0.01, 0, 0, 0], initialVelocities=[*launch, 0, 0, 0, 0]
+        )
+    )
+    body = world.AddObject(
+        items.ObjectRigidBody(nodeNumber=node, mass=MASS, inertia=[1e6, 1e6, 1e6, 0, 0, 0])
+    )
+    ground = world.AddMarker(
+        items.MarkerBodyRigid(bodyNumber=world.AddObject(items.ObjectGround()))
+    )
+    centre = world.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
+    world.AddLoad(items.Force(markerNumber=centre, loadVector=[load, 0, -MASS * GRAVITY]))
+    memory = items.NodeGenericData(initialCoordinates=[0, 0, 0], numberOfDataCoordinates=3)
+    add(world, ground, centre, world.AddNode(memory))
+    world.Assemble()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.numberOfSteps = round(time / STEP)
+    settings.timeIntegration.endTime = time
+    settings.solution.file.write = False
+    world.SolveDynamic(settings)
+    kinds = (exu.OutputVariableType.Position, exu.OutputVariableType.Velocity)
+    return tuple(np.array(world.GetObjectOutputBody(body, one, [0, 0, 0]))[:2] for one in kinds)
+
+
+def exudyn() -> Iterator[Row]:
+    """Run ObjectConnectorRollingDiscPenalty, with both forms of its proportional zone."""
+    from exudyn import utilities as items
+
+    def run(friction, launch, *, angle=0.0, linear=True, load=0.0):
+        def add(world, ground, centre, memory):
+            world.AddObject(
+                items.ObjectConnectorRollingDiscPenalty(
+                    markerNumbers=[ground, centre],
+                    nodeNumber=memory,
+                    discRadius=0.01,
+                    discAxis=[1, 0, 0],
+                    planeNormal=[0, 0, 1],
+                    contactStiffness=1e4,
+                    contactDamping=10.0,
+                    dryFriction=list(friction),
+                    dryFrictionAngle=angle,
+                    dryFrictionProportionalZone=1e-3,
+                    useLinearProportionalZone=linear,
+                )
             )
-        )
-        body = world.AddObject(
-            items.ObjectRigidBody(nodeNumber=node, mass=MASS, inertia=[1e6, 1e6, 1e6, 0, 0, 0])
-        )
-        ground = world.AddMarker(
-            items.MarkerBodyRigid(bodyNumber=world.AddObject(items.ObjectGround()))
-        )
-        centre = world.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
-        world.AddLoad(items.Force(markerNumber=centre, loadVector=[load, 0, -MASS * GRAVITY]))
-        memory = items.NodeGenericData(initialCoordinates=[0, 0, 0], numberOfDataCoordinates=3)
-        world.AddObject(
-            items.ObjectConnectorRollingDiscPenalty(
-                markerNumbers=[ground, centre],
-                nodeNumber=world.AddNode(memory),
-                discRadius=0.01,
-                discAxis=[1, 0, 0],
-                planeNormal=[0, 0, 1],
-                contactStiffness=1e4,
-                contactDamping=10.0,
-                dryFriction=list(friction),
-                dryFrictionAngle=angle,
-                dryFrictionProportionalZone=zone,
-                useLinearProportionalZone=True,
-            )
-        )
-        world.Assemble()
-        settings = exu.SimulationSettings()
-        settings.timeIntegration.numberOfSteps = round(TIME / STEP)
-        settings.timeIntegration.endTime = TIME
-        settings.solution.file.write = False
-        world.SolveDynamic(settings)
-        kinds = (exu.OutputVariableType.Position, exu.OutputVariableType.Velocity)
-        return tuple(np.array(world.GetObjectOutputBody(body, one, [0, 0, 0]))[:2] for one in kinds)
+
+        return rolling_disc(launch, add, load=load)
 
     for friction in ((0.5, 0.5), (M1, M2), (0.9, 0.3)):
         yield f"disc {friction}", *run(friction, LAUNCH)
     for angle in (0.3, -0.3):
         yield f"disc (0.9, 0.3) turned by {angle}", *run((0.9, 0.3), LAUNCH, angle=angle)
-    yield "creep", *run((0.5, 0.5), REST, load=0.25 * MASS * GRAVITY)
+    for linear in (True, False):
+        row = run((0.5, 0.5), REST, load=0.25 * MASS * GRAVITY, linear=linear)
+        yield f"creep, useLinearProportionalZone={linear}", *row
 
 
 def bullet() -> Iterator[Row]:
@@ -220,46 +233,50 @@ def bullet() -> Iterator[Row]:
             )
 
 
-def dart() -> Iterator[Row]:
-    """Run a box on a box."""
+def box_of_dart(launch, floor, body, *, prepared=None, time=TIME):
+    """Slide a box on a box; `prepared` takes the world and the body before it moves."""
     import dartpy
 
-    def run(floor, body):
-        world = dartpy.simulation.World()
-        world.setGravity([0, 0, -GRAVITY])
-        world.setTimeStep(STEP)
-        for moves, size, place, mu in (
-            (False, [20, 20, 1], [0, 0, -0.5], floor),
-            (True, [0.028, 0.028, 0.013], [0, 0, 0.0065], body),
-        ):
-            one = dartpy.dynamics.Skeleton()
-            if moves:
-                _, node = one.createTranslationalJointAndBodyNodePair()
-                inertia = dartpy.dynamics.Inertia()
-                inertia.setMass(MASS)
-                node.setInertia(inertia)
-                one.setPositions(place)
-            else:
-                joint, node = one.createWeldJointAndBodyNodePair()
-                there = dartpy.math.Isometry3()
-                there.set_translation(place)
-                joint.setTransformFromParentBodyNode(there)
-            shape = node.createShapeNode(dartpy.dynamics.BoxShape(size))
-            shape.createVisualAspect()
-            shape.createCollisionAspect()
-            shape.createDynamicsAspect()
-            shape.getDynamicsAspect().setFrictionCoeff(mu)
-            world.addSkeleton(one)
-        for _ in range(200):
-            world.step()
-        one.setPositions([0, 0, one.getPositions()[2]])
-        one.setVelocities([*LAUNCH, 0.0])
-        for _ in range(round(TIME / STEP)):
-            world.step()
-        return one.getPositions()[:2], one.getVelocities()[:2]
+    world = dartpy.simulation.World()
+    world.setGravity([0, 0, -GRAVITY])
+    world.setTimeStep(STEP)
+    for moves, size, place, mu in (
+        (False, [20, 20, 1], [0, 0, -0.5], floor),
+        (True, [0.028, 0.028, 0.013], [0, 0, 0.0065], body),
+    ):
+        one = dartpy.dynamics.Skeleton()
+        if moves:
+            _, node = one.createTranslationalJointAndBodyNodePair()
+            inertia = dartpy.dynamics.Inertia()
+            inertia.setMass(MASS)
+            node.setInertia(inertia)
+            one.setPositions(place)
+        else:
+            joint, node = one.createWeldJointAndBodyNodePair()
+            there = dartpy.math.Isometry3()
+            there.set_translation(place)
+            joint.setTransformFromParentBodyNode(there)
+        shape = node.createShapeNode(dartpy.dynamics.BoxShape(size))
+        shape.createVisualAspect()
+        shape.createCollisionAspect()
+        shape.createDynamicsAspect()
+        shape.getDynamicsAspect().setFrictionCoeff(mu)
+        world.addSkeleton(one)
+    if prepared is not None:
+        prepared(world, node)
+    for _ in range(200):
+        world.step()
+    one.setPositions([0, 0, one.getPositions()[2]])
+    one.setVelocities([*launch, 0.0])
+    for _ in range(round(time / STEP)):
+        world.step()
+    return one.getPositions()[:2], one.getVelocities()[:2]
 
-    yield "0.5 and 0.5", *run(0.5, 0.5)
-    yield "0.5 and 0.8: the smaller counts", *run(0.5, 0.8)
+
+def dart() -> Iterator[Row]:
+    """Run a box on a box."""
+    yield "0.5 and 0.5", *box_of_dart(LAUNCH, 0.5, 0.5)
+    yield "0.5 and 0.8: the smaller counts", *box_of_dart(LAUNCH, 0.5, 0.8)
 
 
 def pinocchio() -> Iterator[Row]:

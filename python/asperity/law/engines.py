@@ -216,7 +216,7 @@ def _drake(
         *(("lift",) if kind in ("sap", "similar") else ()),
         words={"creep": creep},
         creep=creep,
-        end_error=1.2e-6 if extra is None else _euler(step) + extra,
+        end_error=_euler(step) + extra,
     )
     disk = Disk(dynamic)
     return Translation(disk, disk, report)
@@ -224,12 +224,12 @@ def _drake(
 
 # Creep under half of the largest load, over the stiction tolerance: s with s(2 − s) = ½, and with
 # s/√(1 + s²) = ½; of SAP over σμgΔt, σ = 1e-3, for a point mass. Distance of the end points
-# beyond that of semi-implicit Euler, None for the one whose steps are of second order.
-_DRAKE: dict[DrakeApproximation, tuple[float, float | None]] = {
-    "lagged": (math.sqrt(1.0 / 3.0), None),
-    "similar": (math.sqrt(1.0 / 3.0), 8e-6),
+# beyond that of semi-implicit Euler.
+_DRAKE: dict[DrakeApproximation, tuple[float, float]] = {
+    "lagged": (math.sqrt(1.0 / 3.0), 0.0),
+    "similar": (math.sqrt(1.0 / 3.0), 9e-6),
     "tamsi": (1.0 - math.sqrt(0.5), 0.0),
-    "sap": (_HALF / math.sqrt(3.0), 0.0),
+    "sap": (_HALF / math.sqrt(3.0), 1e-6),
 }
 # The factor exp(−(v/v₀)^δ) that is nearest to Drake's drop from one to three stiction tolerances,
 # v₀ over the tolerance and δ, and how near it is.
@@ -263,18 +263,22 @@ def _exudyn(
     dryFriction: ArrayLike,
     dryFrictionAngle: float = 0.0,
     dryFrictionProportionalZone: float = 0.0,
+    useLinearProportionalZone: bool = False,
 ) -> Translation:
     mu = _two(dryFriction, "dryFriction")
     angle = arrays.number(dryFrictionAngle, "dryFrictionAngle")
     zone = arrays.non_negative(dryFrictionProportionalZone, "dryFrictionProportionalZone")
+    # Speed under half of the largest force over the zone: s = ½, or s with s(2 − s) = ½.
+    linear = _flag(useLinearProportionalZone, "useLinearProportionalZone")
+    creep = zone * (_HALF if linear else 1.0 - math.sqrt(_HALF))
     reservoir, direction = _of_tensor(mu)
     report = _report(
         "exudyn",
         "equal" if mu[0] == mu[1] else "different",
         "zone" if zone > 0.0 else "without",
-        words={"zone": zone, "creep": _HALF * zone},
+        words={"zone": zone, "creep": creep},
         angle=angle,
-        creep=_HALF * zone if zone > 0.0 else None,
+        creep=creep if zone > 0.0 else None,
         end_error=1.1e-5,
     )
     if angle != 0.0:

@@ -359,8 +359,9 @@ class FrictionLaw(Questions):
 
         Args:
             to: ``"abaqus"``, ``"ansys"``, ``"bullet"``, ``"cardillo"``, ``"dart"``, ``"drake"``,
-                ``"exudyn"``, ``"lsdyna"``, ``"mujoco"``, ``"pinocchio"``, ``"rapier"``,
-                ``"siconos"`` or ``"yade"``, or the name of its package, as `like` takes it.
+                ``"exudyn"``, ``"lsdyna"``, ``"mujoco"``, ``"newton"``, ``"ode"``,
+                ``"pinocchio"``, ``"rapier"``, ``"siconos"`` or ``"yade"``, or the name of its
+                package, as `like` takes it.
                 Abaqus, Ansys (Mechanical APDL, TB,FRIC) and LS-DYNA were not run: their laws are
                 those of their manuals. Two coefficients of Ansys have no errors: what the force is
                 between the axes, and where it points, was not found stated. LS-DYNA gets one.
@@ -401,7 +402,8 @@ class FrictionLaw(Questions):
         ``dart``        mu, solver (``"default"``, ``"NsgsFrictionSolver"``, …)
         ``drake``       dynamic_friction, static_friction, time_step, stiction_tolerance,
                         discrete_contact_approximation
-        ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone
+        ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone,
+                        useLinearProportionalZone
         ``ipctk``       mu
         ``jaxsim``      mu
         ``motrix``      friction
