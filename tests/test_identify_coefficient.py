@@ -308,6 +308,45 @@ def test_the_command_reads_one_channel_on_request_only(tmp_path, capsys):
     assert law.law.reservoir.radius(0.0) == pytest.approx(0.3, rel=0.01)
 
 
+def test_refusals_of_one_channel_name_what_takes_the_place_of_time_load_and_newtons(
+    tmp_path, capsys
+):
+    n, turns, truth = 1000, 10, 0.3
+    phi = 2.0 * np.pi * turns * np.arange(n) / n
+    volts = 0.02 * 5.0 * truth * (1.0 + 0.1 * np.cos(2.0 * phi) + 0.01 * np.sin(0.1 * phi))
+    table = np.stack([np.degrees(phi) % 360.0, volts], axis=-1)
+    rows = "\n".join(f"{angle:.4f},{force:.6f}" for angle, force in table)
+    (tmp_path / "run.csv").write_text(f"angle,tangential\n{rows}\n")
+    config, options = tmp_path / "rig.toml", ["identify", str(tmp_path / "run.csv")]
+    options += ["--config", str(config), "--out", str(tmp_path / "out"), "--json"]
+
+    def refused(text):
+        config.write_text(text)
+        assert main(options) == 2
+        return capsys.readouterr().err
+
+    text = "[file]\none_channel = true\n"
+    said = refused(text)
+    assert "has no column 'time'" in said
+    assert "sample_rate in [file] does without it" in said
+    assert f"see [columns], [file] sample_rate in {config}" in said
+    text += "sample_rate = 25.0\n"
+    said = refused(text)
+    assert "has no column 'normal'" in said
+    assert "normal_load in [tribometer] does without it" in said
+    text += "[tribometer]\nnormal_load = 5.0\n[units]\nangle = 'deg'\ntangential = 'V'\n"
+    said = refused(text)
+    assert "only a calibration turns into N: known loads and their readings in V" in said
+    text += "[calibration]\nloads = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+    config.write_text(text + "readings = [[0.02, 0, 0], [0, 1, 0], [0, 0, 1]]\n")
+    assert main(options) == 1
+    found = json.loads(capsys.readouterr().out)
+    mean = float(np.mean(table[:, 1]) / 0.02 / 5.0)
+    (run,) = found["coefficient"]["runs"]
+    assert run["coefficient"]["value"] == pytest.approx(mean, rel=2e-3)
+    assert any(one.startswith("a calibration without an error") for one in found["warnings"])
+
+
 def test_the_zero_of_the_sensor_cancels_in_strokes_there_and_back():
     given = virtual_strokes.records(6, ratio=1.0, scatter=0.0, zero=0.3, seed=4)
     for at in range(6):

@@ -100,9 +100,12 @@ class OneChannel:
                 "change the coefficient by 0.01: record it, or state zero_error"
             )
         if data.calibration_covariance is None:
+            what, then = "no calibration", "record it"
+            if data.raw.calibration is not None:
+                what, then = "a calibration without an error", "state reading_error"
             found.append(
-                "no calibration: an error of the gains of 1 % would change the coefficient by 1 %: "
-                "record it, or state gain_error"
+                f"{what}: an error of the gains of 1 % would change the coefficient by 1 %: "
+                f"{then}, or state gain_error"
             )
         found += [
             f"{run.name}: one {'turn' if data.goes_round else 'stroke'} has no scatter, and the "

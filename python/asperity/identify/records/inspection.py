@@ -141,7 +141,9 @@ _HINTS = """
 # to = 1.5
 #
 # [calibration]               # weighings: columns load_tangential, load_radial, load_normal in N
-# file = "calibration.csv"
+# file = "calibration.csv"    # or, of a channel with 0.02 V per N and two that read N:
+# loads = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]         # N
+# readings = [[0.02, 0, 0], [0, 1, 0], [0, 0, 1]]
 # reading_error = 0.001
 #
 # [tribometer]

@@ -236,7 +236,8 @@ def _refuse_voltages(runs: tuple[Recording, ...]) -> None:
             if unit.removeprefix("-") in READINGS:
                 raise RecordError(
                     run.source,
-                    f"{channel}: is in {unit}, which only a calibration turns into N",
+                    f"{channel}: is in {unit}, which only a calibration turns into N: known loads "
+                    f"and their readings in {unit.removeprefix('-')}, of all three channels",
                     ("calibration", "units"),
                 )
 

@@ -27,6 +27,13 @@ WITHOUT_RADIAL = (
     "The deflection of the force needs the radial channel; one_channel = true in [file] does "
     "without it, for the friction coefficient alone"
 )
+WITHOUT = {
+    "time": ("sample_rate", "With equal time steps, sample_rate in [file] does without it"),
+    "angle": ("turn_rate", "At a constant speed, turn_rate in [file] does without it"),
+    "radial": ("one_channel", WITHOUT_RADIAL),
+    "normal": ("normal_load", "Under a constant load, normal_load in [tribometer] does without it"),
+}
+"""What takes the place of a channel that was not recorded."""
 _GRAVITY, _POUND = 9.80665, 0.45359237
 NEWTONS = {
     **{"N": 1.0, "uN": 1e-6, "mN": 1e-3, "cN": 1e-2, "daN": 10.0, "kN": 1e3},

@@ -22,7 +22,7 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.headings import (
     CLOCK,
-    WITHOUT_RADIAL,
+    WITHOUT,
     Headings,
     headings,
     known_units,
@@ -502,15 +502,18 @@ def _position(
     options: tuple[str, ...] = ("columns", also) if also else ("columns",)
     if len(names) == 1 and len(names[0].split()) > 1:
         options = (*options, "delimiter")
-    if form.header > 1 and form.names is None:
+    misplaced = form.header > 1 and form.names is None
+    if misplaced:
         # A line of units is often the last one.
         message += f", the names in line {form.header}, the last of the header: if they stand "
         message += "in another line, give its number, or the numbers of the columns, which "
         message += "count from 0"
         options = ("names", *options)
-    if role == "radial":
-        message += f". {WITHOUT_RADIAL}"
-        options = (*options, "one_channel")
+    # A name of the user's own is rather misspelt.
+    if role == "radial" or (role in WITHOUT and column == role and not misplaced):
+        option, advice = WITHOUT[role]
+        message += f". {advice}"
+        options = (*options, option)
     raise RecordError(source, message, options)
 
 
