@@ -1,5 +1,6 @@
 """Scripts in processes of their own that are interrupted as by Ctrl-C."""
 
+import os
 import queue
 import signal
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import threading
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 # A process that is started with SIGINT ignored, as by a shell in the background, ignores it for
 # good unless it says otherwise, and so do its children.
@@ -21,7 +23,8 @@ _PATIENCE = 60.0
 class Interrupted:
     """How a script ended.
 
-    Its exit code, its lines after "ready", the delay of the first, and what it said of errors.
+    Its exit code, its lines after "ready", the processor time that it took until the first of them,
+    and what it said of errors.
     """
 
     code: int
@@ -52,10 +55,10 @@ def run_interrupted(script, *, after=0.5, patience=_PATIENCE):
     try:
         assert said.get(timeout=patience) == "ready"
         time.sleep(after)
-        sent = time.perf_counter()
+        sent = _processor_time(process.pid)
         process.send_signal(signal.SIGINT)
         lines = [said.get(timeout=patience)]
-        seconds = time.perf_counter() - sent
+        seconds = _processor_time(process.pid) - sent
         code = process.wait(timeout=patience)
     except (AssertionError, queue.Empty, subprocess.TimeoutExpired):
         process.kill()
@@ -70,6 +73,16 @@ def run_interrupted(script, *, after=0.5, patience=_PATIENCE):
         lines.append(said.get())
     said_of_errors = "\n".join(line for line in errors if line != _END)
     return Interrupted(code, [line for line in lines if line != _END], seconds, said_of_errors)
+
+
+def _processor_time(pid):
+    """Seconds of processor that a process has had; the time, elsewhere than on Linux."""
+    try:
+        # The name of the program, in brackets, may have blanks.
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return time.perf_counter()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 _END = "(end of output)"

@@ -5,9 +5,7 @@ import os
 import pytest
 from children import run_interrupted
 
-# The calls take much longer. They look for Ctrl-C every 50 ms: answers after 4 to 55 ms were
-# measured for every one of them, with ten other processes on two cores. A busier machine may take
-# longer.
+# Processor time in s. The calls take much longer, and look for Ctrl-C every 50 ms.
 PROMPT = 1.0
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
