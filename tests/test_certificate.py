@@ -616,6 +616,50 @@ def test_friction_of_a_state_holds_corners_between_points(turn):
         assert triangle.gauge(-friction).max() < 1.0 + 1e-9
 
 
+def test_the_checker_refuses_friction_that_tangents_do_not_enclose():
+    # A reservoir that grows wider away from its origin, whose far side is between two rays.
+    wide = asp.Polygon([(1.0, 0.04), (-0.1, 0.03), (-0.1, -0.03), (1.0, -0.04)]).rotated(np.pi / 64)
+    law, line = asp.FrictionLaw(wide, asp.Disk(1.0)), asp.FrictionLaw.isotropic(0.3, dimension=1)
+    G = np.eye(6)
+    G[2, 4] = G[4, 2] = G[2, 0] = -1.0  # jaws, held apart by the friction of a pressed contact
+    along = 0.95 * np.array([1.0, np.tan(np.pi / 64)])
+    percussion = np.array([*-along, 1.0, 0.0, 1.0, 0.0])
+    held = asp.ContactProblem(
+        G,
+        free_velocity=-G @ percussion,
+        laws=[law, line, line],
+        normal_force=[1.0, None, None],
+    )
+    assert natural_map(held, percussion) < 1e-12
+    assert not proves_no_solution(held, proof_by(np.array([0.0, 0.0, -1.0, 0.0, -1.0, 0.0])))
+
+
+def test_the_checker_does_not_lose_entries_beside_much_larger_ones():
+    G = np.eye(10)
+    G[2, 0] = G[0, 2] = G[2, 4] = -1.0
+    G[[0, 2, 4], 6], G[[0, 2, 4], 8] = (1e17, 1.0, -1e17), (-1e17, 1.0, 1e17)
+    percussion = np.zeros(10)
+    percussion[[6, 8]] = 1.0
+    line = asp.FrictionLaw.isotropic(0.3, dimension=1)
+    solved = asp.ContactProblem(G, free_velocity=-G @ percussion, laws=line)
+    assert natural_map(solved, percussion) == 0.0
+    vector = np.zeros(10)
+    vector[[0, 2, 4]] = -1.0
+    assert not proves_no_solution(solved, proof_by(vector))
+
+
+def proof_by(vector):
+    """Return a proof of one case."""
+    return asp.contact.Infeasibility(
+        kind="cases",
+        contact=0,
+        direction=np.eye(len(vector))[0],
+        closing_velocity=1.0,
+        residual=0.0,
+        cases=[vector],
+    )
+
+
 def test_a_failed_solve_reports_the_measure_it_was_asked_for():
     problem = random_problem(np.random.default_rng(3), [LAW], 6, [True] * 6)
     with pytest.raises(asp.ConvergenceError) as caught:

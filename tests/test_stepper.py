@@ -187,6 +187,17 @@ def test_a_step_without_a_solution_hands_over_its_proof():
     assert proves_no_solution(caught.value.problem, caught.value.infeasibility)
 
 
+@pytest.mark.parametrize("scale", [1e-3, 0.3, 1.0, 1e3])
+def test_bodies_that_a_joint_squeezes_are_no_contradiction_of_joints(scale):
+    rows = np.array([[1.0, 0.0, scale], [0.0, -1.0, -scale]])
+    stepper = ContactStepper([])
+    kinds = [FREE, FREE, JOINT]
+    with pytest.raises(NoSolutionError) as caught:
+        stepper.solve(rows.T @ rows, free_velocity=[-1.0, -1.0, 0.0], items=kinds)
+    assert "are left" not in str(caught.value)
+    assert proves_no_solution(caught.value.problem, caught.value.infeasibility)
+
+
 def test_feet_that_slide_in_different_directions_share_as_if_of_equal_compliance():
     """Those of a box that slides and turns, whatever the order of its feet."""
     inertia, feet = np.diag([0.018] * 3 + [2.55e-6, 2.55e-6, 4.8e-6]), [(-1, -1), (1, -1), (-1, 1)]

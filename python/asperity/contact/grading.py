@@ -234,6 +234,8 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
     # Products with the smallest numbers would vanish.
     z = z / np.abs(z).max()
     y, gap, left, size = problem.delassus.T @ z, z @ free, 0.0, scale @ np.abs(z)
+    # Of entries of G far beyond its diagonal, sums lose more than that.
+    summed = max(size, (np.abs(problem.delassus.T) @ np.abs(z) / scale).max())
     loads = (np.abs(free) / scale).max()
     contacts = zip(_contacts(problem), problem.laws, states, strict=True)
     for (rows, force), law, state in contacts:
@@ -250,20 +252,22 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
         if law.dimension > 2 or not law.reservoir.is_convex:
             return False
         friction = _friction_of(law, state)
+        if friction is None:
+            return False
         pulled, pulling = friction @ y[tangent], np.abs(friction) @ scale[tangent]
         if force is None:
             left = max(left, (-(y[rows.start] + pulled) / (scale[rows.start] + pulling)).max())
         else:
             gap += force * pulled.min()
             loads = max(loads, force * pulling.max())
-    beyond = _HUGE * (left + 0.5 * _EPSILON * size) * loads
+    beyond = _HUGE * (left + 0.5 * _EPSILON * summed) * loads
     return bool(left <= 8.0 * _EPSILON * size and gap > 0.0 and gap >= beyond)
 
 
-def _friction_of(law: FrictionLaw, state: State) -> Array:
+def _friction_of(law: FrictionLaw, state: State) -> Array | None:
     """Return points around the friction per unit normal force of a state: where tangents of C meet.
 
-    Points of the boundary alone would leave out corners between them.
+    None where they do not meet. Points of the boundary alone would leave out corners between them.
     """
     if law.dimension == 1:
         ends = np.cos(state)[:1, None] if isinstance(state, tuple) else np.array([[1.0], [-1.0]])
@@ -283,8 +287,11 @@ def _friction_of(law: FrictionLaw, state: State) -> Array:
     # 1 − nᵀx of each point and the tangent at its neighbour; along a flat side both are zero.
     ahead = np.maximum(1.0 - (normal[:-1] * x[1:]).sum(axis=1), _EPSILON)[:, None]
     behind = np.maximum(1.0 - (normal[1:] * x[:-1]).sum(axis=1), _EPSILON)[:, None]
-    meeting = (ahead * x[:-1] + behind * x[1:]) / (ahead + behind - ahead * behind)
-    return -np.vstack([x[[0, -1]], meeting])
+    shared = ahead + behind - ahead * behind
+    # Tangents of sides that lean away from each other meet behind them.
+    if not (shared > 0.0).all():
+        return None
+    return -np.vstack([x[[0, -1]], (ahead * x[:-1] + behind * x[1:]) / shared])
 
 
 @functools.lru_cache(maxsize=16)

@@ -299,7 +299,8 @@ class ContactStepper:
             return ParameterError("solver", f"{status.message}. {status.advice}")
         if status is Status.NO_SOLUTION:
             message = f"{status.message} at item {step.worst_item}"
-            if step.mismatch:
+            moved = self._stepper.contact_problem()["items"]
+            if step.worst_item not in moved:
                 message += f", where {step.mismatch:.3g} m/s are left"
                 return NoSolutionError(message, residual=step.residual)
             problem, _ = self.contact_problem()
