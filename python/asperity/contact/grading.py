@@ -235,7 +235,8 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
     z = z / np.abs(z).max()
     y, gap, left, size = problem.delassus.T @ z, z @ free, 0.0, scale @ np.abs(z)
     # Of entries of G far beyond its diagonal, sums lose more than that.
-    summed = max(size, (np.abs(problem.delassus.T) @ np.abs(z) / scale).max())
+    entries: Any = abs(problem.delassus)
+    summed = max(size, (entries.T @ np.abs(z) / scale).max())
     loads = (np.abs(free) / scale).max()
     contacts = zip(_contacts(problem), problem.laws, states, strict=True)
     for (rows, force), law, state in contacts:
