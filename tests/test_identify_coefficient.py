@@ -365,6 +365,35 @@ def test_the_work_of_a_loop_is_that_of_friction_and_of_what_yields():
     assert loop.work == pytest.approx(mu * slides, rel=5e-3)
 
 
+@pytest.mark.parametrize("lines", [1, 6])
+def test_strokes_at_several_loads_have_one_compliance_and_one_static_coefficient(lines):
+    """The slope of force per unit normal force over the way is another one at each load."""
+    runs = [
+        virtual_strokes.star(
+            virtual_strokes.records(
+                lines,
+                seed=20 + k,
+                load=load,
+                kinetic=0.25,
+                ratio=1.25,
+                compliance=5e-6,
+                rate=2000.0,
+            )
+        )
+        for k, load in enumerate((10.0, 30.0, 4.0, 30.0))
+    ]
+    # With and without a load below half of the usual one.
+    for some in (runs[:2], runs):
+        found = breakaway(process(identify.RawData(some, one_channel=lines == 1)))
+        assert found.compliance == pytest.approx(5e-6, rel=0.01)
+        assert found.ratio.covers(1.25)
+        assert found.ratio.value == pytest.approx(1.25, rel=0.01)
+        assert len(found.directions) == 2 * lines
+        for one in found.directions:
+            assert one.kinetic.value == pytest.approx(0.25, rel=2e-3)
+            assert one.static.value == pytest.approx(0.3125, rel=0.02)
+
+
 RECORDS = pytest.mark.parametrize("count", [16, pytest.param(100, marks=pytest.mark.long)])
 
 

@@ -6,7 +6,7 @@ from asperity.identify import RawData, Recording, process
 
 def records(
     n, *, seed=0, cycles=8, rate=10_000.0, ratio=None, compliance=None, noise=0.005, scatter=0.01,
-    load=10.0, zero=0.0, sine=False,
+    load=10.0, zero=0.0, sine=False, kinetic=None,
 ):  # fmt: skip
     """Return n records as a dict of arrays over (samples, records), with what is true of them.
 
@@ -15,7 +15,7 @@ def records(
     """
     random = np.random.default_rng(seed)
     c = 10.0 ** random.uniform(-7.0, -5.0, n) if compliance is None else np.full(n, compliance)
-    mu = random.uniform(0.2, 0.4, n)
+    mu = random.uniform(0.2, 0.4, n) if kinetic is None else np.broadcast_to(kinetic, n)
     ratio = random.uniform(1.0, 1.5, n) if ratio is None else np.full(n, ratio)
     half, period = 1e-3 * random.uniform(0.1, 0.2, n), 0.5
     speed = 4.0 * half / period
@@ -63,3 +63,16 @@ def processed(given, at=0):
         velocity=np.stack([given["velocity"][:, at], still], axis=-1),
     )
     return process(RawData([run], normal_load=given["load"], one_channel=True))
+
+
+def star(given, *, first=0.0):
+    """Return a run of two channels, in which the records are strokes along n lines in turn."""
+    n = given["kinetic"].size
+    way = first + np.arange(n) * np.pi / n
+    e = np.stack([np.cos(way), np.sin(way)])
+    force, velocity = ((given[k].T[:, :, None] * e.T[:, None]) for k in ("force", "velocity"))
+    size = n * given["time"].size
+    time = np.arange(size) * given["time"][1]
+    normal = np.full((size, 1), given["load"])
+    readings = np.concatenate([force.reshape(-1, 2), normal], axis=1)
+    return Recording(time, angle=0.0 * time, readings=readings, velocity=velocity.reshape(-1, 2))

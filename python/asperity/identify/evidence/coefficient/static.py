@@ -48,7 +48,7 @@ _SHOWN = 4
 # Where the pin sticks over more than this part of the way, the rest tells no kinetic force;
 # ends of the way are this part of it. A rise below this part of the level is no sticking.
 _STUCK, _END, _FLAT = 0.8, 0.05, 0.5
-# A pin without load does not stick: λ_N is less than this part of the usual one.
+# A pin without load does not stick: λ_N is less than this part of that of the stroke.
 _PRESSED = 0.5
 _NONE = Estimate(math.nan, math.nan, math.nan, math.nan, identifiable=False)
 
@@ -63,6 +63,7 @@ class Segment:
         rows: of its samples, from the reversal on.
         path: way of the stage or of the disk since then in m (in rad without a radius), ``(k,)``.
         force: −λ along the stroke over λ_N, ``(k,)``.
+        load: mean λ_N in N.
     """
 
     number: int
@@ -70,11 +71,11 @@ class Segment:
     rows: slice
     path: Array
     force: Array
+    load: float
 
 
 def segments(data: ProcessedData) -> Iterator[Segment]:
     """Yield the strokes of all runs, from reversal to reversal."""
-    usual = data.usual_load
     for at, (run, turned) in enumerate(zip(data.raw.recordings, data._turned, strict=True)):
         part = slice(data.run[at], data.run[at + 1])
         force, normal = data.force[part], data.normal_force[part]
@@ -88,7 +89,8 @@ def segments(data: ProcessedData) -> Iterator[Segment]:
             along = place[first : rows[0] + 1] @ e
             # The last place where the pin is as far back as it comes, with load.
             start = first + along.size - 1 - int(along[::-1].argmin())
-            lifted = np.flatnonzero(normal[start : rows[0] + 1] < _PRESSED * usual)
+            least = _PRESSED * float(np.median(normal[rows]))
+            lifted = np.flatnonzero(normal[start : rows[0] + 1] < least)
             starts.append((start + int(lifted[-1]) + 1 if lifted.size else start, way, e))
         ends = [start for start, *_ in starts[1:]]
         for rows, (start, way, e), end in zip(
@@ -105,6 +107,7 @@ def segments(data: ProcessedData) -> Iterator[Segment]:
                 slice(part.start + used.start, part.start + used.stop),
                 (place[used] - place[start]) @ e,
                 along / np.where(normal[used] > 0.0, normal[used], np.inf),
+                float(normal[rows].mean()),
             )
 
 
@@ -251,7 +254,8 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     """Return the static coefficient by direction from reversals and starts of strokes.
 
     While the pin sticks, pin and sensor yield with the stage: −λ·e/λ_N = a + s/(c λ_N) over the way
-    s, with one compliance c for all strokes, fitted where the force is below 0.8 of the kinetic.
+    s, with one compliance c for strokes of all loads, fitted where the force is below 0.8 of the
+    kinetic.
     The pin slips between the samples that part line and kinetic level with the least sum of
     squares; the static coefficient lies between the values of the line there. Strokes are
     independent normal values, of each of which two ends are known. A mass m of pin and holder that
@@ -296,6 +300,7 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     ends = np.array(
         [(math.nan, math.nan) if peak is None else peak.ends for peak in found.peaks]
     ).reshape(-1, 2)
+    error = found.error / np.array([one.load for one in found.strokes])
     excess, inertia = _swing(found)
     if inertia > _SMALL * excess:
         ends = np.full_like(ends, math.nan)
@@ -305,18 +310,18 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         ends -= kinetic[:, None] * (beyond - math.sqrt(excess**2 - inertia**2))
     told = np.isfinite(ends[:, 0])
     directions = tuple(
-        _of_direction(data, found.turns, number[at], ends[at], found.error, level)
+        _of_direction(data, found.turns, number[at], ends[at], error[at], level)
         for at in by_direction(found.turns.direction[number])
     )
     has_length = data.raw.radius is not None or data.raw.recordings[0].velocity is not None
     ratio = _NONE
     if _enough(told):
-        ratio = _over_strokes(ends[told] / kinetic[told, None], found.error / kinetic.mean(), level)
+        ratio = _over_strokes(ends[told] / kinetic[told, None], (error / kinetic)[told], level)
     share = inertia / excess
     return Breakaway(
         directions,
         ratio,
-        1.0 / (found.slope * data.usual_load) if found.slope > 0.0 and has_length else math.nan,
+        1.0 / found.stiffness if found.stiffness > 0.0 and has_length else math.nan,
         None if told.mean() > 0.5 or share > _SMALL else _needed_rate(data, found),
         share,
         0.0 if math.isfinite(inertia) else _unseen(found),
@@ -331,15 +336,15 @@ class Starts(NamedTuple):
         turns: coefficients of all strokes while the pin slips.
         strokes: those in which it does.
         peaks: of these; None where too few samples tell one.
-        slope: of the force per unit normal force over the way while the pin sticks.
-        noise: standard deviation of the samples from that line.
-        error: standard error of the line of a stroke.
+        stiffness: slope of the force over the way while the pin sticks in N/m.
+        noise: standard deviation of the samples from that line in N.
+        error: standard error of the line of a stroke in N.
     """
 
     turns: Turns
     strokes: list[Segment]
     peaks: list[Peak | None]
-    slope: float
+    stiffness: float
     noise: float
     error: float
 
@@ -358,17 +363,19 @@ def starts_of(data: ProcessedData) -> Starts:
                 "measured; it takes longer strokes, or leave the run out"
             )
     strokes = [one for one in every if turns.coefficient[one.number] > 0.0]
-    slope = _slope([_stuck(one, turns.coefficient[one.number]) for one in strokes])
+    stiffness = _slope(
+        [_part(one, _inside(one.force, turns.coefficient[one.number])) for one in strokes]
+    )
     noise = 0.0
     for _ in range(2):
-        peaks = [_peak(one, turns.coefficient[one.number], slope, noise) for one in strokes]
+        peaks = [_peak(one, turns.coefficient[one.number], stiffness, noise) for one in strokes]
         parts = [
-            (one.path[slice(*peak.stuck)], one.force[slice(*peak.stuck)])
+            _part(one, peak.stuck)
             for one, peak in zip(strokes, peaks, strict=True)
             if peak is not None
         ]
-        slope = _slope(parts)
-        off = [(force - slope * path) for path, force in parts]
+        stiffness = _slope(parts)
+        off = [(force - stiffness * path) for path, force in parts]
         squares = sum(float(((one - one.mean()) ** 2).sum()) for one in off)
         count = sum(one.size - 1 for one in off)
         noise = math.sqrt(squares / count) if count else 0.0
@@ -382,7 +389,7 @@ def starts_of(data: ProcessedData) -> Starts:
     peaks = [one for one, held in zip(peaks, slips, strict=True) if held]
     strokes = [one for one, held in zip(strokes, slips, strict=True) if held]
     error = noise / math.sqrt(1.0 + count / max(len(off), 1))
-    return Starts(turns, strokes, peaks, slope, noise, error)
+    return Starts(turns, strokes, peaks, stiffness, noise, error)
 
 
 def _stuck_share(strokes: list[Segment], direction: Array) -> float:
@@ -415,10 +422,9 @@ def _enough(told: NDArray[np.bool_]) -> bool:
     return bool(told.sum() >= _FEWEST and told.mean() > 0.5)
 
 
-def _stuck(one: Segment, kinetic: float) -> tuple[Array, Array]:
-    """Return way and force of the samples in which the pin sticks for certain."""
-    low, end = _inside(one.force, kinetic)
-    return one.path[low:end], one.force[low:end]
+def _part(one: Segment, ends: tuple[int, int]) -> tuple[Array, Array]:
+    """Return way and force in N of samples of a stroke."""
+    return one.path[slice(*ends)], one.load * one.force[slice(*ends)]
 
 
 def _inside(force: Array, kinetic: float) -> tuple[int, int]:
@@ -447,12 +453,13 @@ class Peak(NamedTuple):
     stuck: tuple[int, int]
 
 
-def _peak(one: Segment, kinetic: float, slope: float, noise: float) -> Peak | None:
+def _peak(one: Segment, kinetic: float, stiffness: float, noise: float) -> Peak | None:
     """Return the force before the pin slips; None if too few samples tell it.
 
     Where the force rises by more than the noise from sample to sample, all places are taken
     together that the noise does not tell apart: of ratios near 1 a sample may be of either part.
     """
+    slope, noise = stiffness / one.load, noise / one.load
     low, end = _inside(one.force, kinetic)
     if not slope > 0.0 or end - low < _FEWEST - 1 or end >= one.force.size:
         return None
@@ -504,7 +511,7 @@ def _swing(found: Starts) -> tuple[float, float]:
         return math.nan, math.nan
     wave = np.mean(waves, axis=0) - 1.0
     kinetic = np.mean([found.turns.coefficient[one.number] for one in found.strokes])
-    noise = found.noise / float(kinetic) / math.sqrt(len(waves))
+    noise = _noise(found) / float(kinetic) / math.sqrt(len(waves))
     depth = -float(wave[half:].min())
     if depth < _SURE * noise:
         return math.nan, math.nan
@@ -518,6 +525,11 @@ def _swing(found: Starts) -> tuple[float, float]:
     return float(wave[top]), float(rise) * (lowest - top) / math.pi
 
 
+def _noise(found: Starts) -> float:
+    """Return the noise of the samples of all strokes per unit normal force."""
+    return found.noise * float(np.mean([1.0 / one.load for one in found.strokes]))
+
+
 def _unseen(found: Starts) -> float:
     """Return what the mass of a swing that is not found may add to the kinetic force, relative.
 
@@ -529,11 +541,12 @@ def _unseen(found: Starts) -> float:
     for one, peak in zip(found.strokes, found.peaks, strict=True):
         if peak is not None and math.isfinite(peak.ends[0]):
             last = peak.stuck[1]
-            rises.append(found.slope * float(one.path[last] - one.path[last - 1]))
+            step = float(one.path[last] - one.path[last - 1])
+            rises.append(found.stiffness / one.load * step)
             kinetic.append(float(found.turns.coefficient[one.number]))
     if not rises:
         return math.nan
-    noise = _SURE * found.noise / math.sqrt(len(rises))
+    noise = _SURE * _noise(found) / math.sqrt(len(rises))
     return max(_UNRESOLVED * float(np.median(rises)), noise) / float(np.mean(kinetic))
 
 
@@ -542,7 +555,7 @@ def _of_direction(
     turns: Turns,
     number: NDArray[np.intp],
     ends: Array,
-    noise: float,
+    noise: Array,
     level: float,
 ) -> DirectionBreakaway:
     told = np.isfinite(ends[:, 0])
@@ -551,8 +564,8 @@ def _of_direction(
     static = ratio = _NONE
     if _enough(told):
         more = float((ends[told].mean() / kinetic.mean()) ** 2)
-        static = _over_strokes(ends[told], noise, level, known=zero + gain * more)
-        ratio = _over_strokes(ends[told] / kinetic[told, None], noise / kinetic.mean(), level)
+        static = _over_strokes(ends[told], noise[told], level, known=zero + gain * more)
+        ratio = _over_strokes(ends[told] / kinetic[told, None], (noise / kinetic)[told], level)
     return DirectionBreakaway(
         float(turns.direction[number[0]]) % (2.0 * math.pi),
         static,
@@ -563,7 +576,7 @@ def _of_direction(
     )
 
 
-def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0) -> Estimate:
+def _over_strokes(ends: Array, noise: Array, level: float, *, known: float = 0.0) -> Estimate:
     """Return the mean of values of which only ends are known, ``(n, 2)``, as normal ones.
 
     The interval is that of the posterior of the mean with the flat prior of mean and logarithm of
@@ -575,7 +588,7 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
     middle, n = ends.mean(axis=1), len(ends)
     width = float(np.diff(ends).mean())
     size = float(middle.std(ddof=1)) + width
-    least = max(noise, _SMALLEST * size)
+    least = max(float(noise.mean()), _SMALLEST * size)
     sigma = np.geomspace(least, max(_WIDEST * size, 2.0 * least), _GRID)[:, None, None]
     centre, reach = float(np.median(middle)), _WIDEST * size / math.sqrt(n)
     low, high = centre - reach, centre + reach
@@ -592,7 +605,7 @@ def _over_strokes(ends: Array, noise: float, level: float, *, known: float = 0.0
     share = np.cumsum(weight) - 0.5 * weight
     first, value, last = np.interp(tails, share / weight.sum(), mean)
     # Strokes in step with the samples have one pair of ends, and may have no scatter at all.
-    common = np.array([ends[:, 0].max() - noise, ends[:, 1].min() + noise])
+    common = np.array([(ends[:, 0] - noise).max(), (ends[:, 1] + noise).min()])
     if common[0] < common[1]:
         low, high = common[0] + np.array([tails[0], tails[2]]) * (common[1] - common[0])
         first, last = min(first, low), max(last, high)
