@@ -35,7 +35,7 @@ RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 PARTS = {
     "identify": ["records", "forces", "models", "estimator", "evidence"],
     "identify/records": ["tables", "calibration", "record", "magnitudes", "sliding"],
-    "identify/evidence": ["forces", "wrenches", "paths"],
+    "identify/evidence": ["coefficient", "forces", "wrenches", "paths"],
     "steady_sliding": ["critical", "linearised"],
     "track": ["film", "image", "following"],
 }

@@ -27,6 +27,7 @@ from asperity.identify.evidence.coefficient.result import (
     FrictionCoefficient,
     friction_coefficient,
 )
+from asperity.identify.evidence.coefficient.static import sliding
 from asperity.identify.evidence.forces.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.report import cells, loads_of, write_report
@@ -74,10 +75,10 @@ class Identification:
     def averaged(self) -> Averaged:
         """Means over directions of sliding, so many that each holds samples of every turn.
 
-        Of strokes they are those of the directions that there are.
+        Of strokes they are those of the directions that there are, while the pin slips.
         """
         if not self.data.goes_round:
-            return self.data.averaged(_DIRECTIONS)
+            return self.data._averaged(_DIRECTIONS, sliding(self.data))
         return self.data.averaged(self.data.full_bins(_DIRECTIONS, each_turn=True))
 
     @cached_property

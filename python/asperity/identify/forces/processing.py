@@ -303,10 +303,13 @@ class ProcessedData(Value):
         """
         given = 720 if bins is None else arrays.count(bins, "bins", least=8)
         k = self.full_bins(720) if bins is None and self.goes_round else given
+        return self._averaged(k, self.turn >= 0)
+
+    def _averaged(self, k: int, used: NDArray[np.bool_]) -> Averaged:
         # Of 1, φ from the centre, l_t, l_p, λ_N.
         sums = np.zeros((5, k))
         for first in range(0, len(self.phi), _CHUNK):
-            rows = first + np.flatnonzero(self.turn[first : first + _CHUNK] >= 0)
+            rows = first + np.flatnonzero(used[first : first + _CHUNK])
             phi = self.phi[rows]
             cell, within = cells(phi, k)
             parts = arrays.along_and_across(self.force[rows], phi)

@@ -392,6 +392,11 @@ def starts_of(data: ProcessedData) -> Starts:
     return Starts(turns, strokes, peaks, stiffness, noise, error)
 
 
+def sliding(data: ProcessedData) -> NDArray[np.bool_]:
+    """Return which samples are of turns, or of strokes while the pin slips, ``(n,)``."""
+    return data.turn >= 0 if data.goes_round else starts_of(data).turns.kept
+
+
 def _stuck_share(strokes: list[Segment], direction: Array) -> float:
     """Return over which part of the way the pin sticks, by a line that goes over into a level.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, FitError
+from asperity.identify.evidence.coefficient.static import sliding
+from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.strokes import Axes
 
-if TYPE_CHECKING:
-    from asperity.identify.forces.processing import ProcessedData
-
-Measured: TypeAlias = "ProcessedData | tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ...]"
+Measured: TypeAlias = ProcessedData | tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ...]
 
 WRAPPED = (
     "φ starts again with each turn, so that it counts as one turn: unwrap it, np.unwrap(phi), or "
@@ -64,7 +63,10 @@ def frozen(data: Any, _: str = "data") -> Any:
 
 
 def samples_of(data: Any) -> Samples:
-    """Return the samples of processed data, or of arrays (φ, −λ/λ_N) or (φ, −λ/λ_N, turn)."""
+    """Return the samples of processed data, or of arrays (φ, −λ/λ_N) or (φ, −λ/λ_N, turn).
+
+    Those in which the pin still sticks at the start of a stroke are outside of it.
+    """
     if isinstance(data, tuple | list):
         phi, force, *given = _series(data)
         turn = given[0] if given else _counted_turns(phi)
@@ -76,6 +78,8 @@ def samples_of(data: Any) -> Samples:
         )
     elif all(hasattr(data, name) for name in ("phi", "force", "normal_force", "turn")):
         phi, force, normal, turn = data.phi, data.force, data.normal_force, data.turn
+        if isinstance(data, ProcessedData):
+            turn = np.where(sliding(data), turn, -1)
     else:
         raise FitError(f"data: must be what process() returns or (phi, force), got {data!r:.60}")
     if turn.shape != phi.shape or turn.dtype.kind not in "iu":
