@@ -108,8 +108,8 @@ class OneChannel:
                 f"{then}, or state gain_error"
             )
         found += [
-            f"{run.name}: one {'turn' if data.goes_round else 'stroke'} has no scatter, and the "
-            "coefficient no interval"
+            f"{run.name}: one {'turn' if data.goes_round else 'stroke along each line'} has no "
+            "scatter, and the coefficient no interval"
             for run in one.runs
             if math.isnan(run.coefficient.low)
         ]

@@ -27,6 +27,7 @@ from asperity.identify.evidence.coefficient.static import (
 from asperity.identify.evidence.coefficient.stribeck import StribeckFit, fit_stribeck
 from asperity.identify.evidence.coefficient.turns import (
     Turns,
+    Values,
     by_direction,
     independent,
     interval,
@@ -267,7 +268,7 @@ class FrictionCoefficient(TableResult):
         scatter = max(mean.standard_error**2 - zero - gain, 0.0)
         known = self.processed.zero_covariance, self.processed.calibration_covariance
         own = len(self.groups[0].runs)
-        values = own if own > 1 else self._values(0).size
+        freedom = own - 1 if own > 1 else self._values(0).degrees
 
         def part(variance: float) -> list[list[float]]:
             return [[variance / mean.value**2]]
@@ -280,7 +281,7 @@ class FrictionCoefficient(TableResult):
             turns=None if math.isnan(mean.standard_error) else part(scatter),
             calibration=None if known[1] is None else part(gain),
             zeros=None if known[0] is None else part(zero),
-            degrees_of_freedom=(max(values - 1.0, 1.0), math.inf, math.inf),
+            degrees_of_freedom=(max(freedom, 1.0), math.inf, math.inf),
         )
 
     @cached_property
@@ -309,9 +310,10 @@ class FrictionCoefficient(TableResult):
             if run.coefficient.value < 0.0
         )
 
-    def _values(self, number: int) -> Array:
-        own = self.over_turns.coefficient[self.over_turns.run == number]
-        return independent(own[np.isfinite(own)], pairs=not self.processed.goes_round)
+    def _values(self, number: int) -> Values:
+        turns = self.over_turns
+        own = (turns.run == number) & np.isfinite(turns.coefficient)
+        return independent(turns.coefficient[own], turns.direction[own])
 
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
@@ -492,7 +494,7 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     μ = mean of l_t/λ_N, friction against the sliding over the normal force, of each turn, or of
     each stroke while the pin slips. One channel is enough. Turns are independent values, of many
     their means over 20 groups, and strokes count in pairs, there and back, in which the zero of
-    the sensor cancels. Runs at one load and one speed, both within 5 %, are mountings of one
+    the sensor cancels, and scatter about the mean of their line. Runs at one load and one speed, both within 5 %, are mountings of one
     pairing: the interval of their mean comes from what differs between them, Student's t. Strokes
     along different lines are groups of their own. Errors of calibration and zeros are included
     where they are known.
@@ -521,8 +523,8 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     for number in np.unique(turns.run[held]).tolist():
         at = held & (turns.run == number)
         own = turns.coefficient[at]
-        values.append(independent(own, pairs=not data.goes_round))
-        if not values[-1].any():
+        values.append(independent(own, turns.direction[at]))
+        if not values[-1].values.any():
             raise FitError(
                 f"data: {names[number]}: the force is zero, or does not turn with the sliding: is "
                 "the sensor connected?"
@@ -534,7 +536,7 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
                 float(turns.speed[at].mean()),
                 float(turns.direction[at][0]) % math.pi,
                 int(at.sum()),
-                interval(values[-1], level, known=known),
+                interval(values[-1].values, level, known=known, degrees=values[-1].degrees),
                 _change(values[-1], level),
             )
         )
@@ -569,24 +571,25 @@ def _names(data: ProcessedData) -> tuple[str, ...]:
     )
 
 
-def _change(values: Array, level: float) -> Estimate:
-    """Return the relative change from first to last value of a straight line through them."""
-    n = values.size
-    if n < 4:
+def _change(run: Values, level: float) -> Estimate:
+    """Return the relative change from first to last value of a straight line through them.
+
+    Each line of strokes has a level of its own.
+    """
+    if run.degrees < 3:
         return Estimate(math.nan, math.nan, math.nan, math.nan)
-    at = np.linspace(-0.5, 0.5, n)
-    slope = float(at @ values) / float(at @ at)
-    left = values - values.mean() - slope * at
-    error = math.sqrt(float(left @ left) / (n - 2) / float(at @ at))
-    mean = float(values.mean())
-    half = student(level, n - 2) * error
+    at, mean = run.place, float(run.values.mean())
+    slope = float(at @ run.values) / float(at @ at)
+    left = run.values - mean - slope * at
+    error = math.sqrt(float(left @ left) / (run.degrees - 1) / float(at @ at))
+    half = student(level, run.degrees - 1) * error
     return Estimate(slope / mean, (slope - half) / mean, (slope + half) / mean, error / mean)
 
 
 def _group(
     part: list[int],
     runs: Sequence[Run],
-    values: Sequence[Array],
+    values: Sequence[Values],
     level: float,
     known: float,
 ) -> Group:
@@ -595,15 +598,15 @@ def _group(
         float(np.mean([getattr(one, name) for one in own])) for name in ("load", "speed")
     )
     some = [values[k] for k in part]
-    degrees = sum(one.size - 1 for one in some)
-    squares = sum(float(((one - one.mean()) ** 2).sum()) for one in some)
+    degrees = sum(one.degrees for one in some)
+    squares = sum(float(((one.values - one.values.mean()) ** 2).sum()) for one in some)
     scatter = squares / degrees if degrees else math.nan
-    means = np.array([one.mean() for one in some])
+    means = np.array([one.values.mean() for one in some])
     mean, between, ahead = own[0].coefficient, math.nan, (math.nan, math.nan)
     if len(part) > 1:
         mean = interval(means, level, known=known)
         variance = float(means.var(ddof=1))
-        own_part = scatter * float(np.mean([1.0 / one.size for one in some]))
+        own_part = scatter * float(np.mean([1.0 / one.values.size for one in some]))
         between = math.sqrt(max(variance - (own_part if degrees else 0.0), 0.0)) / mean.value
         half = student(level, len(part) - 1) * math.sqrt(variance * (1.0 + 1.0 / len(part)) + known)
         ahead = mean.value - half, mean.value + half

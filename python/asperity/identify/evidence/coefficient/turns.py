@@ -126,34 +126,66 @@ def by_direction(phi: Array) -> list[NDArray[np.intp]]:
     return sorted(groups, key=lambda at: float(phi[at[0]]) % (2.0 * math.pi))
 
 
-def independent(values: Array, *, pairs: bool) -> Array:
+class Values(NamedTuple):
+    """Values of one run that may be taken for independent.
+
+    Attributes:
+        values: each with the mean of its line of strokes replaced by that of all.
+        place: of each in the run, without the mean of its line; from first to last is 1.
+        degrees: of freedom of their scatter: without one for each line.
+    """
+
+    values: Array
+    place: Array
+    degrees: int
+
+
+def independent(values: Array, direction: Array) -> Values:
     """Return values of one run that may be taken for independent.
+
+    Two strokes there and back are one value: in it the zero of the sensor cancels. How friction
+    depends on the line of the strokes is no scatter.
 
     Args:
         values: of its turns or strokes, in their order.
-        pairs: whether two strokes, there and back, are one value: in it the zero of the sensor
-            cancels.
+        direction: φ of strokes in rad; NaN of turns.
     """
-    if pairs and values.size > 1:
-        values = values[: values.size // 2 * 2].reshape(-1, 2).mean(axis=1)
-    return np.array([part.mean() for part in np.array_split(values, min(values.size, _GROUPS))])
+    turns = bool(np.isnan(direction).all())
+    lines = [np.arange(values.size)] if turns else by_direction(2.0 * direction)
+    own, place = [], []
+    for at in lines:
+        pairs = at[: at.size // 2 * 2].reshape(-1, 2) if not turns and at.size > 1 else at[:, None]
+        parts = np.array_split(pairs, min(len(pairs), max(_GROUPS // len(lines), 2)))
+        own.append(np.array([values[part].mean() for part in parts]))
+        place.append(np.array([part.mean() for part in parts]))
+    every = np.concatenate(own)
+    reach = np.ptp(np.concatenate(place)) or 1.0
+    return Values(
+        np.concatenate([one - one.mean() for one in own]) + every.mean(),
+        np.concatenate([one - one.mean() for one in place]) / reach,
+        every.size - len(lines),
+    )
 
 
-def interval(values: Array, confidence: float, *, known: float = 0.0) -> Estimate:
+def interval(
+    values: Array, confidence: float, *, known: float = 0.0, degrees: int | None = None
+) -> Estimate:
     """Return the mean of independent values with its interval by Student's t.
 
     Args:
         values: independent values.
         confidence: of the interval.
         known: variance that all values share, from calibration and zeros (Welch 1947).
+        degrees: of freedom of their scatter; by default one less than values.
     """
     mean, n = float(values.mean()), values.size
-    if n < 2:
+    free = n - 1 if degrees is None else degrees
+    if free < 1:
         return Estimate(mean, math.nan, math.nan, math.nan)
-    scatter = float(values.var(ddof=1)) / n
+    scatter = float(((values - mean) ** 2).sum()) / free / n
     error = math.sqrt(scatter + known)
-    degrees = (n - 1) * (1.0 + known / scatter) ** 2 if scatter else math.inf
-    half = student(confidence, min(degrees, 1e9)) * error
+    freedom = free * (1.0 + known / scatter) ** 2 if scatter else math.inf
+    half = student(confidence, min(freedom, 1e9)) * error
     return Estimate(mean, mean - half, mean + half, error)
 
 
