@@ -113,12 +113,13 @@ class OneChannel:
             for run in one.runs
             if math.isnan(run.coefficient.low)
         ]
-        return (*found, *one.wrong_signs)
+        return (*found, *one.wrong_signs, *one.unsteady)
 
     @property
     def _further(self) -> list[str]:
         """Warnings that the text on the coefficient has not."""
-        return [one for one in self.warnings if one not in self.coefficient.wrong_signs]
+        said = self.coefficient.sentences()
+        return [one for one in self.warnings if one not in said]
 
     def summary(self) -> str:
         """Return a few paragraphs of text."""

@@ -68,8 +68,8 @@ class Identification:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Those of the fit."""
-        return self.fit.warnings
+        """Those of the fit, and on runs whose load or speed varies."""
+        return (*self.fit.warnings, *self.coefficient.unsteady)
 
     @cached_property
     def averaged(self) -> Averaged:

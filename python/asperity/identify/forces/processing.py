@@ -271,8 +271,12 @@ class ProcessedData(Value):
             return np.hypot(run.velocity[:, 0], run.velocity[:, 1])
         if radius is None:
             raise ParameterError("radius", "must be given in RawData for the sliding speed")
-        rate = np.abs(np.gradient(run.angle, 1.0 / run.sample_rate))
-        return radius * self._smooth(rate, number)
+        return radius * self._angular_speed(number)
+
+    def _angular_speed(self, number: int) -> Array:
+        """Return that of the disk in rad/s, low-passed like the normal force."""
+        run = self.raw.recordings[number]
+        return self._smooth(np.abs(np.gradient(run.angle, 1.0 / run.sample_rate)), number)
 
     def perturbed(
         self, *, matrix: ArrayLike | None = None, zero: ArrayLike | None = None

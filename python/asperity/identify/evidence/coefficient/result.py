@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -46,6 +46,10 @@ from asperity.law import FrictionLaw
 _ISOTROPIC, _BINS = 0.02, 24
 # More groups of one run each are not spoken of one by one.
 _SHOWN = 4
+# An interval that allows more change at twice the load or speed does not tell that there is none.
+_TOLD = 0.05
+# Loads and speeds of a run are those of its turns without this part of them at either end.
+_ENDS = 0.1
 
 
 @dataclass(frozen=True)
@@ -56,15 +60,18 @@ class Run:
         name: of the file, with the window.
         load: mean λ_N in N.
         speed: mean ‖γ‖ in m/s; NaN where it is not known.
+        rate: mean turns of the disk per second; NaN of a stage.
         line: along which its strokes are, φ in rad from 0 to π; NaN of turns.
         turns: number of its turns or strokes.
         coefficient: mean of l_t/λ_N, with its interval from the scatter of turns or strokes.
         change: of the coefficient from the first to the last turn, relative, by a straight line.
+            Its interval is one of those that hold for all runs together.
     """
 
     name: str
     load: float
     speed: float
+    rate: float
     line: float
     turns: int
     coefficient: Estimate
@@ -73,10 +80,10 @@ class Run:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs at one load and one speed.
+    """Runs at one load and one speed, or turn rate where no radius tells the speed.
 
     Attributes:
-        load, speed: means over the runs.
+        load, speed, rate: means over the runs.
         runs: their numbers.
         coefficient: mean of the runs. Its interval comes from the scatter of two runs or more, for
             each of which the pin was set down anew; of a single run from that of its turns.
@@ -87,6 +94,7 @@ class Group:
 
     load: float
     speed: float
+    rate: float
     runs: tuple[int, ...]
     coefficient: Estimate
     within: float
@@ -159,17 +167,17 @@ class FrictionCoefficient(TableResult):
     @cached_property
     def load_dependence(self) -> Dependence | None:
         """μ ∝ λ_Nⁿ over the runs at the speed that most have; None at one load."""
-        return self._dependence("load", "speed")
+        return self._dependence("load", _pace)
 
     @cached_property
     def speed_dependence(self) -> Dependence | None:
         """μ ∝ ‖γ‖ⁿ over the runs at the load that most have; None at one speed."""
-        return self._dependence("speed", "load")
+        return self._dependence("speed", _load)
 
     @cached_property
     def stribeck(self) -> StribeckFit | str:
         """The Stribeck factor over the runs at the load that most have, or why there is none."""
-        one = self._dependence("speed", "load")
+        one = self._dependence("speed", _load)
         if one is None:
             return "speeds do not vary"
         try:
@@ -192,12 +200,12 @@ class FrictionCoefficient(TableResult):
         raw = self.processed.raw
         return raw.radius is not None or raw.recordings[0].velocity is not None
 
-    def _dependence(self, name: str, other: str) -> Dependence | None:
+    def _dependence(self, name: str, other: Callable[[Run], float]) -> Dependence | None:
         """Return how coefficients depend on one quantity over the runs at one value of another."""
         chosen: list[Run] = max(
             (
                 [self.runs[k] for k in part]
-                for part in _alike([getattr(run, other) for run in self.runs])
+                for part in _alike([other(run) for run in self.runs])
             ),
             key=lambda runs: len(_alike([getattr(run, name) for run in runs])),
         )
@@ -310,6 +318,32 @@ class FrictionCoefficient(TableResult):
             if run.coefficient.value < 0.0
         )
 
+    @property
+    def unsteady(self) -> tuple[str, ...]:
+        """Sentences on runs whose load or speed varies; `sentences` has them, too."""
+        found = []
+        for run in self.runs:
+            for name, part in self._varying(run).items():
+                span = f"{part.min():.4g} to {part.max():.4g}"
+                unit = {"load": "N", "speed": "m/s", "turn rate": "turns/s"}[name]
+                found.append(
+                    f"In {run.name} the {name} varies from {span} {unit}: one coefficient is a "
+                    "mean over all of it; give its parts as runs, by from and to in [run]."
+                )
+        return tuple(found)
+
+    def _varying(self, run: Run) -> dict[str, Array]:
+        """Return load and speed over the turns of a run, if they vary."""
+        turns = self.over_turns
+        own = (turns.run == self.names.index(run.name)) & np.isfinite(turns.coefficient)
+        pace = ("turn rate", turns.rate) if math.isnan(run.speed) else ("speed", turns.speed)
+        found = {}
+        for name, values in (("load", turns.load[own]), (pace[0], pace[1][own])):
+            low, high = np.quantile(values, [_ENDS, 1.0 - _ENDS], method="nearest")
+            if high > LEAST_RATIO * low:
+                found[name] = values
+        return found
+
     def _values(self, number: int) -> Values:
         turns = self.over_turns
         own = (turns.run == number) & np.isfinite(turns.coefficient)
@@ -318,9 +352,9 @@ class FrictionCoefficient(TableResult):
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
         word = "turns" if self.processed.goes_round else "strokes"
-        found = list(self.wrong_signs)
+        found = [*self.wrong_signs, *self.unsteady]
         for group in self.groups:
-            where = f" at {group.load:.4g} N" if len(self.groups) > 1 else ""
+            where = f" at {_words(group)}" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
                 low, high = group.next
                 found.append(
@@ -339,6 +373,12 @@ class FrictionCoefficient(TableResult):
         ):
             if one is not None:
                 found.append(_of_power(one, what, unit))
+        unknown = [run.rate for run in self.runs if math.isnan(run.speed)]
+        if len(_alike(unknown)) > 1:
+            found.append(
+                f"Runs turn at {min(unknown):.4g} … {max(unknown):.4g} turns/s: with radius in "
+                "[tribometer] these are speeds, and tell whether the coefficient depends on them."
+            )
         if self.speed_dependence is not None:
             fit = self.stribeck
             found.append(
@@ -348,7 +388,8 @@ class FrictionCoefficient(TableResult):
                 "rest."
             )
         for run in self.runs:
-            if run.change.low > 0.0 or run.change.high < 0.0:
+            drifts = run.change.low > 0.0 or run.change.high < 0.0
+            if drifts and not self._varying(run):
                 found.append(
                     f"In {run.name} the coefficient changes by {run.change.value:+.2%} from the "
                     f"first to the last of its {word}: predictions hold for their mean, not for a "
@@ -365,9 +406,7 @@ class FrictionCoefficient(TableResult):
             shown = tuple(group for group in shown if len(group.runs) > 1)
         lines = [
             f"The friction coefficient along the sliding is {group.coefficient} at "
-            f"{group.load:.4g} N"
-            + (f" and {group.speed:.4g} m/s" if math.isfinite(group.speed) else "")
-            + f" ({counted(len(group.runs), 'run')}, {level})."
+            f"{_words(group)} ({counted(len(group.runs), 'run')}, {level})."
             for group in shown
         ]
         return "\n".join([*lines, *self.sentences()])
@@ -381,9 +420,11 @@ class FrictionCoefficient(TableResult):
         rows: list[tuple[str, ...]] = [
             ("run", "load N", "speed m/s", "turns", "coefficient", "from", "to", "change")
         ]
+        if all(math.isnan(run.speed) for run in self.runs):
+            rows = [("run", "load N", "turns/s", *rows[0][3:])]
         for run in self.runs:
             one = run.coefficient
-            numbers = (run.load, run.speed, run.turns, one.value, one.low, one.high)
+            numbers = (run.load, _pace(run), run.turns, one.value, one.low, one.high)
             cells = ("–" if math.isnan(x) else f"{x:.4g}" for x in numbers)
             change = "–" if math.isnan(run.change.value) else f"{run.change.value:+.2%}"
             rows.append((run.name, *cells, change))
@@ -453,6 +494,21 @@ def _json(one: Estimate) -> dict[str, float]:
     return {"value": one.value, "low": one.low, "high": one.high}
 
 
+def _load(run: Run) -> float:
+    return run.load
+
+
+def _pace(run: Run | Group) -> float:
+    """Return the speed, or the turn rate where it is not known."""
+    return run.rate if math.isnan(run.speed) else run.speed
+
+
+def _words(group: Group) -> str:
+    """Return load and speed of a group in words."""
+    pace, unit = _pace(group), "turns/s" if math.isnan(group.speed) else "m/s"
+    return f"{group.load:.4g} N" + (f" and {pace:.4g} {unit}" if math.isfinite(pace) else "")
+
+
 def _of_power(one: Dependence, what: str, unit: str) -> str:
     """Return what a power of the load or the speed means for predictions."""
     span = f"{one.values.min():.4g} … {one.values.max():.4g} {unit}"
@@ -465,6 +521,11 @@ def _of_power(one: Dependence, what: str, unit: str) -> str:
     power = f"{what}^{one.exponent:.3g} ({one.low:.3g} … {one.high:.3g})"
     if one.is_independent:
         most = max(abs(2.0**one.low - 1.0), abs(2.0**one.high - 1.0))
+        if most > _TOLD:
+            return (
+                f"Whether the coefficient depends on the {what} over {span} cannot be told, "
+                f"{power}: at twice the {what} it may change by {most:.1%}; record more runs."
+            )
         return (
             f"No dependence on the {what} is found over {span}, {power}: one law serves all, to "
             f"{most:.1%} for twice the {what}."
@@ -494,10 +555,11 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     μ = mean of l_t/λ_N, friction against the sliding over the normal force, of each turn, or of
     each stroke while the pin slips. One channel is enough. Turns are independent values, of many
     their means over 20 groups, and strokes count in pairs, there and back, in which the zero of
-    the sensor cancels, and scatter about the mean of their line. Runs at one load and one speed, both within 5 %, are mountings of one
-    pairing: the interval of their mean comes from what differs between them, Student's t. Strokes
-    along different lines are groups of their own. Errors of calibration and zeros are included
-    where they are known.
+    the sensor cancels, and scatter about the mean of their line. Runs at one load and one speed
+    (turn rate, if no radius is given), both within 5 %, are mountings of one pairing: the interval
+    of their mean comes from what differs between them, Student's t. Runs of strokes along different
+    lines are groups of their own. Errors of calibration and zeros are included where they are
+    known.
 
     Args:
         data: processed runs.
@@ -534,10 +596,11 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
                 names[number],
                 float(turns.load[at].mean()),
                 float(turns.speed[at].mean()),
+                float(turns.rate[at].mean()),
                 float(turns.direction[at][0]) % math.pi,
                 int(at.sum()),
                 interval(values[-1].values, level, known=known, degrees=values[-1].degrees),
-                _change(values[-1], level),
+                _change(values[-1], level ** (1.0 / np.unique(turns.run[held]).size)),
             )
         )
     if not runs:
@@ -545,7 +608,7 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     alike = [
         [part[k] for k in same]
         for part in _alike([run.load for run in runs])
-        for same in _alike([runs[k].speed for k in part])
+        for same in _alike([_pace(runs[k]) for k in part])
     ]
     lines = np.nan_to_num([2.0 * run.line for run in runs])
     groups = tuple(
@@ -594,8 +657,8 @@ def _group(
     known: float,
 ) -> Group:
     own = [runs[k] for k in part]
-    load, speed = (
-        float(np.mean([getattr(one, name) for one in own])) for name in ("load", "speed")
+    load, speed, rate = (
+        float(np.mean([getattr(one, name) for one in own])) for name in ("load", "speed", "rate")
     )
     some = [values[k] for k in part]
     degrees = sum(one.degrees for one in some)
@@ -611,5 +674,5 @@ def _group(
         half = student(level, len(part) - 1) * math.sqrt(variance * (1.0 + 1.0 / len(part)) + known)
         ahead = mean.value - half, mean.value + half
     return Group(
-        load, speed, tuple(part), mean, math.sqrt(scatter) / abs(mean.value), between, ahead
+        load, speed, rate, tuple(part), mean, math.sqrt(scatter) / abs(mean.value), between, ahead
     )

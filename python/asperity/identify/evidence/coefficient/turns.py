@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from asperity._base.arrays import Array, along_and_across
 from asperity._base.quantiles import student
-from asperity.errors import ParameterError
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate
 from asperity.identify.records.sliding.stretches import rows_of
@@ -36,6 +35,7 @@ class Turns(NamedTuple):
             NaN where it does not.
         load: mean λ_N in N.
         speed: mean ‖γ‖ in m/s; NaN where it is not known.
+        rate: mean turns of the disk per second; NaN of a stage.
         direction: mean φ in rad of strokes; NaN of turns.
         run: number of the file or window.
         kept: which samples count, ``(n,)``.
@@ -44,6 +44,7 @@ class Turns(NamedTuple):
     coefficient: Array
     load: Array
     speed: Array
+    rate: Array
     direction: Array
     run: NDArray[np.intp]
     kept: NDArray[np.bool_]
@@ -83,14 +84,31 @@ def turns_of(data: ProcessedData, left_out: Iterable[slice] = ()) -> Turns:
         with np.errstate(invalid="ignore"):
             return np.asarray(np.bincount(number, values[kept], data.turns) / count)
 
-    try:
-        speed = mean(data.speed)
-    except ParameterError:
-        # Without a radius.
-        speed = np.full(data.turns, math.nan)
+    turning = np.concatenate(
+        [
+            data._angular_speed(at) if run.velocity is None else np.full(len(run), math.nan)
+            for at, run in enumerate(data.raw.recordings)
+        ]
+    )
+    speed = np.concatenate(
+        [
+            (data.raw.radius or math.nan) * turning[slice(*data.run[at : at + 2])]
+            if run.velocity is None
+            else np.hypot(run.velocity[:, 0], run.velocity[:, 1])
+            for at, run in enumerate(data.raw.recordings)
+        ]
+    )
     first = np.unique(data.turn[data.turn >= 0], return_index=True)[1]
     recording = np.searchsorted(data.run, np.flatnonzero(data.turn >= 0)[first], side="right") - 1
-    return Turns(mean(y), mean(data.normal_force), speed, direction, runs_of(data)[recording], kept)
+    return Turns(
+        mean(y),
+        mean(data.normal_force),
+        mean(speed),
+        mean(turning) / (2.0 * math.pi),
+        direction,
+        runs_of(data)[recording],
+        kept,
+    )
 
 
 def runs_of(data: ProcessedData) -> NDArray[np.intp]:
