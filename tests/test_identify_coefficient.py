@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import asperity as asp
 import laboratory_files as lab
@@ -20,6 +21,7 @@ from asperity.identify import (
     process,
 )
 from asperity.identify.campaigns.coefficient import OneChannel
+from asperity.identify.evidence.coefficient.turns import independent, interval
 from scipy.stats import binom
 
 G = 9.80665
@@ -392,6 +394,152 @@ def test_strokes_at_several_loads_have_one_compliance_and_one_static_coefficient
         for one in found.directions:
             assert one.kinetic.value == pytest.approx(0.25, rel=2e-3)
             assert one.static.value == pytest.approx(0.3125, rel=0.02)
+
+
+def test_the_zero_of_the_sensor_cancels_in_the_breakaway_there_and_back():
+    given = virtual_strokes.records(
+        3, seed=6, kinetic=0.25, ratio=1.2, compliance=5e-6, zero=0.3, rate=2000.0
+    )
+    for at in range(3):
+        found = breakaway(virtual_strokes.processed(given, at))
+        ahead, back = found.directions
+        assert ahead.kinetic.value - back.kinetic.value == pytest.approx(0.06, rel=0.01)
+        assert "The zeros of the sensor are not known" in found.summary()
+        (mean,) = found.there_and_back
+        assert mean.static.covers(0.3)
+        assert mean.kinetic.value == pytest.approx(0.25, rel=1e-3)
+        assert mean.ratio.covers(1.2)
+        assert mean.strokes == ahead.strokes + back.strokes
+
+
+def test_dependence_on_the_direction_is_no_scatter_and_no_change():
+    """Two mountings that differ by 1 %, strokes along six lines one after the other."""
+    mu = np.linspace(0.25, 0.35, 6)
+    runs = [
+        virtual_strokes.star(
+            virtual_strokes.records(
+                6, seed=k, kinetic=mu * gain, ratio=1.0, reach=2e-4, compliance=5e-6, rate=2000.0
+            )
+        )
+        for k, gain in enumerate((1.0, 1.01))
+    ]
+    found = friction_coefficient(process(identify.RawData(runs)))
+    (group,) = found.groups
+    assert group.between == pytest.approx(0.01 / math.sqrt(2.0), rel=0.02)
+    assert group.within < 1e-3
+    for run, gain in zip(found.runs, (1.0, 1.01), strict=True):
+        assert run.coefficient.value == pytest.approx(0.3 * gain, rel=5e-4)
+        assert run.coefficient.high - run.coefficient.low < 5e-4
+        assert abs(run.change.value) < 2e-3
+    assert "from the first to the last" not in found.summary()
+
+
+@SEEDS
+def test_intervals_of_strokes_along_several_lines_hold_the_truth(seeds):
+    """Of 5 % scatter from stroke to stroke; three pairs along each of four lines."""
+    mu, direction = np.linspace(0.2, 0.4, 4), np.repeat(np.pi * np.arange(4) / 4.0, 6)
+
+    def covers(seed):
+        random = np.random.default_rng(seed)
+        values = np.repeat(mu, 6) * (1.0 + 0.05 * random.normal(size=24))
+        way = direction + np.pi * (np.arange(24) % 2)
+        shuffled = random.permutation(24)
+        one = independent(values[shuffled], way[shuffled])
+        return interval(one.values, 0.95, degrees=one.degrees).covers(0.3)
+
+    hits_of(seeds, covers)
+
+
+def turning(coefficients, *, loads=10.0, rates=0.5, seed=0, name="run.csv"):
+    """Return a run of turns with a coefficient, a load and a turn rate each."""
+    random = np.random.default_rng(seed)
+    mu, load, rate = np.broadcast_arrays(coefficients, loads, rates)
+    steps = (200.0 / rate).astype(int)
+    angle = 2.0 * np.pi * np.cumsum(np.repeat(rate, steps)) / 200.0
+    normal = np.repeat(load, steps)
+    force = np.repeat(mu, steps) * normal + 0.02 * random.normal(size=angle.size)
+    readings = np.stack([force, 0.0 * force, normal], axis=-1)
+    time = np.arange(angle.size) / 200.0
+    return identify.Recording(time, angle=angle, readings=readings, source=name)
+
+
+def coefficient_of(*runs, **options):
+    raw = identify.RawData(runs, one_channel=True, **options)
+    # The filter of the normal force goes with the mean turn rate.
+    return friction_coefficient(process(raw, cut_off=None))
+
+
+def test_without_a_radius_turn_rates_tell_groups_apart():
+    runs = [
+        turning([0.5 - 0.1 * k] * 6, rates=rate, seed=10 * k + m, name=f"{k}{m}.csv")
+        for k, rate in enumerate((0.1, 0.4, 1.6))
+        for m in range(2)
+    ]
+    found = coefficient_of(*runs)
+    assert [len(group.runs) for group in found.groups] == [2, 2, 2]
+    assert [round(group.rate, 2) for group in found.groups] == [0.1, 0.4, 1.6]
+    assert max(group.between for group in found.groups) < 0.01
+    summary = found.summary()
+    assert "0.4 N and" not in summary
+    assert "Mountings at 10 N and 0.4 turns/s differ by" in summary
+    assert "Runs turn at 0.1 … 1.6 turns/s: with radius in [tribometer]" in summary
+    assert found.rows()[0][2] == "turns/s"
+    with_radius = coefficient_of(*runs, radius=0.05)
+    assert "turns/s" not in with_radius.summary()
+    assert f"Mountings at 10 N and {2.0 * np.pi * 0.4 * 0.05:.4g} m/s differ by" in (
+        with_radius.summary()
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"loads": np.repeat([5.0, 10.0, 20.0], 4)}, "the load varies from 5 to 20 N"),
+        (
+            {"rates": np.repeat([0.1, 0.4, 1.6], 4)},
+            r"the turn rate varies from 0\.1\d* to 1\.\d* turns/s",
+        ),
+    ],
+)
+def test_steps_of_load_or_speed_within_a_run_are_no_running_in(given, words):
+    found = coefficient_of(turning(np.repeat([0.3, 0.28, 0.26], 4), **given))
+    assert found.runs[0].change.high < 0.0
+    assert "new or run in" not in found.summary()
+    (sentence,) = found.unsteady
+    assert re.search(words, sentence)
+    assert "from and to in [run]" in sentence
+    models = {"reservoir": "superellipse", "direction": "superellipse"}
+    one = OneChannel.of(found, asp.Provenance(), **models)
+    assert sentence in one.warnings
+    assert one.summary().count(sentence) == 1
+    steady = coefficient_of(turning(np.repeat([0.3, 0.28, 0.26], 4)))
+    assert not steady.unsteady
+    assert "new or run in" in steady.summary()
+
+
+def test_few_speeds_do_not_tell_that_there_is_no_dependence():
+    runs = [
+        turning([mu] * 4, rates=rate, seed=k, name=f"{k}.csv")
+        for k, (mu, rate) in enumerate([(0.48, 0.05), (0.41, 0.2), (0.315, 0.8)])
+    ]
+    found = coefficient_of(*runs, radius=0.05)
+    assert found.speed_dependence.is_independent
+    assert "No dependence" not in found.summary()
+    assert "Whether the coefficient depends on the speed over" in found.summary()
+
+
+@SEEDS
+def test_drift_is_claimed_of_one_in_twenty_campaigns_without(seeds):
+    def is_silent(seed):
+        random = np.random.default_rng(seed)
+        runs = [
+            identify.Recording(one.time, angle=one.angle, readings=one.readings, source=f"{k}.csv")
+            for k in range(6)
+            for one in [turning(0.3 + 0.003 * random.normal(size=6), rates=5.0, seed=seed + k)]
+        ]
+        return all(run.change.covers(0.0) for run in coefficient_of(*runs).runs)
+
+    hits_of(seeds, is_silent)
 
 
 RECORDS = pytest.mark.parametrize("count", [16, pytest.param(100, marks=pytest.mark.long)])

@@ -6,7 +6,7 @@ from asperity.identify import RawData, Recording, process
 
 def records(
     n, *, seed=0, cycles=8, rate=10_000.0, ratio=None, compliance=None, noise=0.005, scatter=0.01,
-    load=10.0, zero=0.0, sine=False, kinetic=None,
+    load=10.0, zero=0.0, sine=False, kinetic=None, reach=None,
 ):  # fmt: skip
     """Return n records as a dict of arrays over (samples, records), with what is true of them.
 
@@ -18,6 +18,7 @@ def records(
     mu = random.uniform(0.2, 0.4, n) if kinetic is None else np.broadcast_to(kinetic, n)
     ratio = random.uniform(1.0, 1.5, n) if ratio is None else np.full(n, ratio)
     half, period = 1e-3 * random.uniform(0.1, 0.2, n), 0.5
+    half = half if reach is None else np.full(n, reach)
     speed = 4.0 * half / period
     steps = int(cycles * period * rate)
     cycle = np.arange(steps)[:, None] / rate / period + random.uniform(0.0, 1.0, n)

@@ -203,10 +203,7 @@ class FrictionCoefficient(TableResult):
     def _dependence(self, name: str, other: Callable[[Run], float]) -> Dependence | None:
         """Return how coefficients depend on one quantity over the runs at one value of another."""
         chosen: list[Run] = max(
-            (
-                [self.runs[k] for k in part]
-                for part in _alike([other(run) for run in self.runs])
-            ),
+            ([self.runs[k] for k in part] for part in _alike([other(run) for run in self.runs])),
             key=lambda runs: len(_alike([getattr(run, name) for run in runs])),
         )
         values = [getattr(run, name) for run in chosen]
@@ -466,13 +463,17 @@ class FrictionCoefficient(TableResult):
                 "needed_rate": static.needed_rate,
                 "inertia": static.inertia,
                 "unseen": static.unseen,
-                "directions": [
-                    {
-                        "direction": one.direction,
-                        **{n: _json(getattr(one, n)) for n in ("static", "kinetic", "ratio")},
-                    }
-                    for one in static.directions
-                ],
+                "has_zeros": static.has_zeros,
+                **{
+                    name: [
+                        {
+                            "direction": one.direction,
+                            **{n: _json(getattr(one, n)) for n in ("static", "kinetic", "ratio")},
+                        }
+                        for one in getattr(static, name)
+                    ]
+                    for name in ("directions", "there_and_back")
+                },
             },
             "sentences": list(self.sentences()),
         }

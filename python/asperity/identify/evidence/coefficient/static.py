@@ -145,9 +145,9 @@ class DirectionBreakaway(Result):
     strokes: int
     untold: int
 
-    def summary(self) -> str:
+    def summary(self, motion: str = "Sliding") -> str:
         """Return the coefficients in a sentence."""
-        where = f"Sliding at {math.degrees(self.direction):.0f}°"
+        where = f"{motion} at {math.degrees(self.direction):.0f}°"
         if not self.static.identifiable:
             return f"{where}, the coefficient is {self.kinetic}; the static one is not told."
         return (
@@ -165,6 +165,7 @@ class Breakaway(TableResult):
 
     Attributes:
         directions: those of the strokes.
+        there_and_back: means of opposite directions, in which the zero of the sensor cancels.
         ratio: static over kinetic coefficient of all strokes.
         compliance: of what holds pin and sensor in m/N; NaN without a radius, or where no stroke
             tells it.
@@ -174,15 +175,19 @@ class Breakaway(TableResult):
             the force swings after the slip; NaN where it does not swing.
         unseen: largest excess over the kinetic force, relative to it, that may be inertia of a
             mass whose swing the samples do not show.
+        has_zeros: whether the zeros of the sensor are known. If not, their error is in each of
+            `directions`.
         confidence: of the intervals.
     """
 
     directions: tuple[DirectionBreakaway, ...]
+    there_and_back: tuple[DirectionBreakaway, ...]
     ratio: Estimate
     compliance: float
     needed_rate: float | None
     inertia: float
     unseen: float
+    has_zeros: bool
     confidence: float
 
     @property
@@ -201,6 +206,13 @@ class Breakaway(TableResult):
                     f" Ratios of static and kinetic coefficient are between {min(told):.4g} and "
                     f"{max(told):.4g}."
                 )
+        if not self.has_zeros:
+            lines.append(
+                "The zeros of the sensor are not known: an error of 1 % of the normal force "
+                "changes coefficients of a direction by 0.01, and of the opposite one by -0.01."
+            )
+            if len(self.directions) <= _SHOWN:
+                lines += [one.summary("Sliding there and back") for one in self.there_and_back]
         if self.needed_rate is not None:
             lines.append(
                 "The sampling rate cannot tell the static coefficient: while the pin sticks there "
@@ -310,9 +322,19 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         ends -= kinetic[:, None] * (beyond - math.sqrt(excess**2 - inertia**2))
     told = np.isfinite(ends[:, 0])
     directions = tuple(
-        _of_direction(data, found.turns, number[at], ends[at], error[at], level)
+        _of_direction(data, found.turns, number[at], kinetic[at], ends[at], error[at], level)
         for at in by_direction(found.turns.direction[number])
     )
+    both = []
+    for line in by_direction(2.0 * found.turns.direction[number]):
+        ways = by_direction(found.turns.direction[number[line]])
+        if len(ways) == 2:
+            # What the means of both directions differ by, half each.
+            off = np.zeros(line.size)
+            half = 0.5 * float(np.subtract(*(kinetic[line[way]].mean() for way in ways)))
+            off[ways[0]], off[ways[1]] = half, -half
+            mean = kinetic[line] - off, ends[line] - off[:, None], error[line]
+            both.append(_of_direction(data, found.turns, number[line], *mean, level))
     has_length = data.raw.radius is not None or data.raw.recordings[0].velocity is not None
     ratio = _NONE
     if _enough(told):
@@ -320,11 +342,13 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     share = inertia / excess
     return Breakaway(
         directions,
+        tuple(both),
         ratio,
         1.0 / found.stiffness if found.stiffness > 0.0 and has_length else math.nan,
         None if told.mean() > 0.5 or share > _SMALL else _needed_rate(data, found),
         share,
         0.0 if math.isfinite(inertia) else _unseen(found),
+        data.zero_covariance is not None,
         level,
     )
 
@@ -559,13 +583,13 @@ def _of_direction(
     data: ProcessedData,
     turns: Turns,
     number: NDArray[np.intp],
+    kinetic: Array,
     ends: Array,
     noise: Array,
     level: float,
 ) -> DirectionBreakaway:
     told = np.isfinite(ends[:, 0])
     zero, gain = shared_variance(data, turns.kept & np.isin(data.turn, number))
-    kinetic = turns.coefficient[number]
     static = ratio = _NONE
     if _enough(told):
         more = float((ends[told].mean() / kinetic.mean()) ** 2)
