@@ -657,6 +657,21 @@ def back_and_forth(force, **options):
     return identify.RawData([run], one_channel=True)
 
 
+def test_strokes_one_way_have_the_zero_of_the_sensor_in_them():
+    given = back_and_forth(lambda way: 3.0 * way)
+    run = given.recordings[0]
+    lifted = run.readings * np.where(run.velocity[:, :1] < 0.0, 0.0, 1.0)
+    for raw, goes_back in (
+        (given, True),
+        (given.replace(recordings=[run.replace(readings=lifted)]), False),
+    ):
+        found = friction_coefficient(process(raw))
+        models = {"reservoir": "superellipse", "direction": "superellipse"}
+        one = OneChannel.of(found, asp.Provenance(), **models)
+        assert found.goes_back == goes_back
+        assert any("an error of the zeros of 1 %" in text for text in one.warnings) != goes_back
+
+
 def test_forces_that_do_not_oppose_the_sliding_are_said():
     noise = 0.01 * np.random.default_rng(0).normal(size=8000)
     wrong = process(back_and_forth(lambda way: noise - 3.0 * way))

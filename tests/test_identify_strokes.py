@@ -10,6 +10,7 @@ from asperity.identify import (
     RawData,
     compare_models,
     fit_law,
+    load_dependence,
     process,
 )
 from asperity.identify.evidence.coefficient.static import sliding
@@ -189,6 +190,19 @@ def test_the_stick_at_the_start_of_strokes_is_no_part_of_the_law(ratio):
         assert abs(radius.value - 0.3) < 1.5 * half
         assert half < 1e-4
         assert 0.1 < 1.0 - sliding(data).sum() / data.used < 0.4
+
+
+def test_the_stick_of_strokes_is_no_dependence_on_the_load():
+    """At three times the load three times as much of a stroke is stick."""
+    runs = [
+        virtual_strokes.star(
+            virtual_strokes.records(
+                2, seed=3, load=load, kinetic=0.3, ratio=1.0, compliance=3e-6, rate=2000.0
+            )
+        )
+        for load in (10.0, 30.0)
+    ]
+    assert abs(load_dependence(process(RawData(runs))).exponent) < 1e-4
 
 
 def test_nothing_is_left_out_where_nothing_yields():

@@ -18,6 +18,8 @@ from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.estimator.law_comparison import CurveDifference as CurveDifference
 from asperity.identify.estimator.law_comparison import LawComparison as LawComparison
 from asperity.identify.estimator.law_comparison import compare_laws
+from asperity.identify.evidence.coefficient.dependence import Dependence as Dependence
+from asperity.identify.evidence.coefficient.dependence import load_dependence, speed_dependence
 from asperity.identify.evidence.coefficient.result import friction_coefficient
 from asperity.identify.evidence.coefficient.static import breakaway
 from asperity.identify.evidence.coefficient.stribeck import fit_stribeck
@@ -31,8 +33,6 @@ from asperity.identify.evidence.paths.result import PathFit
 from asperity.identify.evidence.wrenches.estimation import compare_patches, fit_patch, fit_supports
 from asperity.identify.evidence.wrenches.result import PatchFit, SupportsFit
 from asperity.identify.forces.averaged import Averaged as Averaged
-from asperity.identify.forces.dependence import Dependence as Dependence
-from asperity.identify.forces.dependence import load_dependence, speed_dependence
 from asperity.identify.forces.filters import low_pass
 from asperity.identify.forces.measured_sets import ConvexDirection as ConvexDirection
 from asperity.identify.forces.measured_sets import MeasuredSets

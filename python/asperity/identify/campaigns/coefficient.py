@@ -94,7 +94,7 @@ class OneChannel:
         """What the intervals do not include."""
         data, one = self.coefficient.processed, self.coefficient
         found = []
-        if data.goes_round and data.zero_covariance is None:
+        if not one.goes_back and data.zero_covariance is None:
             found.append(
                 "no records without load: an error of the zeros of 1 % of the normal force would "
                 "change the coefficient by 0.01: record it, or state zero_error"

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity._base.arrays import Array, unit_vectors
 from asperity._base.progress import Count, Progress, Report, reporter
@@ -23,6 +24,7 @@ from asperity.identify.campaigns.coefficient import (
 )
 from asperity.identify.campaigns.coefficient import TABLES as COEFFICIENT
 from asperity.identify.estimator.loss import LossName
+from asperity.identify.evidence.coefficient.dependence import several_loads
 from asperity.identify.evidence.coefficient.result import (
     FrictionCoefficient,
     friction_coefficient,
@@ -33,7 +35,6 @@ from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.report import cells, loads_of, write_report
 from asperity.identify.evidence.forces.result import Fit
 from asperity.identify.forces.averaged import Averaged
-from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import TurnAverage
@@ -72,13 +73,18 @@ class Identification:
         return (*self.fit.warnings, *self.coefficient.unsteady)
 
     @cached_property
+    def sliding(self) -> NDArray[np.bool_]:
+        """Which samples count: those of turns, or of strokes while the pin slips."""
+        return sliding(self.data)
+
+    @cached_property
     def averaged(self) -> Averaged:
         """Means over directions of sliding, so many that each holds samples of every turn.
 
         Of strokes they are those of the directions that there are, while the pin slips.
         """
         if not self.data.goes_round:
-            return self.data._averaged(_DIRECTIONS, sliding(self.data))
+            return self.data._averaged(_DIRECTIONS, self.sliding)
         return self.data.averaged(self.data.full_bins(_DIRECTIONS, each_turn=True))
 
     @cached_property
@@ -138,7 +144,7 @@ class Identification:
         facts = [
             (
                 "data",
-                f"{data.used} of {len(data.phi)} samples in {data.turns} "
+                f"{np.count_nonzero(self.sliding)} of {len(data.phi)} samples in {data.turns} "
                 f"{'turns' if data.goes_round else 'strokes'}, "
                 f"{len(raw.recordings)} runs"
                 + f"; {data.lifted} strokes without load left out"
@@ -219,7 +225,7 @@ class Identification:
         """
         rows: list[tuple[object, ...]] = []
         if not self.data.goes_round:
-            for channel, level in self.data.stroke_means().items():
+            for channel, level in self.data._stroke_means(self.sliding).items():
                 rows += [(channel, at, mean, "", "", "", "") for at, mean in enumerate(level)]
             return rows
         for channel, average in self.data.turn_averages(len(self.averaged.phi)).items():

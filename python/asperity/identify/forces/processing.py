@@ -356,13 +356,17 @@ class ProcessedData(Value):
 
         Each is of shape ``(m,)``, in the order of `turn`.
         """
-        used = self.turn >= 0
+        return self._stroke_means(self.turn >= 0)
+
+    def _stroke_means(self, used: NDArray[np.bool_]) -> dict[str, Array]:
         number = self.turn[used]
-        count = np.bincount(number)
-        return {
-            name: np.bincount(number, values[used]) / count
-            for name, values in self._channels().items()
-        }
+        # A stroke of which no sample is used has no mean.
+        with np.errstate(invalid="ignore"):
+            count = np.bincount(number, minlength=self.turns)
+            return {
+                name: np.bincount(number, values[used], self.turns) / count
+                for name, values in self._channels().items()
+            }
 
     def _channels(self) -> dict[str, Array]:
         along, across = arrays.along_and_across(self.force, self.phi)

@@ -18,6 +18,7 @@ from asperity._base.tables import aligned
 from asperity.errors import FitError, ParameterError
 from asperity.identify.estimator.covariance import level_of
 from asperity.identify.estimator.identified_law import IdentifiedLaw
+from asperity.identify.evidence.coefficient.dependence import LEAST_RATIO, Dependence
 from asperity.identify.evidence.coefficient.static import (
     Breakaway,
     breakaway,
@@ -35,7 +36,6 @@ from asperity.identify.evidence.coefficient.turns import (
     shared_variance,
     turns_of,
 )
-from asperity.identify.forces.dependence import LEAST_RATIO, Dependence
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import bin_numbers
 from asperity.identify.models.coordinates import Estimate
@@ -193,6 +193,14 @@ class FrictionCoefficient(TableResult):
         if self.processed.goes_round or not np.any(self.over_turns.coefficient > 0.0):
             return None
         return breakaway(self.processed, confidence=self.confidence)
+
+    @property
+    def goes_back(self) -> bool:
+        """Whether strokes go there and back along each line, so that the sensor's zero cancels."""
+        way = self.over_turns.direction
+        return not self.processed.goes_round and all(
+            len(by_direction(way[line])) == 2 for line in by_direction(2.0 * way)
+        )
 
     @property
     def has_length(self) -> bool:

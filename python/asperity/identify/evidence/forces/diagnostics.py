@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity._base.arrays import Array
+from asperity.identify.evidence.coefficient.dependence import load_dependence, several_loads
 from asperity.identify.evidence.forces.samples import WRAPPED, is_wrapped
-from asperity.identify.forces.dependence import load_dependence, several_loads
 
 if TYPE_CHECKING:
     from asperity.identify.evidence.forces.result import Fit

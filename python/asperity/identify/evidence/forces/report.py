@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from asperity._base import report
 from asperity._base.report import Block, Facts, Grid, Picture, Section, Text
 from asperity.errors import FitError, ParameterError
+from asperity.identify.evidence.coefficient.dependence import several_loads
 from asperity.identify.evidence.forces.diagnostics import SETS
-from asperity.identify.forces.dependence import several_loads
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.models.coordinates import Estimate
 

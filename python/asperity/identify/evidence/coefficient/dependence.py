@@ -14,6 +14,7 @@ from asperity._base.arrays import Array
 from asperity._base.quantiles import student
 from asperity._base.value import AnyArray, Fraction, Record, Vector, field
 from asperity.errors import ParameterError
+from asperity.identify.evidence.coefficient.static import sliding
 from asperity.identify.forces.processing import ProcessedData
 
 # Runs whose loads or speeds differ by less than this factor tell nothing.
@@ -127,10 +128,10 @@ def _several(data: ProcessedData | Iterable[ProcessedData]) -> tuple[ProcessedDa
 
 
 def _means(data: ProcessedData, values: Array) -> list[tuple[float, float]]:
-    """Return the mean of `values` and of ‖λ‖/λ_N over the complete turns of each run."""
-    found = []
+    """Return the mean of `values` and of ‖λ‖/λ_N over the turns of each run, or while it slips."""
+    found, slides = [], sliding(data)
     for start, stop in zip(data.run, data.run[1:], strict=False):
-        used = data.turn[start:stop] >= 0
+        used = slides[start:stop]
         if used.any():
             friction = np.hypot(*data.force[start:stop][used].T)
             coefficient = friction.mean() / data.normal_force[start:stop][used].mean()
