@@ -290,6 +290,51 @@ def test_a_box_jams_between_its_anchor_and_the_floor():
     assert np.abs(data.qpos[3:] - [1.0, 0.0, 0.0, 0.0]).max() < 1e-3
 
 
+PLATES = """<worldbody><geom type="plane" size="9 9 .1"/>
+<body name="a" pos="-.1 0 1"><freejoint/><geom type="box" size=".1 .1 .02" mass="1"/></body>
+<body name="b" pos=".1 0 1"><freejoint/><geom type="box" size=".1 .1 .02" mass="1"/></body>
+</worldbody><equality><connect body1="a" body2="b" anchor=".1 -.1 .02"/>
+<connect body1="a" body2="b" anchor=".1 .1 .02"/></equality>"""
+CAPS = """<worldbody><geom type="plane" size="9 9 .1"/>
+<body name="a" pos="-.4 0 .8"><freejoint/>
+<geom type="capsule" fromto="-.04 0 0 .04 0 0" size=".01" mass=".05"/></body>
+<body name="b" pos="-.3 0 .8"><freejoint/>
+<geom type="capsule" fromto="-.04 0 0 .04 0 0" size=".01" mass=".05"/></body>
+</worldbody><equality><connect body1="a" body2="b" anchor=".05 0 0"/>
+<connect body1="a" anchor="-.05 0 0"/></equality>"""
+
+
+@pytest.mark.parametrize(("parts", "spin"), [(PLATES, 2.0), (CAPS, 0.0)])
+def test_contacts_beside_an_anchor_add_no_energy(parts, spin):
+    """Plates folded about edges that touch, and rods whose caps touch at their joint.
+
+    Their contacts have levers of nearly nothing: reflected anchors would ask them for any velocity.
+    """
+    model = model_of(parts)
+    data, scene, observer = mujoco.MjData(model), Scene(model), Observer(model)
+    data.qvel[[4, 10]] = spin, -spin
+    energy = [observer.look(data)[0]]
+    for _ in range(1000):
+        assert scene.step(data).violation <= 1e-8
+        energy.append(observer.look(data)[0])
+    assert np.diff(energy).max() < 1e-4
+
+
+def test_a_crushed_box_stays_where_it_is():
+    """Also where failures are recorded: a hand that goes on into it has no place to go."""
+    model = model_of("""<worldbody><geom type="plane" size="1 1 .1"/>
+<body name="hand" mocap="true" pos="0 0 .25"><geom name="palm" type="box" size=".1 .1 .05"/></body>
+<body pos="0 0 .1"><freejoint/><geom name="box" type="box" size=".1 .1 .1"/></body></worldbody>""")
+    for on_failure, message in [("raise", "'palm' and 'box'"), ("record", "cannot follow")]:
+        data, scene = mujoco.MjData(model), Scene(model, on_failure=on_failure)
+        scene.step(data)
+        before = data.qpos.copy()
+        data.mocap_pos[0, 2] -= 0.0005
+        with pytest.raises(asp.NoSolutionError, match=message):
+            scene.step(data)
+        np.testing.assert_array_equal(data.qpos, before)
+
+
 def test_bodies_that_nothing_moves_do_not_stop_planar_models():
     """Third rows that vanish, as in planar walkers, and normal rows, as in pushers on a table."""
     model = model_of(

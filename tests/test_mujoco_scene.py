@@ -275,6 +275,21 @@ def test_contacts_that_come_from_afar_are_found_in_time():
     assert abs(data.qvel[2]) < 1e-8
 
 
+@pytest.mark.parametrize("shape", ['"box" size=".1 .07 .05"', '"cylinder" size=".07 .1"'])
+def test_points_are_found_in_time_where_others_of_the_pair_touch(shape):
+    """A body that tumbles on a plane never gains energy, whichever of its corners lands next."""
+    world = (
+        '<geom type="plane" size="9 9 .1"/><body pos="0 0 .4"><freejoint/><geom type={}/></body>'
+    )
+    flag = '<option><flag energy="enable"/></option>'
+    model = model_of(world.format(shape), more=flag)
+    for seed in range(10):
+        data = mujoco.MjData(model)
+        data.qvel[:] = np.random.default_rng(seed).normal(size=6) * [1, 1, 1, 8, 8, 8]
+        energy = Scene(model).simulate(data, t_end=1.2, keep=("energy",)).energy.sum(axis=1)[1:]
+        assert np.diff(energy).max() < 1e-5 * energy.max()
+
+
 @pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
 def test_forces_are_where_mujoco_has_them(cone):
     sensors = (
@@ -365,8 +380,12 @@ def test_what_has_no_rigid_rows_is_refused_by_name():
     with pytest.raises(asp.ParameterError, match=r"condim 6\) at geom 'box'"):
         Scene(rolling)
     assert Scene(rolling, rolling="ignore").step(mujoco.MjData(rolling)).solution.converged
-    with pytest.raises(asp.ParameterError, match="adhesion"):
-        Scene(box(more='<actuator><adhesion body="body" gain="1" ctrlrange="0 1"/></actuator>'))
+    adhesion = '<actuator><adhesion name="glue" body="body" gain="1" ctrlrange="0 1"/></actuator>'
+    with pytest.raises(asp.ParameterError, match="adhesion by actuator 'glue'"):
+        Scene(box(more=adhesion))
+    rolling.opt.timestep = 0.0
+    with pytest.raises(asp.ParameterError, match="positive timestep, has 0"):
+        Scene(rolling)
     cloth = model_of('<flexcomp name="f" type="grid" count="2 2 1" dim="2" spacing=".1 .1 .1"/>')
     with pytest.raises(asp.ParameterError, match="flex"):
         Scene(cloth)
@@ -388,7 +407,10 @@ def test_forces_that_are_not_finite_end_by_name_and_leave_the_state():
     model = box()
     data = mujoco.MjData(model)
     data.qfrc_applied[0] = np.inf
-    with pytest.raises(asp.ParameterError, match="finite velocities"):
+    with pytest.raises(asp.ParameterError, match=r"finite velocities.* qfrc_applied is not finite"):
+        Scene(model).step(data)
+    data.qfrc_applied[0] = 1e200
+    with pytest.raises(asp.ParameterError, match=r"finite velocities.* smaller timestep"):
         Scene(model).step(data)
     np.testing.assert_array_equal(data.qpos, model.qpos0)
     np.testing.assert_array_equal(data.qvel, 0.0)
@@ -429,7 +451,9 @@ def test_laws_are_checked(laws, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (lambda model: None, "mujoco.MjData"),
         (lambda model: model, "mujoco.MjData"),
+        (lambda model: mujoco.MjData(box((0.03, 0.02, 0.01))), "of the scene's model"),
         (lambda model: mujoco.MjData(model_of("<geom size='1'/>")), "of the scene's model"),
         (lambda model: spoilt(model, "qvel"), "finite qpos and qvel"),
         (lambda model: spoilt(model, "qpos"), "finite qpos and qvel"),
@@ -504,14 +528,37 @@ def test_two_pairs_of_the_same_geoms_are_refused():
         Scene(model)
 
 
-def test_drilling_where_nothing_can_drill_names_the_geoms():
-    model = model_of(
-        '<geom name="floor" type="plane" size="1 1 .1" condim="4"/><body name="cart" pos="0 0 .02">'
-        '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
-        '<joint type="slide" axis="0 0 1"/><geom name="foot" size=".02" mass="1"/></body>'
-    )
+CART = (
+    '<geom name="floor" type="plane" size="1 1 .1" friction=".4 .003 0" {floor}/>'
+    '<body name="cart" pos="0 0 .02"><joint type="slide" axis="1 0 0"/>'
+    '<joint type="slide" axis="0 0 1"/>{joint}'
+    '<geom name="foot" type="box" size=".02 .02 .02" mass="1" friction=".4 .003 0"/></body>'
+)
+
+
+def test_a_law_with_drilling_where_nothing_can_drill_names_the_geoms():
+    law = asp.FrictionLaw.associated(asp.Ellipsoid((0.4, 0.4, 0.3)))
+    model = model_of(CART.format(floor="", joint='<joint type="slide" axis="0 1 0"/>'))
+    scene = Scene(model, {("floor", "foot"): PairLaw(law, patch_radius=0.01)})
     with pytest.raises(asp.ParameterError, match=r"drill and slide: contact of 'floor' and 'foot'"):
-        Scene(model).step(mujoco.MjData(model))
+        scene.step(mujoco.MjData(model))
+
+
+@pytest.mark.parametrize(
+    "joint", ["", '<joint axis="0 1 0"/>', '<joint type="slide" axis="0 1 0"/>']
+)
+def test_condim_4_is_3_where_nothing_drills(joint):
+    """In planar models, and where bodies cannot turn."""
+    runs = []
+    for condim in (3, 4):
+        model = model_of(CART.format(floor=f'condim="{condim}"', joint=joint))
+        data = mujoco.MjData(model)
+        data.qvel[0] = 1.0
+        scene = Scene(model)
+        runs.append(scene.simulate(data, t_end=0.1).qpos)
+        assert scene.contacts(data)[0].torque == 0.0
+    np.testing.assert_array_equal(*runs)
+    assert data.qvel[0] == pytest.approx(1.0 - 0.4 * GRAVITY * 0.1, rel=1e-6)
 
 
 def test_a_ball_bounces_to_the_squared_part_of_its_height():
@@ -651,6 +698,22 @@ def test_a_failure_leaves_the_state_as_it_was():
     assert data.qpos[2] == deep
 
 
+def test_a_step_that_ends_inside_is_refused_by_name():
+    """A blade that turns by a right angle within half a step stands across a slot too narrow."""
+    wall = '<geom name="{0}" type="plane" size="1 1 .1" pos="{1}.06 0 0" zaxis="{2} 0 0"/>'
+    model = model_of(
+        wall.format("left", "-", 1) + wall.format("right", "", -1) + "<body><joint/>"
+        '<geom name="blade" type="box" size=".05 .15 .02" mass="1"/></body>'
+    )
+    model.opt.timestep = 0.01
+    data = mujoco.MjData(model)
+    data.qvel[0] = np.pi / 0.01
+    with pytest.raises(asp.NoSolutionError, match=r"contact of 'left' and 'blade' by 0\.09 .*left"):
+        Scene(model).step(data)
+    assert data.qpos[0] == 0.0
+    assert Scene(model, on_failure="record").step(data).violation == pytest.approx(0.09, abs=1e-3)
+
+
 def test_a_problem_is_that_of_the_next_step():
     model = box()
     data, scene = mujoco.MjData(model), Scene(model, {("floor", "box"): LAWS["extended"]})
@@ -753,6 +816,7 @@ def test_runs_keep_what_is_asked_for():
     for arguments, message in [
         ({"t_end": 0.0}, "data.time"),
         ({"t_end": 1.0, "keep": ("nothing",)}, "arrays of MjData"),
+        ({"t_end": 1.0, "keep": "qpos"}, r"a sequence of names, as \('qpos',\)"),
     ]:
         with pytest.raises(asp.ParameterError, match=message):
             scene.simulate(data, **arguments)

@@ -24,6 +24,7 @@ from asperity import (
 from asperity.contact.grading import proves_no_solution
 from profiles import counts
 from scipy.linalg import block_diag
+from scipy.optimize import linprog
 from scipy.sparse import coo_array, csc_array, csr_array
 
 FREE, JOINT, DRY = (
@@ -274,6 +275,28 @@ def test_redundant_joints_share_and_contradicting_ones_end():
     assert drift.mismatch == pytest.approx(5e-10, rel=1e-3)
     with pytest.raises(NoSolutionError, match=r"item [01], where 0\.5 m/s are left"):
         stepper.solve(opposed, free_velocity=[-2.0, 1.0], items=[JOINT, JOINT])
+
+
+@pytest.mark.parametrize("seed", [612, 1314, 1874, 2918])
+def test_percussions_that_run_away_do_not_hide_that_joints_move(seed):
+    """No velocity opens the contacts, by at least 1e-3 m/s, while the joints rest."""
+    rng = np.random.default_rng(seed)
+    rows, free = rng.normal(size=(3, 10)), rng.normal(size=10)
+    delassus, joints = rows.T @ rows, [3, 7]
+    inside = np.vstack([-rows[:, [0, 4, 8, 9]], np.ones(4)]).T
+    held = np.vstack([rows[:, joints], np.zeros(2)]).T
+    least = [0.0, 0.0, 0.0, -1.0]
+    bounds = (None, 9.0)
+    nearest = linprog(least, inside, free[[0, 4, 8, 9]], held, -free[joints], bounds=bounds)
+    assert nearest.x[3] < -1e-3
+    step = ContactStepper(FrictionLaw.isotropic(0.3)).solve(
+        0.5 * (delassus + delassus.T),
+        free_velocity=free,
+        items=[0, JOINT, 0, JOINT, FREE, FREE],
+        on_failure="record",
+    )
+    assert step.status is Status.UNBOUNDED
+    assert np.abs(step.velocity[joints]).max() == step.mismatch > 0.01
 
 
 @pytest.mark.parametrize("change", 10.0 ** np.arange(-9.0, -2.0, 0.5))

@@ -84,7 +84,8 @@ world; whether the slip is that of the first of the pair; the length that multip
 class ContactLaw:
     """The law of a contact: its number, the kind of a row without friction, and its axes.
 
-    Without axes they are MuJoCo's. `factor` is that of the friction over a plane.
+    Without axes they are MuJoCo's. `factor` is that of the friction over a plane, `flat` the law
+    where nothing drills.
     """
 
     number: int
@@ -92,6 +93,7 @@ class ContactLaw:
     restitution: float
     axes: Axes | None = None
     factor: Callable[[float, float], float] | None = None
+    flat: int | None = None
 
 
 class PairLaws:
@@ -184,18 +186,24 @@ class PairLaws:
         dimension = self._rows.condim(*pair) - 1
         if dimension == 0:
             return ContactLaw(ContactStepper.FRICTIONLESS, 0, self._restitution)
-        axes = tuple(friction[:dimension].tolist())
+        flat = self._numbered(friction[:2]) if dimension == 3 else None
+        number = self._numbered(friction[:dimension])
+        return ContactLaw(number, dimension, self._restitution, flat=flat)
+
+    def _numbered(self, friction: Array) -> int:
+        """Return the number of the law with these coefficients."""
+        axes = tuple(friction.tolist())
         number = self._own.get(axes)
         if number is None:
             number = self._own[axes] = len(self.laws)
-            if dimension == 3:
+            if len(axes) == 3:
                 law = FrictionLaw.associated(Ellipsoid(axes))
             elif axes[0] == axes[1]:
                 law = FrictionLaw.isotropic(axes[0])
             else:
                 law = FrictionLaw.associated(Ellipse(*axes))
             self.laws.append(law)
-        return ContactLaw(number, dimension, self._restitution)
+        return number
 
     def _made(self, pair: PairLaw, first: str) -> ContactLaw:
         name = first if pair.carried_by is None else pair.carried_by

@@ -118,10 +118,17 @@ class RowsModel:
     def check(self, data: mujoco.MjData) -> None:
         """Refuse data of another model, and states that are not finite."""
         arrays.of_kind(data, "data", self.mj.MjData, "a mujoco.MjData")
-        if data.nbuffer != self.buffer:
+        m = data.model
+        is_same = data.nbuffer == self.buffer
+        if not (is_same and (m is self.user or self._saved(m) == self._saved(self.user))):
             raise ParameterError("data", "must be that of the scene's model, not of another")
         if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
             raise ParameterError("data", "must have finite qpos and qvel")
+
+    def _saved(self, model: mujoco.MjModel) -> bytes:
+        saved = np.empty(self.mj.mj_sizeModel(model), dtype=np.uint8)
+        self.mj.mj_saveModel(model, None, saved)
+        return saved.tobytes()
 
     def limit_margins(self, data: mujoco.MjData, rows: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the distances at which the user's model has the limits of these rows rest."""
@@ -203,6 +210,8 @@ def _geom_name(model: mujoco.MjModel, geom: int) -> str:
 
 def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
     """Refuse, by name, what has no rows that a contact law could have."""
+    if not m.opt.timestep > 0.0:
+        raise ParameterError("model", f"must have a positive timestep, has {m.opt.timestep:g}")
     if m.nflex:
         raise ParameterError("model", "has a flex, whose contacts are not those of rigid bodies")
     touching = (m.geom_contype != 0) | (m.geom_conaffinity != 0)
@@ -216,8 +225,12 @@ def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
         )
     if int(m.opt.enableflags) & int(mj.mjtEnableBit.mjENBL_OVERRIDE):
         raise ParameterError("model", "overrides the parameters of its contacts: turn override off")
-    if m.flg_adhesion or (m.actuator_trntype == mj.mjtTrn.mjTRN_BODY).any():
-        raise ParameterError("model", "has adhesion, which pulls on contacts that are not closed")
+    adhesion = np.flatnonzero(m.actuator_trntype == mj.mjtTrn.mjTRN_BODY).tolist()
+    if m.flg_adhesion or adhesion:
+        of = f" by actuator {m.actuator(adhesion[0]).name or adhesion[0]!r}" if adhesion else ""
+        raise ParameterError(
+            "model", f"has adhesion{of}, which pulls on contacts that are not closed"
+        )
     pairs = [frozenset(pair) for pair in zip(m.pair_geom1, m.pair_geom2, strict=True)]
     if len(set(pairs)) < len(pairs):
         twice = next(pair for pair in pairs if pairs.count(pair) > 1)

@@ -15,8 +15,6 @@ from asperity.solvers import Solver
 if TYPE_CHECKING:
     import mujoco
 
-# Projections converge like Newton's method where they are possible.
-_PROJECTIONS = 20
 _TOLERANCE = 1e-10
 _NONE = np.zeros(0)
 
@@ -72,13 +70,12 @@ class Projector:
                 found[name] = max(size, found.get(name, 0.0))
         return found
 
-    def settle(self) -> tuple[float, float]:
-        """Project the coordinates; return the largest violation before and after."""
+    def settle(self, count: int) -> tuple[float, float]:
+        """Project up to `count` times; return the largest violation before and after."""
         first = self._worst
-        for _ in range(_PROJECTIONS):
-            if self._worst <= self._exact:
+        for _ in range(count):
+            if self._worst <= self._exact or not self._move():
                 break
-            self._move()
             self._look()
         return first, self._worst
 
@@ -152,14 +149,15 @@ class Projector:
             self._errors = np.abs(ahead.efc_pos[: ahead.ne]) * self.reader.stepper.moves()
             self._worst = max(self.depth, float(self._errors.max()))
 
-    def _move(self) -> None:
-        """Move to where the linearised rows hold."""
+    def _move(self) -> bool:
+        """Move to where the linearised rows hold; return whether there is such a place."""
         ahead = self.data
         self._factor()
         # What is as near as the others are violated may close.
         equalities = ahead.efc_pos[: ahead.ne] if ahead.ne else _NONE
         change = self.reader.stepper.close(equalities, self._worst, _TOLERANCE)
         self._mj.mj_integratePos(self._model.model, ahead.qpos, change, 1.0)
+        return bool(change.any())
 
     def _factor(self) -> None:
         m, ahead = self._model.model, self.data

@@ -151,5 +151,5 @@ class Reader:
             if len(self._laws.laws) > self._known:
                 self._renew()
             for pair, law in found.items():
-                self.stepper.learn(pair, law.number, law.restitution, law.axes)
+                self.stepper.learn(pair, law.number, law.restitution, law.axes, law.flat)
             self._list(data, contacts, counts, address, geoms)

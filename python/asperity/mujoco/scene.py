@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 # Parts of the model's extent: violations up to the first stay, starts with more than the second are
 # refused.
 _EXACT, _START = 1e-9, 1e-6
+# Projections converge like Newton's method where they are possible.
+_PROJECTIONS = 20
+# What says that percussions do not exist, or probably.
+_CRUSHED = Status.NO_SOLUTION, Status.UNBOUNDED
 # Steps without a contact that was found too late, after which the detection distance is halved.
 _QUIET = 100
 
@@ -70,7 +74,9 @@ class Scene:
             by hand, also by switching equalities.
         normal_restitution: e_N in [0, 1] of contacts whose `PairLaw` gives none; limits have none.
         rolling: ``"refuse"`` geoms with ``condim`` 6, or ``"ignore"`` their rolling friction.
-        on_failure: ``"raise"``, with the data as before the step, or ``"record"``.
+        on_failure: ``"raise"``, with the data as before the step, or ``"record"``: take the step
+            with the percussions where the solver ended; mocap bodies that crush others, or that
+            these cannot follow, are refused all the same.
         solver: default `Auto`.
         tolerance: largest relative defect of a contact.
 
@@ -158,6 +164,7 @@ class Scene:
         Raises:
             ParameterError: if the state is not finite, or inadmissible, see `starts`.
             NoSolutionError, ConvergenceError: naming the contact or joint; the state is as before.
+                Also if more than 1e-6 of the model's extent are violated at the end.
         """
         is_new = self._is_new(data)
         if is_new:
@@ -173,8 +180,11 @@ class Scene:
             if control is not None:
                 control(self._rows.user, data)
             found, solution = self._advance(data, q, v, start)
-            projected, violation = self._projector.settle()
-            if self._reader.guidance is not None:
+            guided = self._reader.guidance is not None
+            # Where hands crush what is between them, the nearest place for it is far away.
+            crushed = guided and solution is not None and solution.status in _CRUSHED
+            projected, violation = self._projector.settle(0 if crushed else _PROJECTIONS)
+            if violation > _START * self._extent:
                 self._refuse_out_of_reach(data)
         except BaseException:
             data.qpos[:], data.qvel[:] = before
@@ -213,6 +223,8 @@ class Scene:
         steps = round((arrays.number(t_end, "t_end") - data.time) / self._dt)
         if steps < 0:
             raise ParameterError("t_end", f"must not be before data.time = {data.time:g}")
+        if isinstance(keep, str):
+            raise ParameterError("keep", f"must be a sequence of names, as ({keep!r},)")
         for name in keep:
             if not isinstance(getattr(data, str(name), None), np.ndarray):
                 raise ParameterError("keep", f"must name arrays of MjData, got {name!r}")
@@ -305,7 +317,7 @@ class Scene:
         ahead = self._projector
         ahead.place(data)
         violations = ahead.violations(_EXACT * self._extent)
-        ahead.settle()
+        ahead.settle(_PROJECTIONS)
         left = ahead.violations(_START * self._extent)
         if left:
             raise NoSolutionError(f"the state cannot be projected: {_listed(left)} are left")
@@ -353,15 +365,18 @@ class Scene:
         return ahead.level(v)
 
     def _refuse_out_of_reach(self, data: mujoco.MjData) -> None:
+        """Refuse places that cannot be projected."""
+        if self._reader.guidance is not None:
+            why = "mocap bodies go where the others cannot follow"
+        elif self._on_failure == "raise":
+            why = "the step ends where gaps, limits and equalities cannot hold"
+        else:
+            return
         left = self._projector.violations(_START * self._extent)
-        if left:
-            raise NoSolutionError(
-                f"mocap bodies go where the others cannot follow, at {data.time:g} s: "
-                f"{_listed(left)} are left"
-            )
+        raise NoSolutionError(f"{why}, at {data.time:g} s: {_listed(left)} are left")
 
     def _is_new(self, data: mujoco.MjData) -> bool:
-        return self._owner is not data or self._left != self._state(data)
+        return self._owner is None or self._owner is not data or self._left != self._state(data)
 
     def _state(self, data: mujoco.MjData) -> bytes:
         state = data.qpos.tobytes() + data.qvel.tobytes()
@@ -378,7 +393,7 @@ class Scene:
                 raise self._failure(data, found, solution)
             after = found.velocity
             self._projector.advance(data, after, 0.5 * self._dt)
-            distance = self._missed(found)
+            distance = self._came(after)
             if distance <= self._rows.detection:
                 return found, solution
             self._quiet = 0
@@ -427,8 +442,15 @@ class Scene:
         damping = self._rows.damping if self._rows.is_damped else None
         stepper = self._reader.stepper
         if not stepper.accelerate(data.qacc_smooth, v, data.qvel, self._dt, damping):
+            forces = ("qfrc_applied", "xfrc_applied", "ctrl", "qfrc_actuator", "qfrc_passive")
+            wrong = [name for name in forces if not np.isfinite(getattr(data, name)).all()]
+            why = (
+                f"{wrong[0]} is not finite"
+                if wrong
+                else "forces are too large: try a smaller timestep"
+            )
             raise ParameterError(
-                "data", f"must have finite velocities, forces at {data.time:g} s make them others"
+                "data", f"must have finite velocities after a step, at {data.time:g} s {why}"
             )
 
     def _percussions(self, data: mujoco.MjData, v: Array) -> _core.TreeStep:
@@ -441,27 +463,29 @@ class Scene:
             if item is None:
                 raise
             name = self._name(data, self._reader.layout, stepper.near(), item)
-            message = f"with drilling need bodies that can drill and slide: {name}"
+            message = f"with drilling (condim 4) need bodies that drill and slide: {name}"
             raise ParameterError("laws", message) from error
         converged = Status.CONVERGED.value
         if found.step is not None and found.step.status != converged:
             # Percussions of the step before may be a bad start.
             stepper.forget()
             found = stepper.step(v, *settings)
-        if data.ne and found.step is not None and found.step.status != converged:
-            # Anchors that move by what their paths curve may jam contacts: they rest then.
-            rests = stepper.step(self._still, *settings)
-            if rests.step is None or rests.step.status == converged:
-                return rests
+        if data.ne and found.step is not None:
+            # Anchors that move by what their paths curve may jam contacts, or drive them: they
+            # rest then.
+            failed = found.step.status != converged
+            if failed or stepper.gains_energy(v, self._tolerance):
+                rests = stepper.step(self._still, *settings)
+                if rests.step is None or rests.step.status == converged or not failed:
+                    return rests
         return found
 
-    def _missed(self, found: _core.TreeStep) -> float:
-        """Return from how far contacts came that the step did not know and that end inside."""
+    def _came(self, after: Array) -> float:
+        """Return from how far contacts came that end inside."""
         least = _EXACT * self._extent
         if self._projector.depth <= least:
             return 0.0
-        ahead = self._projector.reader.stepper
-        return ahead.missed(found, least, found.velocity, 0.5 * self._dt)
+        return self._projector.reader.stepper.came(least, after, 0.5 * self._dt)
 
     def _write(
         self,

@@ -56,10 +56,11 @@ impl Listing {
 /// much it rests in others.
 type Geom = (u64, bool, bool, f64);
 
-/// The law of a pair of geoms: its rows, its axis with what carries it, and its restitution.
+/// The law of a pair of geoms: its rows, those where nothing drills, its axis with what carries it, and its restitution.
 #[derive(Clone, Copy)]
 struct PairLaw {
     rows: Rows,
+    flat: Option<Rows>,
     axis: Option<(Axis, Option<usize>)>,
     restitution: f64,
 }
@@ -138,13 +139,14 @@ impl TreeStepper {
             && geoms.as_array().iter().eq(&known.geoms)
     }
 
-    /// Gives a pair of geoms a law, with an axis that is carried by a geom or body, which follow each other, or by the world.
+    /// Gives a pair of geoms a law, and one without its drilling, with an axis that is carried by a geom or body, which follow each other, or by the world.
     fn learn(
         &mut self,
         pair: (i32, i32),
         kind: i64,
         restitution: f64,
         axis: Option<([f64; 3], Option<usize>, bool, f64)>,
+        flat: Option<usize>,
     ) {
         let rows = match kind {
             FRICTIONLESS => Rows::Frictionless,
@@ -154,7 +156,8 @@ impl TreeStepper {
             (Axis { axis, is_reversed, radius }, carrier)
         });
         if let Some(pairs) = &mut self.pairs {
-            pairs.insert(pair, PairLaw { rows, axis, restitution });
+            let flat = flat.map(Rows::Contact);
+            pairs.insert(pair, PairLaw { rows, flat, axis, restitution });
         }
     }
 
@@ -181,7 +184,8 @@ impl TreeStepper {
         let mut rows: Vec<usize> = (begin..begin + counts.2).collect();
         rows.extend(contacts.iter().map(|&k| addresses[k] as usize));
         let listing = Listing { counts, addresses, geoms, contacts, rows };
-        let plain = PairLaw { rows: Rows::Frictionless, axis: None, restitution: 0.0 };
+        let rows = Rows::Frictionless;
+        let plain = PairLaw { rows, flat: None, axis: None, restitution: 0.0 };
         let law = |k: usize| self.pairs.as_ref().map_or(Some(&plain), |p| p.get(&listing.pair(k)));
         let known: Vec<&PairLaw> = listing.contacts.iter().filter_map(|&k| law(k)).collect();
         if known.len() < listing.contacts.len() {
@@ -197,10 +201,11 @@ impl TreeStepper {
             (begin + counts.2..).map(|key| key as u64).take(listing.contacts.len()).collect()
         };
         let limit =
-            |row: usize| Unilateral { row, key: row as u64, rows: plain.rows, restitution: 0.0 };
+            |row: usize| Unilateral { row, rows, flat: None, key: row as u64, restitution: 0.0 };
         let contact = |((law, &row), key): ((&&PairLaw, &usize), u64)| Unilateral {
             row,
             rows: law.rows,
+            flat: law.flat,
             key,
             restitution: law.restitution,
         };
@@ -377,6 +382,11 @@ impl TreeStepper {
         self.stepper.was_from(part)
     }
 
+    /// Whether the percussions of the last step do more work than physics allows.
+    fn gains_energy(&self, before: Numbers<'_>, part: f64) -> PyResult<bool> {
+        Ok(self.stepper.gains_energy(numbers(&before, "before")?, part))
+    }
+
     /// Forces of all rows of the engine, those of contacts along the edges of pyramids at these addresses.
     fn pyramids<'py>(
         &self,
@@ -442,27 +452,12 @@ impl TreeStepper {
         Ok(array(py, change))
     }
 
-    /// From how far contacts came that end deeper than this after half a step with these velocities, and that the `step` did not know.
-    fn missed(&self, step: &TreeStep, depth: f64, after: Numbers<'_>, half: f64) -> PyResult<f64> {
+    /// From how far contacts came that end deeper than this after half a step with these velocities.
+    fn came(&self, depth: f64, after: Numbers<'_>, half: f64) -> PyResult<f64> {
         let (after, limits) = (numbers(&after, "after")?, self.listing.counts.2);
-        let gaps = &self.stepper.gaps()[limits..];
-        let pairs = || self.listing.contacts.iter().map(|&k| self.listing.pair(k));
-        let inside = || pairs().zip(gaps).enumerate().filter(|(_, (_, gap))| **gap < -depth);
-        // More of a pair than were known.
-        let mut more = HashMap::new();
-        for (_, (pair, _)) in inside() {
-            *more.entry(pair).or_insert(0_i64) += 1;
-        }
-        for &contact in &step.listing.contacts {
-            if let Some(count) = more.get_mut(&step.listing.pair(contact)) {
-                *count -= 1;
-            }
-        }
-        let new = inside().filter(|(_, (pair, _))| more[pair] > 0);
-        let came = new.map(|(k, (_, gap))| {
-            let row = self.listing.rows[limits + k];
-            gap - half * self.stepper.row_velocity(row, after)
-        });
+        let contacts = self.stepper.gaps().iter().zip(&self.listing.rows).skip(limits);
+        let inside = contacts.filter(|(gap, _)| **gap < -depth);
+        let came = inside.map(|(gap, row)| gap - half * self.stepper.row_velocity(*row, after));
         Ok(came.fold(0.0, f64::max))
     }
 

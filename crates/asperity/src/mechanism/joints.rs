@@ -9,6 +9,9 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::arranged::{Arranged, Rows};
 use super::{DRIFT, ROUNDED};
 
+/// What a percussion brings to its own row over the largest velocity without percussions, from which on it may run away.
+const GROWN: f64 = 100.0;
+
 /// The bilateral rows of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Joints {
@@ -98,7 +101,8 @@ impl Joints {
     }
 
     /// The row that moves most where others contradict it, by more than drift of the velocities that rows which influence it have to
-    /// take out; else the one that moves most.
+    /// take out; else the one that moves most. Of what percussions of others bring, which may run away, counts at most [`GROWN`]
+    /// times the largest velocity without percussions.
     pub(super) fn mismatch(
         &self,
         step: &Arranged,
@@ -106,13 +110,21 @@ impl Joints {
         velocity: &[f64],
     ) -> Mismatch {
         let is_joint = |place: usize| step.items[place] == Rows::Bilateral;
-        let load = |joint: usize| {
-            let others = step.mobility.row(joint).filter(|(other, _)| !is_joint(*other));
-            let taken = others.map(|(other, block)| {
-                let terms = block.iter().zip(&percussion[step.rows(other)]);
-                terms.map(|(g, p)| (g * p).abs()).sum::<f64>()
-            });
-            step.free_velocity[step.rows(joint).start].abs() + taken.sum::<f64>()
+        let most = GROWN * step.largest_velocity();
+        let mut has_grown = false;
+        let mut load = |joint: usize| {
+            let (mut taken, mut brought) = (0.0, 0.0);
+            for (other, block) in step.mobility.row(joint).filter(|(other, _)| !is_joint(*other)) {
+                for (k, (g, p)) in block.iter().zip(&percussion[step.rows(other)]).enumerate() {
+                    taken += (g * p).abs();
+                    brought = f64::max(brought, (step.own(other, k, k) * p).abs());
+                }
+            }
+            if brought > most {
+                has_grown = true;
+                taken *= most / brought;
+            }
+            step.free_velocity[step.rows(joint).start].abs() + taken
         };
         let loads: Vec<f64> = self.joints.iter().map(|&joint| load(joint)).collect();
         let rounding = ROUNDED * loads.iter().copied().fold(0.0, f64::max);
@@ -130,7 +142,7 @@ impl Joints {
             // Also where it is not a number.
             let is_drift = left <= f64::max(DRIFT * reach, rounding);
             if left.is_nan() || (!is_drift, left) > (!worst.is_drift, worst.velocity) {
-                worst = Mismatch { place: joint, velocity: left, is_drift };
+                worst = Mismatch { place: joint, velocity: left, is_drift, has_grown };
             }
             if left.is_nan() {
                 break;
@@ -147,4 +159,6 @@ pub(super) struct Mismatch {
     pub(super) place: usize,
     pub(super) velocity: f64,
     pub(super) is_drift: bool,
+    /// Whether percussions have grown so far that this does not tell what is contradicted.
+    pub(super) has_grown: bool,
 }

@@ -126,7 +126,8 @@ impl ContactStepper {
     /// Solves a step.
     ///
     /// A status other than converged says that percussions are no solution: [`Status::NoSolution`] also where joints contradict each
-    /// other by more than drift, with one of them as the worst contact of the report. Contacts in it are items.
+    /// other by more than drift, [`Status::Unbounded`] where percussions have grown so far that they hide it, with one of them as the
+    /// worst contact of the report. Contacts in it are items.
     ///
     /// # Errors
     ///
@@ -165,7 +166,11 @@ impl ContactStepper {
         self.find_unresolved();
         report.worst_contact = self.item_of(report.worst_contact);
         if !self.unresolved.is_drift {
-            report.status = Status::NoSolution;
+            report.status = match (self.unresolved.has_grown, report.status) {
+                (false, _) => Status::NoSolution,
+                (true, Status::Converged) => Status::Unbounded,
+                (true, status) => status,
+            };
             let place = self.unresolved.place;
             report.worst_contact = self.arranged.order.get(place).copied().unwrap_or(0);
         }
@@ -210,6 +215,11 @@ impl ContactStepper {
     /// Largest velocity in m/s that is left in a bilateral row, or with which bodies approach each other that nothing can move.
     pub fn mismatch(&self) -> f64 {
         self.unresolved.velocity
+    }
+
+    /// Whether the last step, of this report, has no percussions for its contacts, whatever its joints contradict.
+    pub(super) fn runs_away(&self, report: &SolveReport) -> bool {
+        self.unresolved.is_drift && matches!(report.status, Status::NoSolution | Status::Unbounded)
     }
 
     /// What is left of the laws of the contacts in the last step, from its percussions alone.
@@ -418,7 +428,7 @@ impl ContactStepper {
             let own = free.iter().fold(0.0, |most, v| v.abs().max(most));
             let is_drift = closing <= f64::max(DRIFT * own, ROUNDED * arranged.largest_velocity());
             if (!is_drift, closing) > (!worst.is_drift, worst.velocity) {
-                worst = Mismatch { place, velocity: closing, is_drift };
+                worst = Mismatch { place, velocity: closing, is_drift, has_grown: false };
             }
         }
         self.unresolved = worst;

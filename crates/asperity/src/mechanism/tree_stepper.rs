@@ -1,5 +1,6 @@
 //! Steps of kinematic trees: which limits and contacts close, and the velocities afterwards.
 
+use super::ROUNDED;
 use super::arranged::{Mobility, Rows, StepRows};
 use super::closing;
 use super::stepper::ContactStepper;
@@ -18,6 +19,8 @@ pub struct Unilateral {
     pub row: usize,
     /// Its rows in a step.
     pub rows: Rows,
+    /// Those where nothing turns its bodies about the normal, if they are others.
+    pub flat: Option<Rows>,
     /// A number by which it is known again in the next step.
     pub key: u64,
     /// Of the velocity with which it closes, in [0, 1].
@@ -444,7 +447,8 @@ impl TreeStepper {
     }
 
     /// The least change of coordinates, in the mass matrix, after which rows hold that have these values before: those of
-    /// equalities with `= 0`, others with `≥ 0`.
+    /// equalities with `= 0`, others with `≥ 0`. None where these contradict each other: percussions that run away would move trees
+    /// anywhere.
     ///
     /// # Errors
     ///
@@ -476,7 +480,12 @@ impl TreeStepper {
                     factors: None,
                 };
                 self.stepper.forget();
-                self.stepper.step(&step, stop)?;
+                let report = self.stepper.step(&step, stop)?;
+                if self.stepper.runs_away(&report) {
+                    self.change.clear();
+                    self.change.resize(self.factor.velocities(), 0.0);
+                    return Ok(&self.change);
+                }
                 self.stepper.percussion()
             }
         };
@@ -524,12 +533,15 @@ impl TreeStepper {
             rows.push(plain(row, 2.0 * part(&self.driven, row)));
         }
         for (k, u) in listed.unilateral.iter().enumerate().filter(|(k, _)| self.near[*k]) {
-            items.push(u.rows);
+            // Parts of joints' axes along the normal are of order one.
+            let is_flat = || jacobian.row(u.row + 3).iter().all(|(_, part)| part.abs() <= ROUNDED);
+            let own = u.flat.filter(|_| is_flat()).unwrap_or(u.rows);
+            items.push(own);
             keys.push(u.key);
             factors.push(self.turns[k].map_or(1.0, |turn| turn.factor));
             rows.push(plain(u.row, self.added[k]));
             let surface = [1, 2, 3].map(|axis| part(&self.driven, u.row + axis));
-            for axis in 0..u.rows.count(self.stepper.laws()).unwrap_or(1) - 1 {
+            for axis in 0..own.count(self.stepper.laws()).unwrap_or(1) - 1 {
                 rows.push(match self.turns[k] {
                     None => plain(u.row + 1 + axis, surface[axis]),
                     Some(Turn { axes, .. }) if axis < 2 => {
@@ -564,6 +576,23 @@ impl TreeStepper {
             |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
         let change = largest(&mut free.iter().zip(&self.solved).map(|(new, old)| new - old));
         change <= part * largest(&mut free.iter().copied())
+    }
+
+    /// Whether the percussions of the last step do more work over the mean of the velocities `before` and after it than percussions
+    /// can whose work over those after it is not positive; up to a part of what cancels in it.
+    ///
+    /// With the change w of velocities by forces, that u by percussions and `P·γ⁺ ≤ 0`, the work `½ P·(γ⁻ + γ⁺)` is at most
+    /// `−½|u|² − ½ u·w ≤ ⅛|w|²` in the mass matrix. Rows that reflect do no work.
+    pub fn gains_energy(&self, before: &[f64], part: f64) -> bool {
+        let (mut work, mut size) = (0.0, 0.0);
+        for (row, p) in self.percussions().into_iter().enumerate().filter(|(_, p)| *p != 0.0) {
+            let [old, new] = [before, &self.change].map(|v| 0.5 * self.row_velocity(row, v));
+            work += p * (old + new);
+            size += p.abs() * (old.abs() + new.abs());
+        }
+        let change: Vec<f64> = self.solved.iter().zip(before).map(|(free, v)| free - v).collect();
+        // The comparison also finds NaN.
+        !(work <= self.factor.square(&change) / 8.0 + part * size)
     }
 
     /// What solved the last step.

@@ -99,6 +99,12 @@ impl TreeFactor {
         self.divide_transposed(x);
     }
 
+    /// `xᵀ M x`.
+    pub(super) fn square(&self, x: &[f64]) -> f64 {
+        let along = |i: usize| x[i] + self.row(i).map(|(j, entry)| entry * x[j]).sum::<f64>();
+        (0..x.len()).map(|i| (along(i) / self.scale[i]).powi(2)).sum()
+    }
+
     /// `x ← L⁻¹ D^{-1/2} x`.
     fn divide_transposed(&self, x: &mut [f64]) {
         for i in 0..x.len() {
