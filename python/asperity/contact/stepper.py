@@ -44,7 +44,8 @@ class StepSolution:
         residual: largest relative defect of a contact, as `ContactProblem.residual`.
         mismatch: largest velocity that is left in a bilateral row, or with which bodies approach
             each other that no percussion moves, in m/s or rad/s. Up to 1e-6 of the velocities of
-            the rows that influence it, it counts as drift.
+            the rows that influence it, with percussions that bring at most a hundred times the
+            largest free velocity, it counts as drift.
         iterations: sweeps or iterations of the solver.
         ambiguous_items: whether each item had several solutions, the others held.
         worst_item: the item with the largest residual, or the one without a solution.

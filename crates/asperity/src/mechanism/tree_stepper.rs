@@ -19,7 +19,7 @@ pub struct Unilateral {
     pub row: usize,
     /// Its rows in a step.
     pub rows: Rows,
-    /// Those where nothing turns its bodies about the normal, if they are others.
+    /// Those without drilling, its fourth row, where nothing turns the bodies about the normal; none if they are the same.
     pub flat: Option<Rows>,
     /// A number by which it is known again in the next step.
     pub key: u64,
