@@ -481,3 +481,32 @@ def test_exceptions_of_methods_come_back(method):
 
     with pytest.raises(KeyError, match="mine"):
         asp.simulate(Failing(), dt=1e-3, t_end=0.1, q0=at(1.0))
+
+
+def test_friction_that_wedges_a_body_between_constraints_ends_the_run():
+    """As without constraints in one coordinate, where the contact problem has no solution."""
+    law = asp.FrictionLaw.isotropic(0.6, dimension=1)
+    given = {"gap": 0.05, "normal_restitution": 0.8}
+    alone = asp.Contact(law, direction=[[1.0]], normal=[0.5], **given)
+    with pytest.raises(asp.NoSolutionError):
+        asp.simulate(asp.LinearSystem([[1.0]], contacts=[alone]), dt=1e-3, t_end=0.3, u0=[-1.0])
+    held = asp.Contact(law, direction=[[1.0], [0.0]], normal=[0.5, 0.0], **given)
+    system = asp.LinearSystem(np.eye(2), constraint_rows=[[0.0, 1.0]], contacts=[held])
+    with pytest.raises(asp.ConvergenceError, match="without bound"):
+        asp.simulate(system, dt=1e-3, t_end=0.3, u0=[-1.0, 0.0])
+
+
+@pytest.mark.parametrize("angle", np.arange(0.0, 3.0, 0.5))
+def test_a_body_that_a_stop_has_stopped_rests_without_forces(angle):
+    along = np.array([np.cos(angle), np.sin(angle)])
+    across = np.array([-along[1], along[0]])
+    stop = asp.Contact(
+        asp.FrictionLaw.isotropic(0.3, dimension=1),
+        direction=(0.2 * across + 0.7 * along)[:, None],
+        normal=0.5 * across + 0.4 * along,
+        gap=0.05,
+    )
+    system = asp.LinearSystem(np.eye(2), constraint_rows=[along], contacts=[stop])
+    motion = asp.simulate(system, dt=1e-3, t_end=0.5, u0=-across)
+    assert np.abs(motion.u[-1]).max() == 0.0
+    assert abs(motion.q[-1] @ across + 0.1) < 1e-3

@@ -12,7 +12,7 @@ use super::coupling;
 use super::outcome::StepError;
 use super::products::Part;
 use super::rated::Factors;
-use crate::contact::{BlockMatrix, Delassus, NormalForce};
+use crate::contact::{BlockMatrix, ContactProblem, Delassus, NormalForce};
 use crate::system::friction_map::scale_rows;
 use crate::system::mass::MassFactors;
 use crate::system::{self, Configuration, Constancy, Midpoint, Step, System, SystemError};
@@ -24,6 +24,9 @@ const ROUNDING: f64 = 1e-6;
 /// Compliance in directions that joints hold, relative to that of the bodies without joints: contacts see them at rest, and
 /// transmit nothing there while they stick.
 const COMPLIANCE: f64 = 1e-8;
+
+/// Part of the largest load that this compliance may bear: what friction wedges between joints asks for ever more.
+const BORNE: f64 = 1e-2;
 
 /// A contact that slips by more than this multiple of what its directions change by slides. One that sticks has slip of
 /// once as much, of none where a run begins, and of twice as much where it was not held along the chord before, which
@@ -612,6 +615,17 @@ impl Assembly {
         });
     }
 
+    /// The contact whose percussions joints bear by their compliance: the laws of rigid joints allow none.
+    pub(super) fn wedged(&self, problem: &ContactProblem, percussion: &[f64]) -> Option<usize> {
+        let yields = |row: usize| self.compliance[row] * percussion[row].abs();
+        let rows = |rows: &Rows| rows.first..rows.first + rows.len;
+        let of = |contact: &Rows| rows(contact).map(yields).fold(0.0, f64::max);
+        let load = (0..self.contacts.len()).flat_map(|i| problem.load(i));
+        let load = load.fold(0.0, |largest: f64, load| largest.max(load.abs()));
+        let most = self.contacts.iter().map(of).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (!self.midpoint.held.is_empty() && most.1 > BORNE * load).then_some(most.0)
+    }
+
     fn fill_blocks(&self, blocks: &mut BlockMatrix) {
         for (i, contact) in self.contacts.iter().enumerate() {
             for k in 0..blocks.neighbours(i).len() {
@@ -703,6 +717,9 @@ impl Assembly {
             held.project(&mut free[held.velocities.clone()]);
             held.project(&mut passed[held.velocities.clone()]);
         }
+        // Compliance leaves ever less of a velocity that a contact stops, until its square vanishes.
+        let vanishes = |u: &&mut f64| **u * **u < f64::MIN_POSITIVE;
+        free.iter_mut().filter(vanishes).for_each(|u| *u = 0.0);
         bend.clone_from(passed);
         system::hold(system, midpoint, bend, dt)?;
         bend.iter_mut().zip(passed).for_each(|(end, before)| *end -= *before);

@@ -72,7 +72,11 @@ impl Stepper<'_> {
             was_cancelled.set(was_cancelled.get() || cancelled());
             was_cancelled.get()
         };
-        let report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) });
+        let mut report = self.solve(Stop { cancelled: Some(&ask), ..Stop::at(self.tolerance) });
+        let wedged = self.assembly.wedged(&self.closed.problem, &self.memory.percussion);
+        if let (Status::Converged, Some(contact)) = (report.status, wedged) {
+            (report.status, report.worst_contact) = (Status::Unbounded, contact);
+        }
         let solved = report.status == Status::Converged;
         let given_up = was_cancelled.get() && !solved;
         if given_up || !(solved || keep_unsolved) {

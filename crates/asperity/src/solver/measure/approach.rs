@@ -96,7 +96,8 @@ impl Approach {
             }
             let load = own_load(problem, i, percussion, prescribed);
             // A load that is rounding of percussions is none that they carry.
-            let explained = f64::min(ROUNDING * brought_to(problem, i, percussion), OF_OWN * load);
+            let least = OF_OWN * load.max(OF_OWN * normal);
+            let explained = f64::min(ROUNDING * brought_to(problem, i, percussion), least);
             let allowed = f64::max(shared, of_own * load).max(explained);
             if moves > most * allowed {
                 most = moves / allowed;
