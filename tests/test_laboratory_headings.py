@@ -355,3 +355,50 @@ def test_loads_in_kgf_under_newtons_get_a_sentence():
     assert (
         "friction coefficients are 4" in said[1][0] or "friction coefficients are 5" in said[1][0]
     )
+
+
+COEFFICIENTS = ("COF", "COF [-]", "µ", "mu (1)", "Friction coefficient", "Reibungszahl [-]",
+                "Reibwert", "Friction [-]")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COEFFICIENTS)
+def test_a_coefficient_is_multiplied_by_the_load(name, tmp_path):
+    path, config = tmp_path / "run.csv", tmp_path / "run.toml"
+    heading = f"time [s],angle [rad],{name},load [N]"
+    path.write_text(csv(heading, np.column_stack([T, A, X / Z, Z])))
+    columns = {"tangential": name, "time": 0, "angle": 1, "normal": 3}
+    (run,) = identify.read_csv(path, columns=columns, one_channel=True)
+    np.testing.assert_allclose(run.readings[:, 0], X, atol=1e-5)
+    found = identify.inspect_file(path)
+    assert [one.role for one in found.columns] == ["time", "angle", "tangential", "normal"]
+    assert any("multiplied by the load" in note for note in found.notes)
+    config.write_text(found.text().replace("\n[file]\n", "\n[file]\none_channel = true\n"))
+    expected = identify.friction_coefficient(DATA).mean.value
+    coefficient = identify.friction_coefficient(identify.load(path, config)).mean.value
+    assert coefficient == pytest.approx(expected, rel=1e-4)
+    # A constant load will do; without any load it is asked for.
+    path.write_text(csv(heading.rpartition(",")[0], np.column_stack([T, A, X / Z])))
+    del columns["normal"]
+    (run,) = identify.read_csv(path, columns=columns, one_channel=True, normal_load=10.0)
+    np.testing.assert_allclose(run.readings[:, 0], 10.0 * X / Z, atol=1e-4)
+    with pytest.raises(RecordError, match=r"no column 'normal'.*normal_load in .tribometer."):
+        identify.read_csv(path, columns=columns, one_channel=True)
+
+
+def test_a_force_counts_before_a_coefficient_and_stated_units_before_names(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text(csv("t [s],phi [rad],COF,Ft [N],Fn [V]", np.column_stack([T, A, X / Z, X, Z])))
+    found = identify.inspect_file(path)
+    assert [one.role for one in found.columns][2:4] == ["", "tangential"]
+    columns = {"time": 0, "angle": 1, "tangential": "COF", "normal": 4}
+    given = {"columns": columns, "one_channel": True, "check_units": False}
+    with pytest.raises(RecordError, match=r"'COF' .*needs the load in N, not in V"):
+        identify.read_csv(path, **given)
+    (run,) = identify.read_csv(path, **given, units={"tangential": "N"})
+    np.testing.assert_allclose(run.readings[:, 0], X / Z, atol=1e-6)
+    given["columns"] = {**columns, "tangential": 3}
+    (run,) = identify.read_csv(path, **given, units={"tangential": "1", "normal": "N"})
+    np.testing.assert_allclose(run.readings[:, 0], X * Z, atol=1e-4)
+    weighings = identify.Calibration(np.eye(3), np.eye(3))
+    with pytest.raises(RecordError, match="coefficient of friction, to which no calibration"):
+        identify.RawData(run, calibration=weighings)

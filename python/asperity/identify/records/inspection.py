@@ -25,6 +25,7 @@ from asperity.identify.records.tables.guessing import Guess, guess, of_cells
 from asperity.identify.records.tables.headings import (
     CHANNELS,
     CLOCK,
+    COEFFICIENT,
     COUNTS,
     DEFAULTS,
     FORCES,
@@ -37,6 +38,7 @@ from asperity.identify.records.tables.headings import (
     Headings,
     assigned,
     headings,
+    is_coefficient,
     is_read,
     plain,
     unit,
@@ -329,6 +331,10 @@ def _channels(
             "tangential, radial, normal: by the order of the columns, no name says which is which"
         )
     roles = _consistent(roles, values)
+    if not {"tangential", *FORCES} & set(roles.values()):
+        # A force counts first.
+        called_so = [at for at in held if is_coefficient(head.names[at], head.units[at])]
+        roles |= dict.fromkeys(called_so[:1], "tangential")
     return roles, [
         note
         for note in notes
@@ -410,6 +416,9 @@ def _sections(
         name = columns[at].name
         wanted[role] = name if named and name and names.count(name) == 1 else at
         column, own = values[:, at], unit(columns[at].unit)
+        if role == "tangential" and is_coefficient(columns[at].name, columns[at].unit):
+            own = COEFFICIENT
+            notes.append("tangential: a coefficient of friction, which is multiplied by the load")
         if role == "time" and _is_clock(found, at):
             own = CLOCK
         if not own:

@@ -10,7 +10,7 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.records.record import CHANNELS, Recording, goes_back
-from asperity.identify.records.tables.headings import COUNTS, NEWTONS, UNITS
+from asperity.identify.records.tables.headings import COEFFICIENT, COUNTS, NEWTONS, UNITS
 
 _TURN = 2.0 * math.pi
 _RATES, _TURN_RATES, _PER_TURN = (0.5, 2e7), (2e-3, 60.0), 16.0
@@ -78,7 +78,7 @@ def check_magnitudes(runs: Sequence[Recording], units: Mapping[str, str]) -> Non
                     f"angle: {per_turn:.3g} samples per turn: wrong unit?",
                     ("units", "check_units"),
                 )
-    if all(units[channel].removeprefix("-") in NEWTONS for channel in CHANNELS):
+    if all(units[channel].removeprefix("-") in (*NEWTONS, COEFFICIENT) for channel in CHANNELS):
         weights = [len(run) for run in runs]
         size = np.abs(np.average([run.readings.mean(axis=0) for run in runs], 0, weights))
         parts = [float(np.hypot(*run.readings[:, :2].T).mean()) for run in runs]

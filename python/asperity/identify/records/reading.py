@@ -31,8 +31,10 @@ from asperity.identify.records.sliding.motion import force_columns, motion_colum
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.headings import (
     CLOCK,
+    COEFFICIENT,
     DEFAULTS,
     FORCES,
+    NEWTONS,
     POSITIONS,
     UNITS,
     WITHOUT_RADIAL,
@@ -108,7 +110,8 @@ def read_csv(
         units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
             angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, uN, mN, cN,
             daN, kN, gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N, of the
-            tangential channel also torques Nm, Ncm, Nmm, mNm, uNm;
+            tangential channel also torques Nm, Ncm, Nmm, mNm, uNm, or 1 for the coefficient of
+            friction, which is multiplied by the load;
             velocities m/s, cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the
             sign. Default: the unit of the heading, else s, rad, turn/s, N, m/s, m. The angle may be
             wrapped.
@@ -378,6 +381,15 @@ class Reader:
             series["normal"] = np.full(len(count), constants["normal"])
         for name, channel in zip(self.forces, CHANNELS[:2], strict=True):
             series[channel] = series[name] if name in series else np.zeros(len(count))
+        if named["tangential"].removeprefix("-") == COEFFICIENT and "tangential" in where:
+            if named["normal"].removeprefix("-") not in NEWTONS:
+                raise RecordError(
+                    table.source,
+                    f"column {where['tangential']!r} (tangential): is a coefficient of friction, "
+                    f"which needs the load in N, not in {named['normal']}",
+                    ("units",),
+                )
+            series["tangential"] = series["tangential"] * series["normal"]
         return series
 
 

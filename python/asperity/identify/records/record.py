@@ -28,7 +28,7 @@ from asperity._base.value import (
 from asperity.errors import DimensionError, ParameterError, RecordError
 from asperity.identify.records.calibration import ByChannel, Calibration
 from asperity.identify.records.tables.headings import CHANNELS as CHANNELS
-from asperity.identify.records.tables.headings import READINGS
+from asperity.identify.records.tables.headings import COEFFICIENT, READINGS
 
 if TYPE_CHECKING:
     from typing import Self
@@ -220,6 +220,14 @@ class RawData(Record):
         known = given["calibration"]
         if known is None:
             _refuse_voltages(given["recordings"])
+        elif COEFFICIENT in {unit.removeprefix("-") for one in given["recordings"]
+                             for unit in one._units}:  # fmt: skip
+            raise RecordError(
+                given["recordings"][0].source,
+                "tangential: is a coefficient of friction, to which no calibration belongs: leave "
+                "the calibration out",
+                ("calibration", "units"),
+            )
         elif given["one_channel"] and (
             abs(known.matrix[[0, 2], 1]).max() > _ROUNDING * abs(known.matrix[1, 1])
         ):

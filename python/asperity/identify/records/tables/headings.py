@@ -42,6 +42,8 @@ NEWTONS = {
 _READINGS = {**NEWTONS, **dict(zip(READINGS, (1.0, 1e-3, 1.0), strict=True))}
 TORQUES = {"Nm": 1.0, "Ncm": 1e-2, "Nmm": 1e-3, "mNm": 1e-3, "uNm": 1e-6}
 """Units of a torque about the axis of a disk, which the arm of the friction force divides."""
+COEFFICIENT = "1"
+"""Unit of a tangential channel that is the coefficient of friction, a force per load."""
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
 _SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
 CLOCK, COUNTS = "clock", "counts"
@@ -55,7 +57,7 @@ UNITS: dict[str, dict[str, float]] = {
     # Counts are a turn once it is known how many a turn has.
     "angle": {"rad": 1.0, "deg": math.pi / 180.0, "turn": _TURN, COUNTS: _TURN},
     **dict.fromkeys(CHANNELS, _READINGS),
-    "tangential": {**_READINGS, **TORQUES},
+    "tangential": {**_READINGS, **TORQUES, COEFFICIENT: 1.0},
     "turn_rate": {
         "turn/s": 1.0,
         "rpm": 1.0 / 60.0,
@@ -99,6 +101,7 @@ _UNITS = {
     "v": "V", "volt": "V", "volts": "V", "mv": "mV", "raw": "raw",
     "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
     "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
+    "1": COEFFICIENT, "-": COEFFICIENT, "--": COEFFICIENT, "–": COEFFICIENT,
 }  # fmt: skip
 """Spellings of units, in small letters; where these differ, kN from KN do not."""
 
@@ -133,6 +136,12 @@ WORDS = {
     "position": r"pos|position|weg|hub|stroke|displacement|weg s",
 }
 """What columns of tribometers are called, in small letters without marks."""
+_COEFFICIENT = (
+    r"cof|mu|co?ef+(icient)? (of|de) (friction|traction|frottement)|"
+    r"(friction|traction|friktions|reib|reibungs) ?(coef+|coef+icient|koeffizient)|"
+    r"reibwert|reib(ungs)?(zahl|beiwert)"
+)
+"""What a coefficient of friction is called."""
 
 # What may be anything else without a unit that fits: friction, for one, a coefficient.
 _WITH_UNIT = {
@@ -163,7 +172,7 @@ _NOT_READ = re.compile(
 _PLACES = {"daq", "rotary", "linear", "measured", "actual", "ist", "istwert", "meas", "sensor",
            "channel", "ch", "kanal", "signal", "in", "richtung", "direction", "axis", "achse",
            "filtered", "filt", "mean", "avg", "abs", "rms"}  # fmt: skip
-_SPELT = (("φ", "phi"), ("ϕ", "phi"), ("θ", "theta"), ("ω", "omega"), ("°", " deg"))
+_SPELT = (("μ", "mu"), ("φ", "phi"), ("ϕ", "phi"), ("θ", "theta"), ("ω", "omega"), ("°", " deg"))
 _LABELS = ("unit", "units", "einheit", "einheiten", "name", "names", "channel", "channel name",
            "channel names", "kanal", "kanalname")  # fmt: skip
 # Longer texts are no units.
@@ -251,7 +260,8 @@ def parted(name: str, words: Mapping[str, str] = WORDS) -> tuple[str, str]:
             len(text) > _LONGEST_UNIT or re.search(r"\d", text) or plain(text) in _PLACES - {"in"}
         )
         symbol = any(re.fullmatch(one, plain(text)) for one in words.values())
-        is_unit = name.rstrip().endswith("]") or unit(text) or not (other or symbol)
+        is_unit = name.rstrip().endswith("]") or (unit(text) and text != "1")
+        is_unit = is_unit or not (other or symbol)
         return (found["name"], text) if is_unit else parted(found["name"], words)
     if unit(name) or any(re.fullmatch(one, plain(name)) for one in words.values()):
         return name, ""
@@ -279,7 +289,7 @@ def plain(name: str) -> str:
 def roles_of(name: str, text: str, words: Mapping[str, str]) -> list[str]:
     """Return what a column may be by its name and the unit beside it, likeliest first."""
     called, own = plain(parted(name, words)[0]), unit(text)
-    if _NOT_READ.search(called) or (text and not own):
+    if _NOT_READ.search(called) or (text and not own) or own == COEFFICIENT:
         return []
     if own:
         return _roles_in(called, own, words)
@@ -295,6 +305,20 @@ def _roles_in(called: str, own: str, words: Mapping[str, str]) -> list[str]:
     return [
         role for role, one in spellings if own in known_units(role) and re.fullmatch(one, called)
     ]
+
+
+def is_coefficient(name: str, text: str) -> bool:
+    """Return whether a column seems to be a coefficient of friction, by its name and unit.
+
+    >>> from asperity.identify.records.tables.headings import is_coefficient
+    >>> [is_coefficient(*one) for one in (("µ", ""), ("COF [-]", "-"), ("Friction", ""))]
+    [True, True, False]
+    """
+    called, own = plain(parted(name)[0]), unit(text)
+    if not is_read(name) or (text and own != COEFFICIENT):
+        return False
+    also = [WORDS["tangential"], _WITH_UNIT["tangential"]] if own else []
+    return any(re.fullmatch(one, called) for one in (_COEFFICIENT, *also))
 
 
 def is_read(name: str) -> bool:
@@ -454,6 +478,8 @@ def settled(
             that does not fit and the configuration none.
     """
     known, found = known_units(role), unit(text)
+    if found == COEFFICIENT and found not in known:
+        found = ""
     if stated is None:
         if found in known:
             return found
@@ -525,8 +551,9 @@ def assigned(
             also = ", ".join(repr(head.names[at]) for at in others)
             notes.append(f"{role}: {head.names[first]!r} is taken, not {also}")
     for at in held:
-        text = head.units[at] if not unit(head.units[at]) else ""
+        text = head.units[at] if unit(head.units[at]) in ("", COEFFICIENT) else ""
         for role in roles_of(head.names[at], "", words)[: bool(text)]:
-            if role not in roles.values():
+            # A friction force without a unit is a coefficient, which `inspection` looks for.
+            if role not in roles.values() and not is_coefficient(head.names[at], text):
                 notes.append(f"{role}: unit {text!r} of {head.names[at]!r} is not known")
     return roles, notes

@@ -22,9 +22,11 @@ from asperity.errors import ParameterError, RecordError
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.headings import (
     CLOCK,
+    COEFFICIENT,
     WITHOUT,
     Headings,
     headings,
+    is_coefficient,
     known_units,
     place_of,
     refuse_twice,
@@ -211,6 +213,9 @@ class _Wanted:
             if not known_units(role):
                 continue
             text = head.units[at] if at < len(head.units) else ""
+            if role == "tangential" and role not in self.units and not text:
+                named_so = at < len(head.names) and is_coefficient(head.names[at], text)
+                text = COEFFICIENT if named_so else text
             one = settled(role, self.units.get(role), text, called=repr(named), source=self.source,
                           check=self.check)  # fmt: skip
             found |= {} if one is None else {role: one}
