@@ -26,6 +26,7 @@ from scipy.stats import binom
 
 G = 9.80665
 POUND = 0.45359237 * G
+_RAMP = np.full(40, 1.0 / 40.0)
 ISOTROPIC = asp.FrictionLaw.isotropic(0.3)
 
 
@@ -677,7 +678,7 @@ def test_forces_that_do_not_oppose_the_sliding_are_said():
     wrong = process(back_and_forth(lambda way: noise - 3.0 * way))
     found = friction_coefficient(wrong)
     assert found.mean.value == pytest.approx(-0.3, rel=1e-3)
-    assert "In run 1 the force goes with the sliding" in found.summary()
+    assert "\nwarning: In run 1 the force goes with the sliding" in found.summary()
     origin = asp.Provenance()
     one = OneChannel.of(found, origin, reservoir="superellipse", direction="superellipse")
     assert one.warnings
@@ -690,6 +691,54 @@ def test_forces_that_do_not_oppose_the_sliding_are_said():
         one = process(back_and_forth(lambda way, force=force: 0.0 * way + force))
         with pytest.raises(FitError, match="run 1: the force is zero, or does not turn"):
             friction_coefficient(one)
+
+
+@pytest.mark.parametrize("zero", [0.0, 0.5])
+def test_a_force_without_its_sign_is_refused_and_gets_that_of_the_motion(zero, tmp_path):
+    # A sensor whose zero is off keeps signs that differ, or forces that do.
+    noise = 0.01 * np.random.default_rng(0).normal(size=8000)
+    raw = back_and_forth(lambda way: 3.0 * np.tanh(20.0 * np.convolve(way, _RAMP, "same")) + noise)
+    (run,) = raw.recordings
+    for off in (zero, 2.0, 5.0, 30.0):
+        moved = run.replace(readings=run.readings + [off, 0.0, 0.0])
+        found = friction_coefficient(process(raw.replace(recordings=[moved])))
+        assert found.mean.value == pytest.approx(0.3, rel=0.01)
+    magnitude = run.replace(readings=np.abs(run.readings + [zero, 0.0, 0.0]))
+    one = raw.replace(recordings=[magnitude])
+    with pytest.raises(RecordError, match=r"N there and .* N back.*rectified = true in .file."):
+        process(one)
+    with pytest.raises(RecordError, match=r"with its sign; rectified = true in .file., with one"):
+        process(one.replace(one_channel=False))
+    for name in ("velocity", "position"):
+        text = f"[file]\none_channel = true\nrectified = true\n[columns]\n{name} = '{name}'\n"
+        (tmp_path / f"{name}.toml").write_text(text)
+    place = np.cumsum(run.velocity[:, 0]) * np.median(np.diff(run.time))
+    table = np.column_stack([run.time, run.velocity[:, 0], place, *magnitude.readings.T[[0, 2]]])
+    table[:, -1] += noise
+    heading = "time,velocity,position,tangential,normal"
+    np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=heading, comments="")
+    for name in ("velocity", "position"):
+        data = identify.load(tmp_path / "run.csv", tmp_path / f"{name}.toml")
+        assert friction_coefficient(data).mean.value == pytest.approx(0.3, rel=0.02)
+    columns = {"velocity": "velocity", "radial": "normal"}
+    with pytest.raises(ParameterError, match=r"rectified: is for one_channel = true"):
+        identify.read_csv(tmp_path / "run.csv", columns=columns, rectified=True)
+
+
+def test_a_disk_that_swings_gives_magnitudes_its_sign(tmp_path):
+    time = np.arange(16_000) / 1000.0
+    angle = 2.0 * np.sin(2.0 * np.pi * time / 4.0)
+    force = 3.0 * np.abs(np.tanh(50.0 * np.cos(2.0 * np.pi * time / 4.0)))
+    force += 0.01 * np.random.default_rng(0).normal(size=time.size)
+    table = np.column_stack([time, angle, force, 10.0 + 0.01 * np.sin(time)])
+    path = tmp_path / "run.csv"
+    np.savetxt(path, table, delimiter=",", header="time,angle,tangential,normal", comments="")
+    read = identify.read_csv(path, one_channel=True)
+    with pytest.raises(RecordError, match="rectified = true"):
+        process(identify.RawData(read, one_channel=True))
+    read = identify.read_csv(path, one_channel=True, rectified=True)
+    found = friction_coefficient(process(identify.RawData(read, one_channel=True)))
+    assert found.mean.value == pytest.approx(0.3, rel=0.01)
 
 
 def test_friction_that_varies_along_the_track_is_not_taken_for_sticking():

@@ -118,7 +118,7 @@ class OneChannel:
     @property
     def _further(self) -> list[str]:
         """Warnings that the text on the coefficient has not."""
-        said = self.coefficient.sentences()
+        said = [one.removeprefix("warning: ") for one in self.coefficient.sentences()]
         return [one for one in self.warnings if one not in said]
 
     def summary(self) -> str:

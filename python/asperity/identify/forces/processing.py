@@ -20,6 +20,7 @@ from asperity.identify.forces.averaged import Averaged
 from asperity.identify.forces.lifted import loaded_strokes
 from asperity.identify.forces.measured_sets import MeasuredSets
 from asperity.identify.forces.pieces import strokes_of_all
+from asperity.identify.forces.rectified import refuse_rectified
 from asperity.identify.forces.strokes import Axes, Strokes
 from asperity.identify.forces.turns import (
     TurnAverage,
@@ -131,13 +132,19 @@ class ProcessedData(Value):
             )
         self._keep(lifted=loaded.lifted, _pressed=loaded.pressed)
         self._fill(self._sized(), loaded.strokes)
+        along = [self._read(number, 0) for number in range(len(lengths))]
+        refuse_rectified(raw, along, loaded.strokes)
 
     def _pressing(self, number: int) -> Array:
         """Return what the readings of a run say of λ_N in N, not filtered."""
+        return self._read(number, 2)
+
+    def _read(self, number: int, channel: int) -> Array:
+        """Return the force of a channel of a run in N, without the zero, not filtered."""
         run, zero = self.raw.recordings[number], self._zeros[number]
         later = run.time - zero.middle
-        offset, slope = float(self.matrix[2] @ zero.mean), float(self.matrix[2] @ zero.slope)
-        return np.asarray(run.readings @ self.matrix[2] - offset - slope * later)
+        line = self.matrix[channel]
+        return np.asarray(run.readings @ line - line @ zero.mean - line @ zero.slope * later)
 
     def _sized(self) -> _Series:
         n = self.run[-1]

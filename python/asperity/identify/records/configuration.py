@@ -58,6 +58,7 @@ SCHEMA: dict[str, dict[str, Kind]] = {
         "counts_per_turn": NUMBER,
         "arm": NUMBER,
         "one_channel": SWITCH,
+        "rectified": SWITCH,
         "check_units": SWITCH,
         "on_defect": TEXT,
     },
@@ -94,7 +95,7 @@ class Configuration(Value):
 
     Args:
         sections: ``file`` (delimiter, decimal, header, encoding, names, thousands, sheet,
-            sample_rate, turn_rate, counts_per_turn, arm, one_channel, check_units, on_defect),
+            sample_rate, turn_rate, counts_per_turn, arm, one_channel, rectified, check_units, on_defect),
             ``columns`` and ``units`` as for `read_csv`, ``run`` (from, to, angles), ``calibration``
             (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files; from, to),
             ``tribometer`` (normal_load, radius; zero_error in N and gain_error, relative, as of

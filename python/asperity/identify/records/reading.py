@@ -28,6 +28,7 @@ from asperity.identify.records.record import (
     standstill_rows,
 )
 from asperity.identify.records.sliding.motion import force_columns, motion_columns, velocity_of
+from asperity.identify.records.sliding.slopes import slopes
 from asperity.identify.records.tables import clock, labview
 from asperity.identify.records.tables.headings import (
     CLOCK,
@@ -86,6 +87,7 @@ def read_csv(
     arm: float | None = None,
     normal_load: float | None = None,
     one_channel: bool = False,
+    rectified: bool = False,
     run: Sequence[Window] | None = None,
     angles: float | Sequence[float] | None = None,
     loaded: bool = True,
@@ -130,6 +132,8 @@ def read_csv(
         normal_load: constant λ_N in N, instead of a column of the normal force; 0 is what records
             without load get.
         one_channel: whether no radial channel is read: `friction_coefficient` does without.
+        rectified: whether the one channel is the magnitude of the force, |F|, although the motion
+            goes there and back: it gets the sign of the motion.
         run: windows of time, each a run: pairs of start and end in the unit of the time column, or
             texts for a clock; None for those of the file. By default a file is one run.
         angles: how the surface lies, one number or one for each file in the unit of the angle,
@@ -184,6 +188,7 @@ def read_csv(
         "arm": arm,
         "normal_load": normal_load,
         "one_channel": one_channel,
+        "rectified": rectified,
         "check_units": check_units,
         "on_defect": on_defect,
     }
@@ -272,12 +277,15 @@ class Reader:
     arm: float | None = None
     normal_load: float | None = None
     one_channel: bool = False
+    rectified: bool = False
     check_units: bool = True
     on_defect: str = "raise"
 
     def __post_init__(self) -> None:
         if self.one_channel and self.forces == FORCES:
             raise ParameterError("one_channel", "is for a tangential channel, not for force_x")
+        if self.rectified and not self.one_channel:
+            raise ParameterError("rectified", "is for one_channel = true: two channels have signs")
         arrays.choice(self.on_defect, "on_defect", ("raise", "split"))
         for name in self.columns:
             if name not in UNITS:
@@ -538,6 +546,9 @@ class _Part:
             if before is not None:
                 angle = angle + _turns_between(before, angle, time, series["angle"])
         readings = np.stack([series[name][rows] for name in CHANNELS], axis=-1)
+        if self.loaded and reader.rectified:
+            way = slopes(angle[:, None], time).velocity if velocity is None else velocity
+            readings[:, 0] = np.copysign(readings[:, 0], way[:, 0])
         turned = np.array(angle)
         for values in (time, turned, readings):
             values.flags.writeable = False

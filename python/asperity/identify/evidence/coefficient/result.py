@@ -357,7 +357,7 @@ class FrictionCoefficient(TableResult):
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
         word = "turns" if self.processed.goes_round else "strokes"
-        found = [*self.wrong_signs, *self.unsteady]
+        found = [f"warning: {one}" for one in self.wrong_signs] + [*self.unsteady]
         for group in self.groups:
             where = f" at {_words(group)}" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
