@@ -166,6 +166,47 @@ def test_results_of_two_commands_do_not_share_a_folder(tmp_path, capsys):
     assert files_of(out) == before
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links take a permission there")
+def test_what_is_read_is_not_replaced(tmp_path, capsys):
+    law, link, problem = tmp_path / "law.toml", tmp_path / "link.toml", tmp_path / "one.npz"
+    asp.FrictionLaw(asp.Ellipse(0.5, 0.4), asp.Ellipse(2.0, 1.0)).save(law)
+    link.symlink_to(law)
+    block = asp.ContactProblem(
+        np.eye(3), free_velocity=[-1.0, 0.5, 3.0], laws=asp.FrictionLaw.isotropic(0.5)
+    )
+    block.save(problem)
+    (tmp_path / "deeper").mkdir()
+    spelt = tmp_path / "deeper" / ".." / "law.toml"
+
+    def kept():
+        return {name: (tmp_path / name).read_bytes() for name in ("law.toml", "one.npz")}
+
+    before = kept()
+    calls = [["export", law, "--to", "drake", "--out", one] for one in (law, link, spelt)]
+    calls += [["export", link, "--to", "drake", "--out", law]]
+    calls += [["solve", one, "--csv", problem] for one in (problem, tmp_path)]
+    for call in calls:
+        assert main([str(one) for one in call]) == 2
+        assert "which is read" in capsys.readouterr().err, call
+        assert kept() == before
+    # Data under a name that the command writes, and images in the folder of the results.
+    names = {"identify": "runs.csv", "identify-paths": "law.toml", "simulate": "results.csv",
+             "law": "coefficients.csv", "compare": "comparison.csv", "stability": "growth.csv",
+             "squeal": "modes.csv", "track": "path.csv"}  # fmt: skip
+    for verb, name in names.items():
+        out = tmp_path / verb
+        out.mkdir()
+        (out / name).write_bytes(law.read_bytes())
+        config = ["--config", str(law)] if verb in ("identify", "identify-paths", "track") else []
+        more = [str(law)] if verb == "compare" else []
+        for folder in (out, out / ".." / verb):
+            assert main([verb, str(out / name), *more, *config, "--out", str(folder)]) == 2
+            assert f"--out: would replace {out / name}, which is read" in capsys.readouterr().err
+        assert files_of(out) == {name: law.read_bytes()}
+    assert main(["track", str(out), "--config", str(law), "--out", str(out)]) == 2
+    assert f"--out: would replace {out}, which is read" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("verb", ["identify", "law"])
 def test_help_explains_the_sets_of_a_law(verb, capsys):
     with pytest.raises(SystemExit) as ended:

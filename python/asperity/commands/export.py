@@ -31,11 +31,14 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Export and print; return the exit code."""
+    from asperity._base.storage.files import refuse_input
     from asperity.identify import IdentifiedLaw
     from asperity.law.export import exported
     from asperity.predict.law_sheet import planar_law
     from asperity.predict.simulation import as_json
 
+    if options.out is not None:
+        refuse_input(options.out, [options.law], "out")
     file = planar_law(options.law)
     notes = [f"Friction law of {options.law.name}."]
     if isinstance(file, IdentifiedLaw) and file.turns is not None:

@@ -60,9 +60,12 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Solve and print; return the exit code."""
+    from asperity._base.storage.files import refuse_input
     from asperity.contact.batch import COLUMNS, problem_files, solve_files
 
     files = problem_files(options.paths)
+    if options.csv is not None:
+        refuse_input(options.csv, files, "csv")
     widths = (max(len(path.stem) for path in files), *_WIDTHS)
     print(line(COLUMNS, widths, right=_NUMBERS))
     rows = []

@@ -202,7 +202,7 @@ def describe_comparison(
     """
     if len(files) < 2:
         raise ParameterError("LAW", "must be two files or more")
-    folder = None if out is None else ResultFolder(Path(out), FILES)
+    folder = None if out is None else ResultFolder(Path(out), FILES, files)
     laws = [IdentifiedLaw.load(file) for file in files]
     compared = []
     for file, law in zip(files[1:], laws[1:], strict=True):

@@ -306,7 +306,7 @@ def describe_law(
         ConfigurationError: with file, line and key of what is wrong.
             A law that is not planar is refused too.
     """
-    folder = None if out is None else ResultFolder(Path(out), FILES)
+    folder = None if out is None else ResultFolder(Path(out), FILES, [path])
     sheet = LawSheet(planar_law(path), Path(path))
     if folder is not None:
         with folder.filled() as place:

@@ -230,7 +230,7 @@ def simulate_scenario(
         ConfigurationError: with file, line and key of what is wrong.
         AsperityError: if the motion cannot be computed.
     """
-    folder = None if out is None else ResultFolder(Path(out), (*FILES, "draws.csv"))
+    folder = None if out is None else ResultFolder(Path(out), (*FILES, "draws.csv"), [path, law])
     scenario = Scenario.load(path, law=law)
     run = scenario.run(progress=None if bands else progress)
     quantities = tuple(scenario.quantities(run))

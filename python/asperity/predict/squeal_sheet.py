@@ -257,7 +257,7 @@ def describe_squeal(
     """
     if engine not in (None, "slepc"):
         raise ParameterError("engine", f"must be 'slepc' or None, got {engine!r}")
-    folder = None if out is None else ResultFolder(Path(out), FILES)
+    folder = None if out is None else ResultFolder(Path(out), FILES, [path, law])
     model = SquealModel.load(path, law=law)
     points = [(mu, phi) for mu in model.friction.tolist() for phi in model.directions.tolist()]
     with reporter(progress, "case") as report:

@@ -244,7 +244,7 @@ def describe_stability(
 
     Reference: [WL19] §4.3, Thm. 2.
     """
-    folder = None if out is None else ResultFolder(Path(out), FILES)
+    folder = None if out is None else ResultFolder(Path(out), FILES, [path])
     law = planar_law(path).law
     chosen = Belt() if belt is None else belt
     phi = np.linspace(0.0, 2.0 * math.pi, 2 * _DIRECTIONS - 1)

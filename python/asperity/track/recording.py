@@ -157,7 +157,7 @@ def track_recording(
         ConfigurationError: naming file, line and key.
         ParameterError: naming the recording or the folder and what is wrong with it.
     """
-    folder = ResultFolder(out, FILES)
+    folder = ResultFolder(out, FILES, [video, config])
     settings = read_config(config)
     frames = _Watched(open_frames(video))
     track = track_mark(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -60,6 +60,23 @@ def unreadable(path: Path, error: OSError) -> str:
     return f"cannot be read: {error.strerror}"
 
 
+def refuse_input(target: Path, read: Iterable[object], argument: str) -> None:
+    """Refuse to write a file, or into a folder, that is read, however its path is spelt.
+
+    Args:
+        target: what is to be written.
+        read: paths of what is read; tables in memory and None are none.
+        argument: that names the target.
+    """
+    for one in read:
+        if not isinstance(one, str | os.PathLike):
+            continue
+        # What is not there is not read, and cannot be overwritten.
+        with suppress(FileNotFoundError):
+            if os.path.samefile(target, one):
+                raise ParameterError(argument, f"would replace {os.fspath(one)}, which is read")
+
+
 class ResultFolder:
     """A folder for files that belong together: they are of one result, or nothing has changed.
 
@@ -67,14 +84,15 @@ class ResultFolder:
         out: the folder, made when it is filled.
         names: of all files that any result may have: one that a result does not have is removed.
             Every result has the first one, and those of other commands do not.
+        read: paths from which the result is made.
 
     Raises:
         ParameterError: before anything is worked out, if the folder, or one above it, is a file or
             cannot be written into, or holds a folder of one of the names, or a file that is not of
-            an earlier result.
+            an earlier result, or is read.
     """
 
-    def __init__(self, out: Path, names: Sequence[str]) -> None:
+    def __init__(self, out: Path, names: Sequence[str], read: Iterable[object] = ()) -> None:
         place = next(one for one in (out, *out.absolute().parents) if one.exists())
         if not place.is_dir():
             raise ParameterError("out", f"must name a folder, {place} is a file")
@@ -85,6 +103,9 @@ class ResultFolder:
         for name in names:
             if (out / name).is_dir():
                 raise ParameterError("out", f"must hold no folder of the name {name}: remove it")
+        used = list(read)
+        for target in (out, *(out / name for name in names)):
+            refuse_input(target, used, "out")
         there = [name for name in names if (out / name).exists()]
         if there and names[0] not in there:
             raise ParameterError(

@@ -276,7 +276,7 @@ def identify_campaign(
         ParameterError: if an option or the folder cannot be used.
         FitError: if nothing fits, or the fitted D is not convex.
     """
-    folder = ResultFolder(out, (*FILES, *STROKES))
+    folder = ResultFolder(out, (*FILES, *STROKES), [*paths, config])
     with reporter(progress, "stage") as report:
 
         def begin(stage: str) -> None:

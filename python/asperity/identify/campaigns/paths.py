@@ -85,7 +85,7 @@ def identify_paths(
         ParameterError: if an option or the folder cannot be used.
         FitError: if the paths do not tell the parameters, or nothing fits.
     """
-    folder = ResultFolder(out, FILES)
+    folder = ResultFolder(out, FILES, [*paths, config])
     file = None if config is None else TomlFile(config, _SCHEMA)
     given: dict[str, Any] = {} if file is None else file.values
     with nullcontext() if file is None else file.named():
