@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from unittest.mock import Mock, call
 from xml.etree import ElementTree
 
@@ -155,6 +156,7 @@ def test_the_price_of_what_a_manual_does_not_state_is_not_known(tmp_path, capsys
     GROOVED.save(tmp_path / "law.toml")
     assert main(["export", str(tmp_path / "law.toml"), "--to", "ansys", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
+    assert found["end_error"] is None
     assert found["force_error"] is found["angle_error"] is found["end_distance"] is None
     assert found["parameters"] == pytest.approx({"MU1": 0.5, "MU2": 0.4})
 
@@ -209,9 +211,85 @@ def test_texts_can_be_read_whatever_the_name_of_the_file(target, tmp_path, capsy
         ast.parse(text)
 
 
+def plain(export):
+    return " ".join(line.strip("#$!*/<>-, ") for line in export.text.splitlines())
+
+
+@pytest.mark.parametrize("target", ["drake", "mujoco", "rapier"])
+def test_one_coefficient_is_that_of_sliding(target):
+    rate = asp.Stribeck(0.03, ratio=0.6)
+    law = LAWS["isotropic"].replace(rate=rate)
+    export = law.export(target)
+    radius = export.law.reservoir.radius(PHI)
+    assert radius == pytest.approx(np.full(PHI.size, 0.3), abs=1e-8)
+    assert export.force_error == pytest.approx(0.2, abs=1e-8)
+    assert "left out: Stribeck(0.03, ratio=0.6). Coefficients are those of sliding" in plain(export)
+    # Above the speed that is said the factor is within 5 %.
+    (above,) = [float(one.split()[0]) for one in plain(export).split("to 5% above ")[1:]]
+    assert rate(above) == pytest.approx(1.05 * 0.6, rel=2e-3)
+    start = 1.52 * np.array([np.cos(np.deg2rad(58.0)), np.sin(np.deg2rad(58.0))])
+    ends = [
+        asp.simulate(asp.SlidingPoint(1.0, law=one), dt=2e-5, t_end=2.0, u0=start, until_rest=True)
+        for one in (law, export.law)
+    ]
+    apart = np.linalg.norm(ends[1].q[-1] - ends[0].q[-1])
+    assert export.end_distance == pytest.approx(apart, abs=2e-5)
+    assert apart > 1e-4
+
+
+def test_drake_and_lsdyna_get_the_static_coefficient_as_well():
+    law = LAWS["isotropic"].replace(rate=asp.Stribeck(0.03, ratio=0.6))
+    drake = law.export("drake")
+    assert "<drake:mu_dynamic>0.3<" in drake.text
+    assert "<drake:mu_static>0.5<" in drake.text
+    assert asp.FrictionLaw.like("drake", **drake.parameters) == drake.law
+    own = law.export("lsdyna")
+    fs, fd, dc = map(float, own.text.splitlines()[-1].split(","))
+    speeds = np.linspace(0.0, 1.0, 50)
+    given = fd + (fs - fd) * np.exp(-dc * speeds)
+    assert given == pytest.approx(0.5 * law.rate(speeds), rel=1e-8)
+    assert max(own.force_error, own.end_distance) <= 1e-8
+    assert "is that of FS, FD and DC" in plain(own)
+    other = law.replace(rate=asp.Stribeck(0.03, ratio=0.6, shape="hyperbolic")).export("lsdyna")
+    x = np.geomspace(1e-3, 50.0, 1000)
+    off = 0.5 * 0.4 * np.abs(np.exp(-x) - 1.0 / (1.0 + x)).max()
+    assert other.force_error == pytest.approx(off, rel=1e-2)
+    assert "becomes that of FS, FD and DC" in plain(other)
+
+
+def test_a_force_that_falls_to_zero_leaves_the_coefficient_at_rest():
+    export = LAWS["isotropic"].replace(rate=asp.Stribeck(0.03)).export("mujoco")
+    assert export.parameters["friction"][0] == pytest.approx(0.5, abs=1e-8)
+    assert export.force_error == pytest.approx(0.5, abs=1e-8)
+    assert export.end_distance <= 1e-9
+    assert "those at rest; of fast sliding they fall to zero" in plain(export)
+    viscous = LAWS["isotropic"].replace(rate=asp.Stribeck(0.03, ratio=1.0, viscous=0.1))
+    assert viscous.export("mujoco").force_error == pytest.approx(0.5 * 0.152, abs=1e-8)
+
+
+@pytest.mark.parametrize("target", ["abaqus", "mujoco", "bullet"])
+def test_turning_the_contact_is_said_where_it_helps(target):
+    law = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4, angle=0.5))
+    if target == "bullet":
+        law = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.4, angle=0.5))
+    text = plain(law.export(target))
+    assert "are turned by 28.6° from those of the contact" in text
+    assert "differ by 0 λ_N, 0° and 0 mm." in text
+    assert "are turned by" not in plain(law.rotated(-0.5).export(target))
+    assert "are turned by" not in plain(LAWS["isotropic"].export(target))
+    assert "are turned by" not in plain(law.export("exudyn"))
+
+
+def test_rounding_is_not_printed():
+    export = asp.FrictionLaw.associated(asp.Ellipse(0.5, 0.4)).export("exudyn")
+    assert export.parameters["dryFrictionAngle"] == 0.0
+    for target in TARGETS:
+        for law in (LAWS["isotropic"], TURNED, BOXED):
+            one = law.export(target)
+            assert not re.search(r"\de-(0[8-9]|1\d)", repr(one) + one.text), one.text
+
+
 def test_what_no_program_holds_is_said():
-    falling = GROOVED.replace(rate=asp.Stribeck(0.1, ratio=0.8))
-    assert "dependence on the speed is left out" in falling.export("drake").text
     with pytest.raises(asp.ParameterError, match=r"'mujuco' is not known.*mujoco"):
         GROOVED.export("mujuco")
     assert GROOVED.export("pybullet").text == GROOVED.export("bullet").text

@@ -700,10 +700,10 @@ def test_a_force_without_its_sign_is_refused_and_gets_that_of_the_motion(zero, t
     raw = back_and_forth(lambda way: 3.0 * np.tanh(20.0 * np.convolve(way, _RAMP, "same")) + noise)
     (run,) = raw.recordings
     for off in (zero, 2.0, 5.0, 30.0):
-        moved = run.replace(readings=run.readings + [off, 0.0, 0.0])
+        moved = run.replace(readings=run.readings + np.array([off, 0.0, 0.0]))
         found = friction_coefficient(process(raw.replace(recordings=[moved])))
         assert found.mean.value == pytest.approx(0.3, rel=0.01)
-    magnitude = run.replace(readings=np.abs(run.readings + [zero, 0.0, 0.0]))
+    magnitude = run.replace(readings=np.abs(run.readings + np.array([zero, 0.0, 0.0])))
     one = raw.replace(recordings=[magnitude])
     with pytest.raises(RecordError, match=r"N there and .* N back.*rectified = true in .file."):
         process(one)

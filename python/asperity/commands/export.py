@@ -55,7 +55,9 @@ def run(options: argparse.Namespace) -> int:
             "text": export.text,
         }
         data |= {"parameters": dict(export.parameters)}
-        print(as_json(data | {name: getattr(export, name) for name in prices}))
+        data |= {name: getattr(export, name) for name in prices}
+        report = None if export.law is None else export.law.report
+        print(as_json(data | {"end_error": None if report is None else report.end_error}))
     elif options.out is None:
         print(export.text, end="")
     return SUCCESS

@@ -21,6 +21,7 @@ from asperity._base.value import NonNegative, Number, Record
 from asperity.errors import DimensionError
 from asperity.law import engines
 from asperity.law.engine_report import EngineReport
+from asperity.law.rate import Stribeck
 from asperity.sets import Disk, Ellipse, StarSet
 from asperity.solvers import Auto
 
@@ -34,6 +35,13 @@ _LAUNCH, _GRAVITY = 1.52 * unit_vectors(np.array(math.radians(58.0))), 9.81
 _STEP, _MOST_STEPS = 2e-5, 2_000_000
 # Forces that differ by less than this part are those of one law.
 _EXACT = 1e-9
+# Number of speeds of a law with a rate factor, up to that of the launch. Sliding is fast where the
+# factor has come to its limit but for this part.
+_SPEEDS, _LEFT = 200, 0.05
+# What is less than this, in λ_N, m or rad, is rounding.
+_NOTHING = 1e-8
+# Axes that are turned are spoken of if that takes away at least half of this part of the force.
+_WORTH = 0.01
 
 
 class LawExport(Record):
@@ -47,11 +55,12 @@ class LawExport(Record):
         law: what the program makes of it, None where the manual of a program that was not run
             does not state it.
         parameters: likewise, in its own words, as `FrictionLaw.like` takes them.
-        force_error: largest difference of ‖λ‖/λ_N over the direction of sliding; None, as all
-            three, where `law` is.
+        force_error: largest difference of ‖λ‖/λ_N over the direction of sliding, and over speeds
+            up to 1.52 m/s where the law has a rate factor; None, as all three, where `law` is.
         angle_error: largest difference of the direction of λ in rad.
         end_distance: distance in m of the points where both laws end the sliding experiment of
-            docs/engines.md; what the program does otherwise, `FrictionLaw.report` says.
+            docs/engines.md. What the program was found to do beside its law is not in it:
+            ``law.report.end_error`` is the distance in m that this added to the experiment.
     """
 
     target: str
@@ -74,8 +83,8 @@ class LawExport(Record):
         if self.force_error is None or self.angle_error is None or self.end_distance is None:
             return f"<LawExport to {self.target}: errors are not known>"
         return (
-            f"<LawExport to {self.target}: force ±{self.force_error:.3g}, "
-            f"{math.degrees(self.angle_error):.3g}°, {1e3 * self.end_distance:.3g} mm>"
+            f"<LawExport to {self.target}: force ±{_shown(self.force_error)}, "
+            f"{_shown(math.degrees(self.angle_error))}°, {_shown(1e3 * self.end_distance)} mm>"
         )
 
 
@@ -107,7 +116,8 @@ class _Family:
         a = math.exp(found[0])
         b = math.exp(found[1]) if self.sizes == 2 else a
         # The angle of a nearly round law may go astray; half a turn changes nothing.
-        return a, b, math.remainder(found[-1], math.pi) if self.turns else 0.0
+        angle = math.remainder(found[-1], math.pi) if self.turns else 0.0
+        return a, b, angle if abs(angle) > _NOTHING else 0.0
 
     def starts(self, law: FrictionLaw) -> Iterator[list[float]]:
         radius = law.reservoir.radius(_PHI)
@@ -148,6 +158,14 @@ def _one(name: str, a: float, *_: float) -> dict[str, Any]:
     return {name: a}
 
 
+def _drake(a: float, *_: float) -> dict[str, Any]:
+    return {"dynamic_friction": a, "static_friction": a}
+
+
+def _lsdyna(a: float, *_: float) -> dict[str, Any]:
+    return {"FS": a, "FD": a, "DC": 0.0}
+
+
 def _dart(a: float, *_: float) -> dict[str, Any]:
     return {"mu": a, "solver": "NsgsFrictionSolver"}
 
@@ -183,9 +201,9 @@ _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "bullet": tuple(_Family(partial(_bullet, cone)) for cone in (True, False)),
     "cardillo": tuple(_Family(partial(_cardillo, one)) for one in ("Moreau", "BackwardEuler")),
     "dart": (_Family(_dart, sizes=1), _Family(partial(_one, "mu"), sizes=1)),
-    "drake": (_Family(partial(_one, "dynamic_friction"), sizes=1),),
+    "drake": (_Family(_drake, sizes=1),),
     "exudyn": (_Family(_exudyn, turns=True),),
-    "lsdyna": (_Family(lambda a, *_: {"FS": a, "FD": a}, sizes=1, sets=_disk),),
+    "lsdyna": (_Family(_lsdyna, sizes=1, sets=_disk),),
     "mujoco": tuple(_Family(partial(_mujoco, cone)) for cone in ("elliptic", "pyramidal")),
     "newton": (_Family(_newton, sizes=1),),
     "ode": (_Family(_ode),),
@@ -214,59 +232,158 @@ def exported(law: FrictionLaw, target: str, *, notes: Sequence[str] = ()) -> Law
         target: name of the program.
         notes: sentences on the law, which go into the text as comments.
     """
-    from scipy.optimize import least_squares
-
     target = engines.named(target, "to", TARGETS)
     if law.dimension != 2:
         raise DimensionError("law", f"must be planar, its dimension is {law.dimension}")
-    bare = law.replace(rate=None)
-    force = bare.force(unit_vectors(_PHI))
-    scale = np.abs(force).max()
-    best: tuple[float, dict[str, Any], FrictionLaw] | None = None
-    there: FrictionLaw | None
-    for family in _FAMILIES[target]:
-
-        def off(found: Array, family: _Family = family) -> Array:
-            other = family.of(bare, target, found)[1]
-            return np.asarray((other.force(unit_vectors(_PHI)) - force).ravel() / scale)
-
-        for start in family.starts(bare):
-            found = least_squares(off, start, x_scale="jac")
-            if best is None or found.cost < best[0]:
-                best = found.cost, *family.of(bare, target, found.x)
-    assert best is not None
-    _, parameters, there = best
-    other = there.force(unit_vectors(_PHI))
-    sizes = np.linalg.norm(force, axis=1), np.linalg.norm(other, axis=1)
-    cross = force[:, 0] * other[:, 1] - force[:, 1] * other[:, 0]
-    angles = np.abs(np.arctan2(cross, (force * other).sum(axis=1)))
-    prices: dict[str, float | None] = {
-        "force_error": float(np.abs(sizes[0] - sizes[1]).max()),
-        "angle_error": float(angles.max()),
-        "end_distance": float(np.linalg.norm(_end(bare) - _end(there))),
-    }
-    if target == "ansys" and not np.allclose(other, force, rtol=0.0, atol=_EXACT * scale):
+    rate, rest = law.rate, law.replace(rate=None)
+    falls = rate is not None and 0.0 < rate.ratio < 1.0
+    bare = rest
+    if rate is not None and falls and target != "lsdyna":
+        bare = rest.replace(reservoir=rest.reservoir.scaled(rate.ratio))
+    parameters, there = _nearest(bare, target)
+    if rate is not None and target == "lsdyna":
+        decay = {"FD": rate.ratio * parameters["FS"], "DC": 1.0 / rate.speed}
+        parameters, there = (
+            parameters | decay,
+            there.replace(rate=Stribeck(rate.speed, ratio=rate.ratio)),
+        )
+    elif rate is not None and falls and target == "drake":
+        parameters = parameters | {"static_friction": parameters["static_friction"] / rate.ratio}
+        there = there.replace(report=engines.translated(target, parameters).report)
+    prices: dict[str, float | None] = _prices(law, there)
+    own: FrictionLaw | None = there
+    scale = _size(rest).max()
+    if target == "ansys" and np.abs(_force(there) - _force(bare)).max() > _EXACT * scale:
         along = np.linalg.norm(bare.force(np.eye(2)), axis=1)
-        parameters, there = dict(zip(("MU1", "MU2"), along.tolist(), strict=True)), None
+        parameters, own = dict(zip(("MU1", "MU2"), along.tolist(), strict=True)), None
         prices = dict.fromkeys(prices)
     known = _texts(target)
     version = known.get("version") or engines.known_of(target)["version"]
-    report = there.report if there is not None else None
+    report = own.report if own is not None else None
     deviation = ""
     if isinstance(report, EngineReport):
         deviation = report.deviation
         if report.end_error is not None:
             beside = 1e3 * report.end_error
             deviation += f" A path of 0.24 m ends up to {beside:.2g} mm beside that of its law."
-    if law.rate is not None:
-        notes = (*notes, f"The dependence on the speed is left out: {law.rate!r}.")
+    if rate is not None:
+        notes = (*notes, _of_rate(rate, target))
+    if own is not None:
+        notes = (*notes, *_of_axes(bare, target, there))
     return LawExport(
         target,
         version,
         text=_text(target, version, parameters, prices, notes, deviation),
-        law=there,
+        law=own,
         parameters=parameters,
         **prices,
+    )
+
+
+def _nearest(law: FrictionLaw, target: str) -> tuple[dict[str, Any], FrictionLaw]:
+    """Return parameters and law of a program that come nearest to a law without a rate factor."""
+    from scipy.optimize import least_squares
+
+    force, scale = _force(law), _size(law).max()
+    best: tuple[float, dict[str, Any], FrictionLaw] | None = None
+    for family in _FAMILIES[target]:
+
+        def off(found: Array, family: _Family = family) -> Array:
+            return np.asarray((_force(family.of(law, target, found)[1]) - force).ravel() / scale)
+
+        for start in family.starts(law):
+            found = least_squares(off, start, x_scale="jac")
+            if best is None or found.cost < best[0]:
+                best = found.cost, *family.of(law, target, found.x)
+    assert best is not None
+    return best[1:]
+
+
+def _force(law: FrictionLaw) -> Array:
+    """Return λ/λ_N over the direction of sliding, without the rate factor."""
+    return law.replace(rate=None).force(unit_vectors(_PHI))
+
+
+def _size(law: FrictionLaw) -> Array:
+    return np.asarray(np.linalg.norm(_force(law), axis=1))
+
+
+def _prices(law: FrictionLaw, there: FrictionLaw) -> dict[str, float | None]:
+    """Return how far a law is from that of a program."""
+    force, other = _force(law), _force(there)
+    speeds = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _SPEEDS) * np.linalg.norm(_LAUNCH)])
+    factors = [np.ones(1) if one.rate is None else one.rate(speeds) for one in (law, there)]
+    sizes = [
+        factor[:, None] * np.linalg.norm(one, axis=1)
+        for factor, one in zip(factors, (force, other), strict=True)
+    ]
+    cross = force[:, 0] * other[:, 1] - force[:, 1] * other[:, 0]
+    # A force that falls to zero never stops a point.
+    stops = law.rate is None or law.rate.ratio > 0.0
+    ends = [_end(one if stops else one.replace(rate=None)) for one in (law, there)]
+    return {
+        "force_error": float(np.abs(sizes[0] - sizes[1]).max()),
+        "angle_error": float(np.abs(np.arctan2(cross, (force * other).sum(axis=1))).max()),
+        "end_distance": float(np.linalg.norm(ends[0] - ends[1])),
+    }
+
+
+def _of_rate(rate: Stribeck, target: str) -> str:
+    """Return what becomes of the dependence on the speed."""
+    if target == "lsdyna":
+        exact = rate.shape == "exponential" and rate.exponent == 1.0 and rate.viscous == 0.0
+        kept = "is that of" if exact else "becomes that of"
+        return f"The dependence on the speed, {rate!r}, {kept} FS, FD and DC, which is in s/m here."
+    said = f"The dependence on the speed is left out: {rate!r}."
+    if rate.ratio == 1.0:
+        return said
+    if rate.ratio == 0.0:
+        return f"{said} Coefficients, and the end of a path, are those at rest; of fast sliding they fall to zero."
+    # Where the drop has come to so much of the limit.
+    drop = _LEFT * rate.ratio / (1.0 - rate.ratio)
+    over = (
+        (-math.log(drop) if rate.shape == "exponential" else 1.0 / drop - 1.0)
+        if drop < 1.0
+        else 0.0
+    )
+    above = rate.speed * over ** (1.0 / rate.exponent)
+    also = " mu_static counts in the continuous model only." if target == "drake" else ""
+    return (
+        f"{said} Coefficients are those of sliding, {rate.ratio:g} of those at rest, which hold to "
+        f"{_LEFT:.0%} above {above:.2g} m/s; slower sliding and rest have more friction.{also}"
+    )
+
+
+def _of_axes(law: FrictionLaw, target: str, there: FrictionLaw) -> tuple[str, ...]:
+    """Return what turning the contact would do, where the program does not turn its axes."""
+    families = _FAMILIES[target]
+    if any(one.turns for one in families) or max(one.sizes for one in families) == 1:
+        return ()
+    from scipy.optimize import minimize_scalar
+
+    along = law.reservoir.radius(_PHI)
+    about = float(_PHI[along.argmax()])
+    found = minimize_scalar(
+        lambda phi: -float(law.reservoir.radius(phi)),
+        bounds=(about - _PHI[1], about + _PHI[1]),
+        method="bounded",
+        options={"xatol": _NOTHING},
+    )
+    angle = math.remainder(float(found.x), math.pi)
+    turned = law.rotated(-angle)
+    parameters, better = _nearest(turned, target)
+    now, then = (
+        float(np.abs(_force(one) - _force(other)).max())
+        for one, other in ((law, there), (turned, better))
+    )
+    if now - then < max(0.5 * now, _WORTH * float(along.max())):
+        return ()
+    prices = _prices(turned, better)
+    listed = ", ".join(f"{name} {_Words(value)}" for name, value in parameters.items())
+    return (
+        f"The axes of the law are turned by {math.degrees(angle):.3g}° from those of the contact: "
+        f"if the contact's first axis is turned by that from e₁, {listed} differ by "
+        f"{_priced(prices)}.",
     )
 
 
@@ -285,9 +402,9 @@ def _text(
         said.append(known["unknown"])
     else:
         said.append(
-            f"Beside the law, forces differ by up to {force:.3g} λ_N and "
-            f"{math.degrees(angle):.3g}°, the end of a path after a launch with "
-            f"{np.linalg.norm(_LAUNCH):.3g} m/s by {1e3 * end:.3g} mm."
+            f"Beside the law, forces differ by up to {_shown(force)} λ_N and "
+            f"{_shown(math.degrees(angle))}°, the end of a path after a launch with "
+            f"{np.linalg.norm(_LAUNCH):.3g} m/s by {_shown(1e3 * end)} mm."
         )
     if deviation:
         said.append(f"The program itself: {deviation}")
@@ -299,6 +416,18 @@ def _text(
     words = {**known.get("words", {}), **parameters}
     text = known["text"] if force is not None else known["text_of_two"]
     return head + text.format(**{name: _Words(value) for name, value in words.items()})
+
+
+def _priced(prices: Mapping[str, float | None]) -> str:
+    force, angle, end = (
+        prices[one] or 0.0 for one in ("force_error", "angle_error", "end_distance")
+    )
+    return f"{_shown(force)} λ_N, {_shown(math.degrees(angle))}° and {_shown(1e3 * end)} mm"
+
+
+def _shown(value: float) -> str:
+    """Return a number in three digits, rounding as 0."""
+    return f"{value if value > 1e3 * _NOTHING else 0.0:.3g}"
 
 
 class _Words:
@@ -323,7 +452,9 @@ class _Words:
 
 def _end(law: FrictionLaw) -> Array:
     """Return where a point ends that is launched as in the sliding experiment."""
-    step = _STEP * float(np.linalg.norm(_LAUNCH)) / (_GRAVITY * law.reservoir.radius(_PHI).mean())
+    least = 1.0 if law.rate is None else law.rate.ratio
+    mean = least * law.reservoir.radius(_PHI).mean()
+    step = _STEP * float(np.linalg.norm(_LAUNCH)) / (_GRAVITY * mean)
     one, none, rest = np.eye(2), np.zeros((2, 2)), np.zeros(2)
     contact: dict[str, Any] = dict.fromkeys(("gap", "normal_restitution"), 0.0)
     contact |= {"law": law._core, "direction": one, "velocity": rest, "normal_force": _GRAVITY}
