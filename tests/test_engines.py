@@ -654,3 +654,27 @@ def test_the_page_has_the_rows_of_the_table(place):
     page = (Path(__file__).parents[1] / "docs/engines.md").read_text(encoding="utf-8")
     rows = rows_of_the_atlas()[place]
     assert "\n".join(rows) in page, "\n".join(["", *rows])
+
+
+def test_names_of_packages_are_understood_and_others_refused_with_the_reason():
+    for name, engine, given in (
+        ("dartpy", "dart", {"mu": 0.5}),
+        ("pyb2d3", "box2d", {"friction": 0.5}),
+        ("pydrake", "drake", {"dynamic_friction": 0.5}),
+    ):
+        assert asp.FrictionLaw.like(name, **given).report.engine == engine
+    refused = {"simbody": "2ab/", "lavendersim": "no pair", "pybox3d": "tumble", "liggghts":
+               "restitution only", "Abaqus": "export", "ansys": "export"}  # fmt: skip
+    for name, reason in refused.items():
+        words = f"engine: '{name}' is not translated: .*{reason}"
+        with pytest.raises(asp.ParameterError, match=words):
+            asp.FrictionLaw.like(name, mu=0.5)
+
+
+def test_a_solver_that_was_not_given_is_named():
+    law = asp.FrictionLaw.like("newton", mu=0.5)
+    assert law.report.deviation.startswith("solver is SolverXPBD, as none was given. None was")
+    named = asp.FrictionLaw.like("newton", mu=0.5, solver="SolverXPBD").report
+    assert law.report.replace(deviation=named.deviation) == named
+    assert "was given" not in asp.FrictionLaw.like("dart", mu=0.5).report.deviation
+    assert "was given" not in asp.FrictionLaw.like("yade", frictionAngle=0.5).report.deviation

@@ -107,6 +107,8 @@ def named(given: str, argument: str, known: Sequence[str]) -> str:
     """Return the known name of a program that is meant, in any case or as its package is called."""
     plain = str(given).casefold().replace("-", "_")
     kind = _ALSO_CALLED.get(plain, plain)
+    if isinstance(given, str) and kind in _REFUSED and kind not in known:
+        raise ParameterError(argument, f"{given!r} is not translated: {_REFUSED[kind]}")
     if not isinstance(given, str) or kind not in known:
         raise ParameterError(argument, f"{given!r} is not known{advice_on(plain, known)}")
     return kind
@@ -538,6 +540,9 @@ def _of_table(engine: str, **given: Any) -> Translation:
         creep=creep,
         end_error=mode.get("end_error"),
     )
+    if option not in given and mode["name"] != "default" and len(modes) > 1:
+        deviation = f"{option} is {mode['name']}, as none was given. {report.deviation}"
+        report = report.replace(deviation=deviation)
     shape = _SHAPES[mode["law"]](mu)
     return Translation(shape, shape, report)
 
@@ -564,8 +569,24 @@ _ALSO_CALLED = {
     "pymunk": "chipmunk",
     "rapier3d": "rapier",
     "sapien": "physx",
-    "simbody": "opensim",
+    "dartpy": "dart",
+    "elastica": "pyelastica",
+    "pyb2d3": "box2d",
+    "pydrake": "drake",
 }
+_REFUSED = {
+    "abaqus": "it was not run: law.export('abaqus') has the law of its manual",
+    "ansys": "it was not run: law.export('ansys') has what its manual states",
+    "lavendersim": "no pair of sets has its law: the direction of the force depends on the shape "
+    "of the body, and damping of 0.09/s slows down whatever moves",
+    "liggghts": "it was run for restitution only, not for friction",
+    "lsdyna": "it was not run: law.export('lsdyna') has the law of its manual",
+    "pybox3d": "bodies tumble on its one contact point, so that its law was found for bodies that "
+    "do not turn only: isotropic, with the geometric mean of two coefficients",
+    "simbody": "it is not OpenSim: isotropic, of two bodies 2ab/(a + b), and over the speed the "
+    "drop of Drake's continuous model, like('drake', time_step=0)",
+}
+"""Programs whose law is not translated, with the reason."""
 
 
 def _word(value: Any, argument: str, allowed: tuple[str, ...], *, prefix: str = "") -> Any:

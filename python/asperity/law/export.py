@@ -338,7 +338,10 @@ def _of_rate(rate: Stribeck, target: str) -> str:
     if rate.ratio == 1.0:
         return said
     if rate.ratio == 0.0:
-        return f"{said} Coefficients, and the end of a path, are those at rest; of fast sliding they fall to zero."
+        return (
+            f"{said} Coefficients, and the end of a path, are those at rest; of fast sliding they "
+            "fall to zero."
+        )
     # Where the drop has come to so much of the limit.
     drop = _LEFT * rate.ratio / (1.0 - rate.ratio)
     over = (

@@ -415,7 +415,7 @@ class FrictionLaw(Questions):
         ``newton``      mu, solver (``"SolverXPBD"``, ``"SolverVBD"``, …)
         ``ode``         mu, mu2 of contacts with ContactApprox1
         ``omi``         dynamicFriction
-        ``opensim``     dynamic_friction, force (``"HuntCrossleyForce"``, …), as in Simbody
+        ``opensim``     dynamic_friction, force (``"HuntCrossleyForce"``, …)
         ``physx``       dynamic_friction, solver (``"TGS"``, ``"PGS"``)
         ``pinocchio``   mu, S (factor of the tangential rows, 2 × 2, if the user scales them)
         ``pyelastica``  kinetic_mu_array (forwards, backwards, sideways)

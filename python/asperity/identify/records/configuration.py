@@ -97,9 +97,9 @@ class Configuration(Value):
         sections: ``file`` (delimiter, decimal, header, encoding, names, thousands, sheet,
             sample_rate, turn_rate, counts_per_turn, arm, one_channel, rectified, check_units,
             on_defect), ``columns`` and ``units`` as for `read_csv`, ``run`` (from, to, angles),
-            ``calibration`` (file, or loads and readings; reading_error, fit_zero), ``no_load`` (files; from, to),
-            ``tribometer`` (normal_load, radius; zero_error in N and gain_error, relative, as of
-            `RawData`), ``processing`` (cut_off, order, grid_angle); all optional. A
+            ``calibration`` (file, or loads and readings; reading_error, fit_zero), ``no_load``
+            (files; from, to), ``tribometer`` (normal_load, radius; zero_error in N and gain_error,
+            relative, as of `RawData`), ``processing`` (cut_off, order, grid_angle); all optional. A
             column of the normal channel is read beside normal_load for its crosstalk. Windows
             ``from`` … ``to``, numbers in the unit of the times or texts for a clock, or lists of
             them, are those of each file of the runs; those of ``no_load`` are of its own files if
