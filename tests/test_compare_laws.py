@@ -10,6 +10,7 @@ import pytest
 from asperity import identify
 from asperity.commands.main import main
 from asperity.identify import IdentifiedLaw, compare_laws
+from asperity.identify.estimator.identified_law import recorded_under
 from asperity.predict.comparison_sheet import describe_comparison
 from scipy.stats import norm, t
 
@@ -224,3 +225,45 @@ def test_the_command_compares_with_the_first_law(tmp_path, capsys):
     IdentifiedLaw(asp.FrictionLaw.isotropic(0.3), values=[0.3], **MODELS).save(files[2])
     assert main(["compare", *map(str, files)]) == 2
     assert "again" in capsys.readouterr().err
+
+
+def test_the_command_says_where_laws_are_not_independent_or_of_another_load(tmp_path, capsys):
+    def saved(name, mu, run, load):
+        files = [(f"{run}.csv", run), ("machine.toml", "same")]
+        origin = asp.Provenance(note=recorded_under(load), files=files)
+        file = tmp_path / f"{name}.toml"
+        specimen(mu, 0.002).replace(provenance=origin).save(file)
+        return str(file)
+
+    first = saved("first", 0.30, "a", [10.0])
+    other = saved("other", 0.31, "b", [10.3])
+    heavy = saved("heavy", 0.31, "c", [30.0, 10.0])
+    again = saved("again", 0.31, "a", [10.0])
+    assert main(["compare", first, other]) == 0
+    assert "warning" not in capsys.readouterr().out
+    assert main(["compare", first, heavy, again, "--out", str(tmp_path / "out")]) == 0
+    text = capsys.readouterr().out
+    assert text.count("warning: ") == 2
+    assert "heavy.toml was recorded under 30, 10 N, first.toml under 10 N: a difference" in text
+    assert "again.toml and first.toml both come from a.csv: they are not independent" in text
+    assert "are not independent" in (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert main(["compare", first, other, first, "--json"]) == 0
+    (said,) = json.loads(capsys.readouterr().out)["warnings"]
+    assert said.startswith("first.toml holds the same law as first.toml: ")
+
+
+def test_changes_of_angles_are_told_in_degrees():
+    first, second = (
+        IdentifiedLaw(
+            asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.4, angle=angle)),
+            reservoir_model="ellipse",
+            direction_model="circle",
+            values=[0.5, 0.4, angle],
+            turns=1e-4 * np.eye(3),
+        )
+        for angle in (0.0, np.deg2rad(3.0))
+    )
+    (line,) = [one for one in compare_laws(first, second).summary().splitlines() if ".angle" in one]
+    half = norm.ppf(0.975) * np.rad2deg(np.sqrt(2.0) * 0.01)
+    ends = f"{3.0 - half:.4g}° … {3.0 + half:.4g}°"
+    assert line == f"reservoir.angle changes by 3° ({ends})."

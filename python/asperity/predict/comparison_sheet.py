@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 from asperity._base.arrays import Array, unit_vectors
-from asperity._base.report import Facts, Grid, Picture, Section, write_report
+from asperity._base.report import Facts, Grid, Picture, Section, Text, write_report
 from asperity._base.result import NO_UNIT, Axis, Series, Table, TableResult
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
 from asperity.identify import IdentifiedLaw, LawComparison, compare_laws
 from asperity.identify.estimator.law_comparison import CurveName, probability
+from asperity.identify.forces.dependence import LEAST_RATIO
 from asperity.law import FrictionLaw
 
 FILES = ("comparison.csv", "comparison.png", "paths.png", "report.html")
@@ -43,11 +44,13 @@ class ComparisonSheet(TableResult):
         names: of the files, the first one first.
         laws: likewise, without rate factors, which are not compared.
         comparisons: of each further law with the first one.
+        warnings: sentences on what the comparisons take for granted.
     """
 
     names: tuple[str, ...]
     laws: tuple[FrictionLaw, ...]
     comparisons: tuple[LawComparison, ...]
+    warnings: tuple[str, ...] = ()
 
     @cached_property
     def paths(self) -> list[list[Array]]:
@@ -80,10 +83,11 @@ class ComparisonSheet(TableResult):
 
     def summary(self) -> str:
         """Return what the comparisons say, in sentences."""
-        return "\n\n".join(
+        parts = [
             f"{name} beside {self.names[0]}: {one.summary()}"
             for name, one in zip(self.names[1:], self.comparisons, strict=True)
-        )
+        ]
+        return "\n\n".join([*parts, *(f"warning: {one}" for one in self.warnings)])
 
     def text(self) -> str:
         """Return all there is to say as text."""
@@ -119,6 +123,7 @@ class ComparisonSheet(TableResult):
         return {
             "first": self.names[0],
             "confidence": self.comparisons[0].confidence,
+            "warnings": list(self.warnings),
             "comparisons": [
                 {
                     "law": name,
@@ -176,8 +181,11 @@ class ComparisonSheet(TableResult):
             )
             for name, one in zip(self.names[1:], self.comparisons, strict=True)
         ]
+        said = [Text(one, "warning") for one in self.warnings]
         title = f"Friction laws beside {self.names[0]}"
-        write_report(folder / FILES[3], title, [Section("", Grid(header, rows), *pictures), *parts])
+        write_report(
+            folder / FILES[3], title, [Section("", *said, Grid(header, rows), *pictures), *parts]
+        )
 
 
 def describe_comparison(
@@ -214,13 +222,49 @@ def describe_comparison(
             words = {"first": os.fspath(files[0]), "second": os.fspath(file)}
             raise type(error)(words.get(error.argument, error.argument), error.message) from None
         compared.append(one)
+    names = _names(files)
     sheet = ComparisonSheet(
-        _names(files), tuple(law.law.replace(rate=None) for law in laws), tuple(compared)
+        names,
+        tuple(law.law.replace(rate=None) for law in laws),
+        tuple(compared),
+        tuple(_taken_for_granted(laws, names)),
     )
     if folder is not None:
         with folder.filled() as place:
             sheet.write(place)
     return sheet
+
+
+def _taken_for_granted(laws: Sequence[IdentifiedLaw], names: Sequence[str]) -> Iterator[str]:
+    """Yield sentences on laws that are not independent of the first one, or of another load."""
+    first, known = laws[0]._loads, laws[0].provenance.files
+    for law, name in zip(laws[1:], names[1:], strict=True):
+        files = law.provenance.files
+        if law == laws[0]:
+            yield (
+                f"{name} holds the same law as {names[0]}: bands are those of two independent "
+                "measurements"
+            )
+            continue
+        # The first file is that of a run, others may be of the machine.
+        both = {one for one in known if one in files and one[1]}
+        shared = [one[0] for one in (*known[:1], *files[:1]) if one in both]
+        if shared:
+            yield (
+                f"{name} and {names[0]} both come from {shared[0]}: they are not independent, and "
+                "the bands do not hold"
+            )
+        loads = law._loads
+        differ = len(loads) != len(first) or any(
+            max(pair) > LEAST_RATIO * min(pair)
+            for pair in zip(sorted(loads), sorted(first), strict=True)
+        )
+        if loads and first and differ:
+            under = [", ".join(f"{load:g}" for load in one) for one in (loads, first)]
+            yield (
+                f"{name} was recorded under {under[0]} N, {names[0]} under {under[1]} N: a "
+                "difference may be that of the load"
+            )
 
 
 def _names(files: Sequence[str | os.PathLike[str]]) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from asperity.identify.campaigns.coefficient import (
     write_coefficient,
 )
 from asperity.identify.campaigns.coefficient import TABLES as COEFFICIENT
+from asperity.identify.estimator.identified_law import recorded_under
 from asperity.identify.estimator.loss import LossName
 from asperity.identify.evidence.coefficient.dependence import several_loads
 from asperity.identify.evidence.coefficient.result import (
@@ -291,6 +292,7 @@ def identify_campaign(
             [*paths, config, *loaded.files],
             made_by=f"asperity identify --reservoir {reservoir} --direction {direction} "
             f"--loss {loss} --confidence {confidence!r}",
+            note=recorded_under(data.loads),
             configuration=loaded.sections,
         )
         begin("fitting")

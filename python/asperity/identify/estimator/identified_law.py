@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -40,6 +41,11 @@ _SAME, _DIRECTIONS_COMPARED = 1e-9, 72
 _ROUNDING = 1e-9
 # So many draws for every law are made at most: most of them must be laws.
 _DRAWS, _FEWEST_DRAWS = 20, 200
+
+
+def recorded_under(loads: Sequence[float]) -> str:
+    """Return the note of a law on the normal forces in N under which it was recorded."""
+    return f"recorded under {', '.join(dict.fromkeys(f'{load:.4g}' for load in loads))} N"
 
 
 class IdentifiedLaw(LawFile):
@@ -132,6 +138,12 @@ class IdentifiedLaw(LawFile):
     def names(self) -> tuple[str, ...]:
         """Names of the parameters, such as ``"reservoir.a"``."""
         return self._structure.names
+
+    @property
+    def _loads(self) -> tuple[float, ...]:
+        """The normal forces in N that the note of `recorded_under` says."""
+        found = re.fullmatch(r"recorded under (.+) N", self.provenance.note)
+        return () if found is None else tuple(map(float, found[1].split(", ")))
 
     @property
     def units(self) -> tuple[str, ...]:

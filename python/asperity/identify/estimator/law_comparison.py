@@ -112,7 +112,9 @@ class LawComparison(TableResult, Record):
                 f"The {name} changes most by {change[at]:+.4g}{unit} ± {half:.2g}{unit}, sliding "
                 f"at {math.degrees(self.phi[at]):.0f}°; the {level} band holds all directions."
             )
-        lines += [f"{name} changes by {one}." for name, one in self.parameters.items()]
+        lines += [
+            f"{name} changes by {_shown(name, one)}." for name, one in self.parameters.items()
+        ]
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -391,6 +393,15 @@ def _axes_of(first: IdentifiedLaw, second: IdentifiedLaw) -> tuple[Array, Array]
         if unit != "rad":
             turn[:, k] = named(second._at + steps[k]) - found
     return found, turn
+
+
+def _shown(name: str, change: Estimate) -> str:
+    """Return the change of a parameter with its interval, of angles in degrees."""
+    if not name.endswith(".angle"):
+        return str(change)
+    scale = math.degrees(1.0)
+    low, high = (f"{scale * end:.4g}°" for end in (change.low, change.high))
+    return f"{scale * change.value:.4g}° ({low} … {high})"
 
 
 def probability(p: float) -> str:
