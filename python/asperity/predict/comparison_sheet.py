@@ -19,7 +19,7 @@ from asperity._base.tables import aligned
 from asperity.errors import ParameterError
 from asperity.identify import IdentifiedLaw, LawComparison, compare_laws
 from asperity.identify.estimator.law_comparison import CurveName, probability
-from asperity.identify.forces.dependence import LEAST_RATIO
+from asperity.identify.evidence.coefficient.dependence import LEAST_RATIO
 from asperity.law import FrictionLaw
 
 FILES = ("comparison.csv", "comparison.png", "paths.png", "report.html")
