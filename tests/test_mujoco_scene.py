@@ -375,14 +375,52 @@ def test_the_model_of_the_user_stays_as_it_is():
     assert bytes_of(model) == before
 
 
+GLUE = '<actuator><adhesion body="body" gain="1" ctrlrange="0 9"/></actuator>'
+
+
+@pytest.mark.parametrize(("pull", "holds"), [(1.001, True), (0.999, False)])
+def test_adhesion_holds_a_box_below_a_ceiling(pull, holds):
+    """As long as it pulls more than the weight, which the normal force makes up for."""
+    model = box(floor=f'pos="0 0 {DISK[2]}" zaxis="0 0 -1"', more=GLUE, height=0.0)
+    scene, data = Scene(model, {"default": asp.FrictionLaw.isotropic(0.5)}), mujoco.MjData(model)
+    weight = 0.018 * GRAVITY
+    data.ctrl[:] = pull * weight
+    scene.simulate(data, t_end=0.5)
+    assert (abs(data.qvel[2]) < 1e-9) == holds
+    pressed = sum(contact.force[2] for contact in scene.contacts(data))
+    assert abs(abs(pressed) - (pull - 1.0) * weight * holds) < 1e-8 * weight
+
+
+def test_adhesion_adds_to_the_friction_of_a_box():
+    model = box(more=GLUE)
+    scene, data = Scene(model, {"default": asp.FrictionLaw.isotropic(0.5)}), mujoco.MjData(model)
+    data.ctrl[:], data.qvel[0] = 0.3, 1.0
+    scene.simulate(data, t_end=0.02)
+    deceleration = 0.5 * (GRAVITY + 0.3 / 0.018)
+    assert abs(data.qvel[0] - (1.0 - 0.02 * deceleration)) < 1e-8
+
+
+@pytest.mark.parametrize("gaps", [(0.0, 0.001), (0.001, 0.001)])
+@pytest.mark.parametrize("margins", [(0.0, 0.0), (0.001, 0.002)])
+def test_adhesion_reaches_as_far_as_that_of_mujoco(gaps, margins):
+    for part in (0.9, 1.1):
+        floor, geom = (f'gap="{g}" margin="{m}"' for g, m in zip(gaps, margins, strict=True))
+        height = DISK[2] + sum(margins) + part * sum(gaps)
+        model = box(floor=floor, geom=geom, more=GLUE, height=height)
+        ours, theirs = mujoco.MjData(model), mujoco.MjData(model)
+        ours.ctrl[:] = theirs.ctrl[:] = 1.0
+        mujoco.mj_forward(model, theirs)
+        Scene(model).step(ours)
+        np.testing.assert_allclose(ours.qfrc_actuator, theirs.qfrc_actuator, atol=1e-9)
+
+
 def test_what_has_no_rigid_rows_is_refused_by_name():
     rolling = box(geom='condim="6"')
     with pytest.raises(asp.ParameterError, match=r"condim 6\) at geom 'box'"):
         Scene(rolling)
     assert Scene(rolling, rolling="ignore").step(mujoco.MjData(rolling)).solution.converged
-    adhesion = '<actuator><adhesion name="glue" body="body" gain="1" ctrlrange="0 1"/></actuator>'
-    with pytest.raises(asp.ParameterError, match="adhesion by actuator 'glue'"):
-        Scene(box(more=adhesion))
+    with pytest.raises(asp.ParameterError, match="adhesion of geom 'box'"):
+        Scene(box(geom='adhesion="1"'))
     rolling.opt.timestep = 0.0
     with pytest.raises(asp.ParameterError, match="positive timestep, has 0"):
         Scene(rolling)

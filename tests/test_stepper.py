@@ -568,3 +568,15 @@ def test_a_matrix_that_is_not_symmetric_is_refused():
             other[row, column] += 1e-3
             with pytest.raises(ParameterError, match="delassus: must be symmetric"):
                 stepper.solve(form(other), free_velocity=free, items=[0] * 4)
+
+
+@pytest.mark.parametrize("power", range(13))
+def test_squeezed_bodies_beside_a_joint_are_no_solution_whatever_their_masses(power):
+    """Two stops drive bodies against a joint between them, one up to 10¹² times as heavy."""
+    rows = np.array([[1.0, 0.0, 1.0], [0.0, -1.0, -1.0]])
+    delassus = rows.T @ np.diag([1.0, 10.0**-power]) @ rows
+    items = [FREE, FREE, JOINT]
+    step = ContactStepper([]).solve(
+        delassus, free_velocity=[-1.0, -1.0, 0.0], items=items, on_failure="record"
+    )
+    assert step.status in (Status.NO_SOLUTION, Status.UNBOUNDED)

@@ -94,6 +94,12 @@ class RowsModel:
         types, affinities = m.geom_contype, m.geom_conaffinity
         return bool(types[first] & affinities[second] or types[second] & affinities[first])
 
+    def gap(self, first: int, second: int) -> float:
+        """Return how far beyond their margins MuJoCo finds contacts of two geoms."""
+        m, pair = self.user, self._pairs.get(frozenset((first, second)))
+        gap = m.geom_gap[first] + m.geom_gap[second] if pair is None else m.pair_gap[pair]
+        return float(gap)
+
     def condim(self, first: int, second: int) -> int:
         """Return the dimension of the contacts of two geoms in the user's model."""
         m, pair = self.user, self._pairs.get(frozenset((first, second)))
@@ -225,12 +231,10 @@ def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
         )
     if int(m.opt.enableflags) & int(mj.mjtEnableBit.mjENBL_OVERRIDE):
         raise ParameterError("model", "overrides the parameters of its contacts: turn override off")
-    adhesion = np.flatnonzero(m.actuator_trntype == mj.mjtTrn.mjTRN_BODY).tolist()
-    if m.flg_adhesion or adhesion:
-        of = f" by actuator {m.actuator(adhesion[0]).name or adhesion[0]!r}" if adhesion else ""
-        raise ParameterError(
-            "model", f"has adhesion{of}, which pulls on contacts that are not closed"
-        )
+    if m.flg_adhesion:
+        geoms = np.flatnonzero(m.geom_adhesion).tolist()
+        of = f" of geom {_geom_name(m, geoms[0])!r}" if geoms else " of a pair"
+        raise ParameterError("model", f"has adhesion{of}: an adhesion actuator has it in a Scene")
     pairs = [frozenset(pair) for pair in zip(m.pair_geom1, m.pair_geom2, strict=True)]
     if len(set(pairs)) < len(pairs):
         twice = next(pair for pair in pairs if pairs.count(pair) > 1)

@@ -12,6 +12,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact import StepSolution
 from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
+from asperity.mujoco.adhesion import Adhesion
 from asperity.mujoco.guided import Guidance, Places
 from asperity.mujoco.laws import Laws, PairLaws
 from asperity.mujoco.model import RowsModel
@@ -126,6 +127,7 @@ class Scene:
         self._tolerance = arrays.positive(tolerance, "tolerance")
         self._extent = float(model.stat.extent)
         self._projector = Projector(rows, exact=_EXACT * self._extent, solver=solver)
+        self._adhesion = Adhesion(rows, _EXACT * self._extent)
         self._least_detection = 1e-4 * self._extent
         rows.widen(self._least_detection)
         self._quiet = 0
@@ -415,6 +417,8 @@ class Scene:
         if self._rows.is_damped:
             self._rows.factor(data)
         reader.read(data)
+        if self._adhesion:
+            self._adhesion.look(data)
         stepper = reader.stepper
         reader.factor(data)
         self._accelerate(data, v)
@@ -437,6 +441,8 @@ class Scene:
         mj, m = self._mj, self._model
         mj.mj_fwdVelocity(m, data)
         mj.mj_fwdActuation(m, data)
+        if self._adhesion:
+            self._adhesion.correct(data)
         mj.mj_fwdAcceleration(m, data)
         # Damping is that of v⁺, MuJoCo's that of the velocity here.
         damping = self._rows.damping if self._rows.is_damped else None

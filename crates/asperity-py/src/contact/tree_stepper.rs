@@ -139,7 +139,8 @@ impl TreeStepper {
             && geoms.as_array().iter().eq(&known.geoms)
     }
 
-    /// Gives a pair of geoms a law, and one without its drilling, with an axis that is carried by a geom or body, which follow each other, or by the world.
+    /// Gives a pair of geoms a law, and one without its drilling, with an axis that is carried by a geom or body, which
+    /// follow each other, or by the world.
     fn learn(
         &mut self,
         pair: (i32, i32),

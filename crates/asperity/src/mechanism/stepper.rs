@@ -15,6 +15,9 @@ use crate::contact::{
 use crate::law::{FrictionLaw, Law};
 use crate::solver::{Certificate, Given, Shares, SolveReport, Solver, Status, Stop, Workspace};
 
+/// Part of the largest velocity without percussions with which no contact moves that pushes.
+const MOVES: f64 = 1e-2;
+
 /// What an item remembers.
 #[derive(Debug, Clone, Copy, Default)]
 struct Remembered {
@@ -173,8 +176,20 @@ impl ContactStepper {
             };
             let place = self.unresolved.place;
             report.worst_contact = self.arranged.order.get(place).copied().unwrap_or(0);
+        } else if let (Status::Converged, Some(member)) = (report.status, self.moving()) {
+            (report.status, report.worst_contact) = (Status::Unbounded, self.item_of(member));
         }
         Ok(report)
+    }
+
+    /// A contact that pushes and moves, as percussions may have grown so far that the elimination of joints has lost velocities.
+    fn moving(&self) -> Option<usize> {
+        let most = MOVES * self.arranged.largest_velocity();
+        let Found { percussion, velocity, .. } = &self.found;
+        self.layout.members.iter().position(|&Member { place, first, friction, .. }| {
+            let brought = self.arranged.own(place, 0, 0) * percussion[first];
+            friction != Friction::Dry && f64::min(brought, velocity[first].abs()) > most
+        })
     }
 
     /// The item that the last step was refused for, where its law asks for a motion that it has not.

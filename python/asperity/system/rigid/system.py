@@ -366,8 +366,9 @@ class RigidBodies(Value):
         """Return the forces in N and torques in N m of the joints on their (first) bodies.
 
         They act at the anchors, of welds at the body's centre of mass, in the world's axes. They
-        are those in the middle of the step that ends at a sample, and follow from its state and
-        the forces of its contacts with an error of the order of Δt². Of directions in which joints
+        are those in the middle of the step that ends at a sample, and follow from its state and the
+        forces of its contacts with an error of the order of Δt²; in a step with an impact, whose
+        forces are percussions over Δt, it does not vanish with Δt. Of directions in which joints
         repeat each other only one transmits anything here.
 
         Args:
