@@ -262,9 +262,9 @@ def _sparse(system: object) -> SparseLinearSystem:
         )
     if linear.constraints:
         raise ParameterError("system", "must have no constraints, which only simulate holds")
-    # Of a reduced system without its basis.
+    # Of a reduced system without its basis; it has no constraints.
     names = inspect.signature(LinearSystem).parameters
-    given = {name: linear._parameters[name] for name in names}
+    given = {name: linear._parameters.get(name) for name in names}
     made = LinearSystem(**{**given, "mass": csc_array(linear.mass)})
     assert isinstance(made, SparseLinearSystem)
     return made
