@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -264,7 +264,7 @@ def _sparse(system: object) -> SparseLinearSystem:
         raise ParameterError("system", "must have no constraints, which only simulate holds")
     # Of a reduced system without its basis; it has no constraints.
     names = inspect.signature(LinearSystem).parameters
-    given = {name: linear._parameters.get(name) for name in names}
+    given: dict[str, Any] = {name: linear._parameters.get(name) for name in names}
     made = LinearSystem(**{**given, "mass": csc_array(linear.mass)})
     assert isinstance(made, SparseLinearSystem)
     return made
