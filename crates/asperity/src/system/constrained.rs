@@ -85,7 +85,7 @@ impl Constraints for Own<'_> {
         mass.update(system, t, q)?;
         let mut responses = rows.clone();
         responses.chunks_exact_mut(n).for_each(|row| mass.solve_block(system, 0, row));
-        // Rounding is that of coordinates, of which none is finer than if it were about 1 m or 1 rad.
+        // Coordinates below 1 m or 1 rad count as that large: what they follow from may be.
         let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
         let at = |k: usize| 1.0 + if q.len() == n { q[k].abs() } else { largest };
         let size = |row: &[f64]| row.iter().enumerate().map(|(k, j)| j.abs() * at(k)).sum();

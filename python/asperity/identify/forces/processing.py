@@ -367,7 +367,7 @@ class ProcessedData(Value):
 
     def _stroke_means(self, used: NDArray[np.bool_]) -> dict[str, Array]:
         number = self.turn[used]
-        # A stroke of which no sample is used has no mean.
+        # A stroke without a sample that is used has no mean.
         with np.errstate(invalid="ignore"):
             count = np.bincount(number, minlength=self.turns)
             return {

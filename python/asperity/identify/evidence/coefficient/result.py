@@ -80,7 +80,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs at one load and one speed, or turn rate where no radius tells the speed.
+    """Runs at one load and one speed, or turn rate where no radius gives the speed.
 
     Attributes:
         load, speed, rate: means over the runs.
