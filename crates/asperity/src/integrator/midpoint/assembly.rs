@@ -617,13 +617,16 @@ impl Assembly {
 
     /// The contact whose percussions joints bear by their compliance: the laws of rigid joints allow none.
     pub(super) fn wedged(&self, problem: &ContactProblem, percussion: &[f64]) -> Option<usize> {
+        if self.midpoint.held.is_empty() {
+            return None;
+        }
         let yields = |row: usize| self.compliance[row] * percussion[row].abs();
         let rows = |rows: &Rows| rows.first..rows.first + rows.len;
         let of = |contact: &Rows| rows(contact).map(yields).fold(0.0, f64::max);
         let load = (0..self.contacts.len()).flat_map(|i| problem.load(i));
         let load = load.fold(0.0, |largest: f64, load| largest.max(load.abs()));
         let most = self.contacts.iter().map(of).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (!self.midpoint.held.is_empty() && most.1 > BORNE * load).then_some(most.0)
+        (most.1 > BORNE * load).then_some(most.0)
     }
 
     fn fill_blocks(&self, blocks: &mut BlockMatrix) {
