@@ -148,3 +148,27 @@ def test_a_box_on_a_table_that_turns_moves_as_under_simulate(friction, half, pos
     motion = asp.integrate(system, t_end=1.2)
     path = asp.simulate(system, dt=2e-5, t_end=1.2, sample_every=1.2)
     np.testing.assert_allclose(motion.q[-1], path.q[-1], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("half", "position", "rise", "law"),
+    [
+        (
+            (0.18547577, 0.06015174, 0.15090962),
+            0.03548556,
+            0.028863,
+            asp.FrictionLaw(asp.Ellipse(0.7, 0.5), asp.Ellipse(1.0, 0.5)),
+        ),
+        ((0.15891891, 0.05253542, 0.19712016), 0.00884243, 0.0388, asp.FrictionLaw.isotropic(0.6)),
+    ],
+)
+def test_a_box_rocks_on_edges_that_lie_nearly_along_a_row(half, position, rise, law):
+    """Its corners share the force along the edge, however small the angle to the row."""
+    ramp = asp.Signal([0.0, 1.0], [[0, 0, 0], [rise, rise / 2, rise]], interpolation="linear")
+    plane = asp.Plane(motion=asp.PlaneMotion(displacement=ramp))
+    box = asp.Body.box(1.0, half_sizes=half, position=(position, 0.0, half[2]))
+    pair = asp.BoxPlane(0, half_sizes=half, plane=plane, law=law)
+    system = asp.RigidBodies([box], pairs=[pair], gravity=(0, 0, -GRAVITY))
+    motion = asp.integrate(system, t_end=0.2, tolerance=1e-8)
+    path = asp.simulate(system, dt=2e-5, t_end=0.2, sample_every=0.2)
+    np.testing.assert_allclose(motion.q[-1], path.q[-1], atol=5e-6)
