@@ -28,7 +28,7 @@ const ROUNDING: f64 = 1e-14;
 /// The same as the first of contacts that may carry load, at the tolerance of the solver.
 const MAY_CARRY: f64 = 1e-6;
 /// Pivot over the largest entry that counts as zero, and share of the largest part of a matrix below which parts do.
-const SINGULAR: f64 = 1e-11;
+pub(crate) const SINGULAR: f64 = 1e-11;
 pub(crate) const RANK: f64 = 1e-10;
 /// What is left of the mobility of a normal row beside others, over the whole, of a row that depends on them.
 pub(crate) const DEPENDENT: f64 = 1e-10;

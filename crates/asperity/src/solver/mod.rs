@@ -32,7 +32,7 @@ mod settings;
 mod solution;
 mod solve;
 
-pub(crate) use equal_compliance::{DEPENDENT, Given, LIGHT, RANK, Shares};
+pub(crate) use equal_compliance::{DEPENDENT, Given, LIGHT, RANK, SINGULAR, Shares};
 pub use infeasible::{Case, Infeasibility, InfeasibilityKind, Unsolvable};
 pub use island::{Island, Islands};
 pub use measure::certificate::Certificate;

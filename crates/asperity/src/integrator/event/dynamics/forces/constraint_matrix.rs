@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::linear::{BlockLu, LeastNorm};
-use crate::solver::RANK;
+use crate::solver::SINGULAR;
 
 /// A factored matrix.
 #[derive(Debug, Default)]
@@ -30,10 +30,10 @@ impl ConstraintMatrix {
         let parts = &mut self.singular_parts;
         parts.clear();
         // Where an edge nearly rests along a row, several small pivots share what one of a singular matrix shows.
-        self.lu.factor_parts(RANK.sqrt(), |entries, rows| {
+        self.lu.factor_parts(SINGULAR.sqrt(), |entries, rows| {
             let entry = |i: usize, j: usize| entries[rows[i] * size + rows[j]];
             let part = DMatrix::from_fn(rows.len(), rows.len(), entry);
-            let least_norm = LeastNorm::new(part, RANK);
+            let least_norm = LeastNorm::new(part, SINGULAR);
             let regular = |factors: &LeastNorm| factors.range().ncols() == rows.len();
             if !least_norm.as_ref().is_some_and(regular) {
                 parts.push(SingularPart { rows: rows.to_vec(), least_norm });

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::integrator::event::dynamics::contact_variables::ROWS;
 use crate::integrator::event::resolution::PARTS;
 use crate::linear::{BlockLu, LeastNorm};
-use crate::solver::RANK;
+use crate::solver::SINGULAR;
 
 /// A normal acceleration, and the size of what it is the sum of.
 pub(crate) struct Rate {
@@ -115,11 +115,11 @@ impl Sharing {
             *value = mobility(contacts[k / count], contacts[k % count]);
         }
         places.resize(all, None);
-        matrix.factor_parts(RANK.sqrt(), |entries, members| {
+        matrix.factor_parts(SINGULAR.sqrt(), |entries, members| {
             let size = members.len();
             let entry = |i: usize, j: usize| entries[members[i] * count + members[j]];
             let part = DMatrix::from_fn(size, size, entry);
-            let Some(factors) = LeastNorm::new(part.clone(), RANK) else { return };
+            let Some(factors) = LeastNorm::new(part.clone(), SINGULAR) else { return };
             let Some(projection) = null_projection(&part, &factors) else { return };
             *dependent = true;
             let rates = members.iter().map(|&member| rate(contacts[member]));
