@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from asperity.runs.event import EventKind
 from profiles import counts, every
+from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 GRAVITY = 9.81
@@ -172,3 +174,49 @@ def test_a_box_rocks_on_edges_that_lie_nearly_along_a_row(half, position, rise, 
     motion = asp.integrate(system, t_end=0.2, tolerance=1e-8)
     path = asp.simulate(system, dt=2e-5, t_end=0.2, sample_every=0.2)
     np.testing.assert_allclose(motion.q[-1], path.q[-1], atol=5e-6)
+
+
+def time_of_rocking(half, start):
+    """The time in which a block on stiff ground rocks to rest, of [Housner1963] (1) and (8)."""
+    alpha, radius = np.arctan2(*half), np.hypot(*half)
+    rate = 0.75 * GRAVITY / radius
+    loss = (1.0 - 1.5 * np.sin(alpha) ** 2) ** 2
+
+    def quarter(top):
+        """From the angle `top`, at rest, to the ground, with θ = (1 − s²) top."""
+
+        def time(s):
+            turned = 0.5 * top * s**2
+            moment = np.sin(alpha - top + turned) * np.sinc(turned / np.pi)
+            return 2.0 * top / np.sqrt(2.0 * rate * top * moment)
+
+        return quad(time, 0.0, 1.0, epsabs=0.0)[0]
+
+    def raised(angle):
+        """cos(α − θ) − cos α without a difference of cosines."""
+        return 2.0 * np.sin(alpha - 0.5 * angle) * np.sin(0.5 * angle)
+
+    total, top = quarter(start), start
+    while top > 1e-13:
+        left = loss * raised(top)
+        top = brentq(lambda angle, left=left: raised(angle) - left, 0.0, top, xtol=1e-25)
+        total += 2.0 * quarter(top)
+    return total
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-10])
+@pytest.mark.parametrize("half", [(0.05, 0.2), (0.02, 0.2)])
+def test_a_block_rocks_to_rest(half, tolerance):
+    alpha = np.arctan2(*half)
+    turn = np.array(
+        [[np.cos(0.3 * alpha), np.sin(0.3 * alpha)], [-np.sin(0.3 * alpha), np.cos(0.3 * alpha)]]
+    )
+    position = tuple(turn @ (-half[0], half[1]))
+    block = asp.PlanarBody.box(1.0, half_sizes=half, position=position, angle=-0.3 * alpha)
+    law = asp.FrictionLaw.isotropic(2.0, dimension=1)
+    pair = asp.BoxPlane(0, half_sizes=half, plane=asp.Line(), law=law)
+    system = asp.RigidBodies([block], pairs=[pair], gravity=(0.0, -GRAVITY))
+    motion = asp.integrate(system, t_end=20.0, tolerance=tolerance)
+    expected = time_of_rocking(half, 0.3 * alpha)
+    # What rocks lower than 1e-13 of the block is at rest: it would go on for up to 3e-5 s.
+    assert motion.events[-1].time == pytest.approx(expected, abs=1e-4)

@@ -2,13 +2,13 @@
 
 use crate::contact::Phase;
 use crate::integrator::event::contact_problem::{Solving, redundancy};
-use crate::integrator::event::dynamics::ContactVariables;
+use crate::integrator::event::dynamics::{ContactVariables, ROWS};
 use crate::integrator::event::event_function::root::{self, Value};
 use crate::integrator::event::event_function::rounded_excess;
 use crate::integrator::event::integration::attempt::StateError;
 use crate::integrator::event::integration::detection::Bracket;
 use crate::integrator::event::integration::variables::{Integration, Located};
-use crate::integrator::event::resolution::NOTHING;
+use crate::integrator::event::resolution::{NOTHING, UNRESOLVED_TIME};
 use crate::integrator::event::state::EvaluationError;
 
 /// Share of the first step in which events are not located: rounding of its length would be large beside their time.
@@ -72,7 +72,22 @@ impl Integration<'_> {
         }
         // Whether the state at the event is found.
         self.solve_to(at)?;
+        let at = self.at_zero_gap(number, at)?;
         Ok(Location::Found(Located { number, at, width, carried }))
+    }
+
+    /// The time at which the gap itself closes, of an impact at `at`, to which the step has been made. Detection allows an
+    /// overlap that rounding explains: a body that rocks to rest would get back in every impact what it is worth.
+    fn at_zero_gap(&mut self, number: usize, at: f64) -> Result<f64, StateError> {
+        let free = self.dynamics.contacts.get(number).filter(|contact| contact.is_free());
+        let Some(overlap) = free.map(|contact| -contact.gap) else { return Ok(at) };
+        let approach = -self.dynamics.velocity(ROWS * number, self.probe.end(&self.probe.u));
+        let late = overlap / approach;
+        if overlap > 0.0 && late > UNRESOLVED_TIME * self.options.t_end && late < at {
+            self.solve_to(at - late)?;
+            return Ok(at - late);
+        }
+        Ok(at)
     }
 
     /// Goes to an event.
