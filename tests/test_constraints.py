@@ -267,9 +267,7 @@ def test_constraints_of_a_linear_system_may_repeat_each_other():
     with pytest.raises(asp.ParameterError, match="q0: must be coordinates that constraint 1"):
         asp.simulate(twice.replace(constraint=[-0.1, 0.2]), **options)
     assert twice.replace(constraint_rows=None).constraints == 0
-    with pytest.raises(
-        asp.DimensionError, match="constraint_rows: must have 1 rows, as constraint"
-    ):
+    with pytest.raises(asp.DimensionError, match="constraint_rows: must have 1 row, as constraint"):
         held.replace(constraint_rows=rows)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import counted
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
@@ -190,16 +191,15 @@ class LinearSystem(Value):
 
         Without new `constraint_rows`, ``None``, there is no `constraint` either.
         """
-        rows = changes.get("constraint_rows", self.constraint_rows)
-        if rows is None:
-            changes = {"constraint": None, **changes}
-        elif "constraint" not in changes and self.constraint is not None:
-            m, given = len(self.constraint), np.shape(rows)
-            if len(given) == 2 and given[0] != m:
+        if "constraint_rows" in changes and "constraint" not in changes:
+            rows = changes["constraint_rows"]
+            if rows is None:
+                changes["constraint"] = None
+            elif self.constraint is not None and np.shape(rows)[:1] != self.constraint.shape:
                 raise DimensionError(
                     "constraint_rows",
-                    f"must have {m} rows, as constraint has entries, unless that is given, too; "
-                    f"has {given[0]}",
+                    f"must have {counted(len(self.constraint), 'row')}, as constraint has entries, "
+                    "unless that is given, too",
                 )
         return super().replace(**changes)
 
