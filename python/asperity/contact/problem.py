@@ -198,7 +198,7 @@ class ContactProblem(Value):
         >>> block.solve().percussion.round(12).tolist(), block.delassus.diagonal().tolist()
         ([2.0, -0.2, -0.2], [0.5, 0.5, 0.5])
 
-        On rails along the second axis, which also hold it back with 1 N s along the first:
+        Between rails that stop its motion along the third axis:
 
         >>> rail = np.array([[0.0], [0.0], [1.0]])
         >>> held = ContactProblem.from_bodies(
@@ -210,7 +210,7 @@ class ContactProblem(Value):
         ...     bilateral_velocity=[0.5],
         ... )
         >>> found = held.solve().percussion
-        >>> found.round(12).tolist(), held.bilateral_percussion(found).tolist()
+        >>> found.round(12).tolist(), held.bilateral_percussion(found).round(12).tolist()
         ([2.0, -0.6], [-1.0])
         """
         return cls(

@@ -216,7 +216,7 @@ class LinearSystem(Value):
 
         >>> from asperity import LinearSystem, simulate
         >>> held = LinearSystem([2.0, 1.0], force=[3.0, 0.0], constraint_rows=[[1.0, 0.0]])
-        >>> held.constraint_forces(simulate(held, dt=0.1, t_end=1.0))[-1].tolist()
+        >>> held.constraint_forces(simulate(held, dt=0.1, t_end=1.0))[-1].round(9).tolist()
         [-3.0]
         """
         return constraint_forces(self, trajectory)

@@ -15,9 +15,9 @@ stands for both. Rolling friction (`fclib_local_rolling`, `fclib_global_rolling`
 G is kept sparse in files. A problem with a dense one, or with one that is made of the bodies, says
 so in ``W_form``, of HDF5 in ``data/form``: it comes back as it was.
 
-Of bodies that bilateral rows hold, W and q are what these leave, b (w) the bodies' own; ``E_*`` and
-``s`` are those of Eᵀ v + s = 0, in HDF5 G and b of ``fclib_global``. Joints that a file of FCLIB has
-in ``fclib_local`` (V, R) are refused.
+Of bodies that bilateral rows hold, W and q are what these leave, and b (w) is the bodies' own;
+``E_*`` and ``s`` are those of Eᵀ v + s = 0, in HDF5 G and b of ``fclib_global``. Joints that a file
+of FCLIB has in ``fclib_local`` (V, R) are refused.
 
 What asperity writes has checksums throughout: damage is refused. HDF5 files of other engines have
 none, and the HDF5 library itself may fail on damaged ones.
