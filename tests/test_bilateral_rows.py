@@ -170,6 +170,8 @@ def test_bodies_that_bilateral_rows_squeeze_have_a_proof():
 
 def test_copies_keep_what_fits():
     problem, (mass, directions, *_) = held(np.random.default_rng(3))
+    one = problem.replace(bilateral=np.eye(12)[:, :1])
+    assert one.bilateral_velocity.tolist() == [0.0]
     free = problem.replace(bilateral=None)
     assert free.bilateral is None
     assert free == ContactProblem.from_bodies(

@@ -228,9 +228,10 @@ class ContactProblem(Value):
         """Return a copy with some parameters changed.
 
         A new `delassus` forgets the bodies and what holds them, and new bodies forget the old
-        `delassus`. Without new `bilateral` rows, ``None``, there are no velocities of theirs.
+        `delassus`; new `bilateral` rows, or ``None``, forget the velocities of the old ones. A new
+        `free_velocity` is that of bodies which no bilateral row holds, as `from_bodies` takes it.
         """
-        if changes.get("bilateral", self.bilateral) is None:
+        if "bilateral" in changes:
             changes = {"bilateral_velocity": None, **changes}
         if "delassus" in changes:
             bodies = {"mass": None, "directions": None}
