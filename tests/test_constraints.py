@@ -266,6 +266,9 @@ def test_constraints_of_a_linear_system_may_repeat_each_other():
     np.testing.assert_allclose(two.q, one.q, atol=1e-11)
     with pytest.raises(asp.ParameterError, match="q0: must be coordinates that constraint 1"):
         asp.simulate(twice.replace(constraint=[-0.1, 0.2]), **options)
+    assert twice.replace(constraint_rows=None).constraints == 0
+    with pytest.raises(asp.DimensionError, match="constraint_rows: must have 1 row, as constraint"):
+        held.replace(constraint_rows=rows)
 
 
 def test_steps_are_as_long_as_the_motion_that_is_left_allows():
@@ -401,15 +404,127 @@ def test_starts_that_constraints_do_not_allow_are_refused():
 
 
 class Torn(Pendulum):
-    """A rod whose row is along its circle."""
+    """A rod whose row turns along its circle where it moves, or is another one from the start."""
+
+    def __init__(self, wrong=None, **options):
+        super().__init__(**options)
+        self.wrong = wrong
 
     def constraint_rows(self, q):
-        return np.array([[-q[1], q[0]]])
+        if self.wrong is not None:
+            return super().constraint_rows(q) * self.wrong
+        turn = 1e3 * (np.arctan2(q[0], -q[1]) - 1.0)
+        c, s = np.cos(turn), np.sin(turn)
+        return super().constraint_rows(q) @ np.array([[c, -s], [s, c]])
 
 
 def test_rows_that_are_no_rates_are_told():
     with pytest.raises(asp.ParameterError, match=r"constraints are not held .* must be the rates"):
         asp.simulate(Torn(), dt=1e-2, t_end=1.0, q0=at(1.0))
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("wrong", [[-1.0, 1.0], [1.0, 0.5], [0.99, 1.0], [1.0, 0.0]])
+def test_rows_that_are_no_rates_from_the_start_are_refused(scale, wrong):
+    """In mm, m and km, with the row and both numbers."""
+    system = Torn(np.array(wrong), scale=scale, repeats=2)
+    with pytest.raises(asp.ParameterError, match="must be the rates of constraint") as caught:
+        asp.simulate(system, dt=1e-3, t_end=0.1, q0=at(1.0, scale))
+    assert caught.value.argument == "constraint_rows"
+    words = str(caught.value).split()
+    k, has = (
+        int(np.argmin(wrong) if wrong != [1.0, 0.5] else 1),
+        float(words[words.index("has") + 1]),
+    )
+    true = 2.0 * at(1.0, scale)
+    assert f"in row 0 for velocity {k}," in str(caught.value)
+    assert has == pytest.approx(true[k] * wrong[k], rel=1e-6)
+    assert float(words[-1]) == pytest.approx(true[k], rel=1e-6)
+
+
+class Curve(asp.System):
+    """A point in x and y on a curve of this size, which may have kinks."""
+
+    dof, constraints, constant_mass = 2, 1, True
+
+    def __init__(self, size, height, slope):
+        self.size, self.height, self.slope = size, height, slope
+
+    def mass(self, q):
+        return np.eye(2)
+
+    def forces(self, t, q, u):
+        return np.zeros(2)
+
+    def constraint(self, q):
+        return [q[1] - self.size * self.height(q[0] / self.size)]
+
+    def constraint_rows(self, q):
+        return [[-self.slope(q[0] / self.size), 1.0]]
+
+
+@pytest.mark.parametrize("size", 10.0 ** np.arange(-7.0, 5.0))
+@pytest.mark.parametrize("start", [0.0, 0.3, 1.0, 2.0])
+def test_rows_that_are_rates_pass_at_every_size(size, start):
+    knots, heights = np.arange(-3.0, 4.0), np.array([0.0, 1.0, -1.0, 0.5, 0.2, 2.0, 0.0])
+    curves = [
+        (np.sin, np.cos),
+        (np.cosh, np.sinh),
+        (lambda x: np.interp(x, knots, heights), lambda x: np.diff(heights)[int(x // 1) + 3]),
+    ]
+    for height, slope in curves:
+        q0 = size * np.array([start, height(start)])
+        asp.simulate(Curve(size, height, slope), dt=1e-3, t_end=2e-3, q0=q0)
+
+
+@pytest.mark.parametrize("repeats", [1, 2])
+def test_rod_of_a_pendulum_carries_weight_and_centripetal_force(repeats):
+    errors = []
+    for dt in (4e-3, 2e-3, 1e-3):
+        system = Pendulum(repeats=repeats)
+        motion = asp.simulate(system, dt=dt, t_end=1.0, q0=at(1.0))
+        forces = system.constraint_forces(motion)
+        assert forces.shape == (len(motion.t), repeats)
+        angle = swing(1.0, np.append(0.0, motion.t[1:] - 0.5 * dt))[1:]
+        tension = 1.3 * G * (3.0 * np.cos(angle) - 2.0 * np.cos(1.0))
+        # The row of number k is k times 2 q.
+        found = -2.0 * L * forces[1:] @ np.arange(1.0, repeats + 1.0)
+        errors.append(np.abs(found - tension).max())
+    assert errors[-1] < 1e-4
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.05)
+
+
+def test_forces_of_constraints_and_contacts_balance():
+    """On the inclined rail above the rail and the floor bear the weight; so of a linear system."""
+
+    class Wedge(Rail):
+        slope = np.array([[np.sin(0.2), -np.cos(0.2)]])
+
+    system = Wedge()
+    motion = asp.simulate(system, dt=1e-3, t_end=0.1)
+    forces = system.constraint_forces(motion)
+    assert np.isnan(forces[0]).all()
+    floor = np.column_stack([motion.force[1:, 0, 0], motion.normal_force[1:, 0]])
+    held = floor + forces[1:] @ system.slope
+    np.testing.assert_allclose(held, np.broadcast_to([0.0, G], held.shape), atol=1e-6)
+
+    held, _, place, speed = linear(LINE)
+    motion = asp.simulate(held, dt=1e-3, t_end=1.0, q0=place(np.ones(2)), u0=speed(np.ones(2)))
+    forces, middle = held.constraint_forces(motion), 0.5 * (motion.q[1:] + motion.q[:-1])
+    pushed = held.force - middle @ held.stiffness.T - motion.u[1:] @ held.damping.T
+    pushed += motion.force[1:, 0] @ held.contacts[0].direction.T + forces[1:] @ held.constraint_rows
+    expected = np.diff(motion.u, axis=0) / 1e-3 @ held.mass.T
+    np.testing.assert_allclose(pushed, expected, atol=2e-3 * np.abs(expected).max())
+
+
+def test_forces_of_no_constraints_and_of_other_systems():
+    free = asp.LinearSystem(np.ones(2))
+    motion = asp.simulate(free, dt=0.1, t_end=1.0)
+    assert free.constraint_forces(motion).shape == (11, 0)
+    with pytest.raises(asp.DimensionError, match="trajectory: must have"):
+        linear(LINE)[0].constraint_forces(motion)
+    with pytest.raises(asp.ParameterError, match="trajectory: must be a Trajectory or a Motion"):
+        Pendulum().constraint_forces(3)
 
 
 @pytest.mark.parametrize(

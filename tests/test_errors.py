@@ -249,7 +249,7 @@ BAD_INPUT = [
     ("max_iterations", ParameterError, lambda: asp.InteriorPoint(max_iterations="many")),
     ("solver", ParameterError, lambda: bodies().replace(laws=SQUARE).solve(asp.InteriorPoint())),
     ("solver", ParameterError, lambda: bodies().replace(laws=SQUARE).solve(asp.ADMM())),
-    ("solver", ParameterError, lambda: PROBLEM.solve(asp.InteriorPoint())),
+    ("solver", ParameterError, lambda: PROBLEM.replace(laws=SQUARE).solve(asp.ADMM())),
     ("solver", ParameterError, lambda: PROBLEM.solve("exact")),
     ("start", DimensionError, lambda: PROBLEM.solve(start=[0.0])),
     ("percussion", DimensionError, lambda: PROBLEM.residual([0.0])),

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 import scipy.sparse
 from asperity import (
+    ADMM,
     ContactProblem,
     ContactStepper,
     Ellipse,
     Exact,
     FrictionLaw,
+    InteriorPoint,
     NoSolutionError,
     ParameterError,
     Phase,
@@ -178,6 +180,31 @@ def test_contacts_among_joints_are_a_contact_problem(count, tmp_path):
             np.testing.assert_allclose(solution.percussion[own][: len(found)], found, atol=1e-6)
     problem.save(tmp_path / "problem.npz")
     assert ContactProblem.load(tmp_path / "problem.npz") == problem
+
+
+@counts(100, 5000)
+def test_conic_methods_solve_dry_joints_beside_contacts(count):
+    rng = np.random.default_rng(4)
+    laws = (*LAWS, FrictionLaw.isotropic(0.3, dimension=3))
+    for seed in range(count):
+        items = [DRY, *rng.choice([DRY, FREE, JOINT, 0, 1, 2, 3, 4], size=rng.integers(1, 7))]
+        sizes = [1 + laws[item].dimension if item >= 0 else 1 for item in items]
+        rows = rng.normal(size=(sum(sizes), sum(sizes) + 4))
+        options = {
+            "free_velocity": rows @ rng.normal(size=len(rows[0])),
+            "items": items,
+            "bounds": 10.0 ** rng.uniform(-3.0, 3.0, len(items)) * (rng.random(len(items)) < 0.9),
+        }
+        one = ContactStepper(laws).solve(rows @ rows.T, **options)
+        size = max(1.0, np.abs(one.percussion).max())
+        for solver in (InteriorPoint(), ADMM()):
+            stepper = ContactStepper(laws, solver=solver)
+            step = stepper.solve(rows @ rows.T, **options)
+            certificate = stepper.certificate()
+            assert certificate.natural_map < 1e-9, (seed, solver)
+            assert certificate.direction_violation < 1e-9 * size, (seed, solver)
+            if not one.ambiguous_items.any():
+                np.testing.assert_allclose(step.percussion, one.percussion, atol=1e-6 * size)
 
 
 def test_a_step_without_a_solution_hands_over_its_proof():

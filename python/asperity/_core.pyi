@@ -441,6 +441,13 @@ def evaluate(
 def advance(
     system: LinearSystem | CallbackSystem | RigidBodies, q: _Array, u: _Array, dt: float
 ) -> _Array: ...
+def constraint_forces(
+    system: LinearSystem | CallbackSystem | RigidBodies,
+    times: tuple[float, float],
+    q: _Array,
+    u: _Array,
+    contacts: _Array,
+) -> _Array: ...
 def calls_python(system: LinearSystem | CallbackSystem | RigidBodies) -> bool: ...
 def simulate(
     system: LinearSystem | CallbackSystem | RigidBodies,

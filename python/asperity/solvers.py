@@ -211,9 +211,8 @@ class InteriorPoint(Solver):
     The right one for many contacts, above all hyperstatic ones; an iteration is a factorisation,
     and their number grows slowly with the size. It starts from a point of its own, and rounding
     ends it before the other methods: a few steps of `SemismoothNewton`, a stage of their own, add
-    the last digits. It takes unilateral contacts whose C and D are disks, balls
-    or ellipses (p = 1: symmetric intervals), not necessarily the same; others raise
-    `ParameterError`.
+    the last digits. It takes contacts whose C and D are disks, balls or ellipses
+    (p = 1: symmetric intervals), not necessarily the same; others raise `ParameterError`.
 
     Args:
         max_iterations: limit of iterations.

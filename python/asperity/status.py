@@ -109,7 +109,7 @@ _ADVICE = {
         "whatever the percussions: bodies are squeezed by prescribed motions"
     ),
     Status.NOT_APPLICABLE: (
-        "InteriorPoint and ADMM need unilateral contacts whose C and D are disks, balls or "
-        "ellipses. Try solver=Auto()"
+        "InteriorPoint and ADMM need laws whose C and D are disks, balls or ellipses, on a line "
+        "symmetric intervals. Try solver=Auto()"
     ),
 }

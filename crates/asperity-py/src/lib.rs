@@ -41,7 +41,7 @@ mod _core {
     #[pymodule_export]
     use crate::systems::callback::CallbackSystem;
     #[pymodule_export]
-    use crate::systems::evaluate::{advance, deepest_overlap, evaluate};
+    use crate::systems::evaluate::{advance, constraint_forces, deepest_overlap, evaluate};
     #[pymodule_export]
     use crate::systems::linear::LinearSystem;
     #[pymodule_export]

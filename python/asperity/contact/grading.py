@@ -6,7 +6,7 @@ import functools
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,9 @@ from asperity._base.arrays import Array
 from asperity.contact import ContactProblem, Infeasibility
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["natural_map", "proves_no_solution"]
 
@@ -123,19 +126,25 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     )
 
 
+def _directions(problem: ContactProblem) -> csr_array | None:
+    """Return W of bodies that nothing holds but contacts."""
+    return problem.directions if problem.bilateral is None else None
+
+
 def _keeps_bodies(problem: ContactProblem, weights: Array, free: Array) -> bool:
     """Return whether contacts that open ask for velocities of bodies far beyond the loads."""
-    if problem.directions is None:
+    directions = _directions(problem)
+    if directions is None:
         return False
     # Rows of forces, without those of drilling torques.
     ends = [
         (rows.start, min(rows.stop, rows.start + 2 + (f is None))) for rows, f in _contacts(problem)
     ]
     load = max(np.abs(free[start:stop]).max() for start, stop in ends)
-    levers = abs(problem.directions)
+    levers = abs(directions)
     lever = levers.max(axis=1).toarray().ravel()
     touched = lever > 0.0
-    moved = np.abs(problem.directions @ weights)[touched] / lever[touched]
+    moved = np.abs(directions @ weights)[touched] / lever[touched]
     explained = 16.0 * _EPSILON * (levers.sign() @ weights)[touched]
     return bool((moved <= explained).all() and -weights @ free >= _FASTEST * moved.sum() * load)
 
@@ -150,11 +159,12 @@ def _vanishes(problem: ContactProblem, weights: Array, free: Array) -> bool:
         and -weights @ free >= _HUGE * changed * called_for
     ):
         return False
-    if problem.directions is None:
+    directions = _directions(problem)
+    if directions is None:
         return True
     # Weights as percussions move no body, up to rounding.
-    explained = abs(problem.directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
-    momentum = np.abs(problem.directions @ weights)
+    explained = abs(directions) @ np.where(weights == 0.0, 0.0, 1.0 / scale)
+    momentum = np.abs(directions @ weights)
     return bool((momentum <= 2e-10 * (scale * weights).max() * explained).all())
 
 
@@ -229,7 +239,9 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
     """Return whether z separates a case from its loads, so far that no rounding matters."""
     scale = np.sqrt(problem.delassus.diagonal())
     # G may have lost heavy bodies beside light ones.
-    if z.shape != free.shape or not z.any() or problem.directions is not None or scale.min() == 0.0:
+    if z.shape != free.shape or not z.any() or scale.min() == 0.0:
+        return False
+    if _directions(problem) is not None:
         return False
     # Products with the smallest numbers would vanish.
     z = z / np.abs(z).max()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # Velocities of the largest part of M that is inverted densely, as in the core.
 _LARGEST_PART = 512
 # A Delassus operator given next to its bodies may differ from theirs by this, relatively.
-_CONSISTENT = 1e-6
+CONSISTENT = 1e-6
 
 
 def operator(value: Any, argument: str, shape: Sequence[int | None]) -> Array | CompressedRows:
@@ -104,7 +104,7 @@ def check_consistency(delassus: Array | csr_array, mass: csr_array, directions: 
     probe = np.cos(np.arange(directions.shape[1], dtype=np.float64))
     expected = directions.T @ (inverse(mass) @ (directions @ probe))
     off, size = np.abs(delassus @ probe - expected).max(), np.abs(expected).max()
-    if not off <= _CONSISTENT * size:
+    if not off <= CONSISTENT * size:
         share = f"{off / size:.3g}" if size > 0.0 else "all of it"
         raise ParameterError(
             "delassus", f"must be WᵀM⁻¹W of mass and directions, it is off by {share}"

@@ -14,9 +14,11 @@ import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.value import Value
+from asperity.contact import bilateral as joints
 from asperity.contact import operator
 from asperity.contact.arguments import fractions, listed_laws, normal_forces, sizes
 from asperity.contact.certificate import Certificate
+from asperity.contact.compressed import compressed
 from asperity.contact.solution import ContactSolution, LocalSolution, starting
 from asperity.errors import ConvergenceError, NoSolutionError, ParameterError
 from asperity.law import FrictionLaw
@@ -51,6 +53,8 @@ class ContactProblem(Value):
         initial_velocity: γ_B before the step in m/s, shape ``(rows,)``, for restitution.
         mass: M of the bodies, see `from_bodies`.
         directions: [W_N W] of the bodies, see `from_bodies`.
+        bilateral: W_E of rows that hold the bodies, see `from_bodies`.
+        bilateral_velocity: b_E of these rows, see `from_bodies`.
 
     Raises:
         DimensionError, ParameterError: naming the argument.
@@ -75,6 +79,7 @@ class ContactProblem(Value):
     normal_restitution: Array
     tangential_restitution: Array
     initial_velocity: Array
+    bilateral_velocity: Array | None
     _core: _core.Problem
 
     def __init__(
@@ -89,6 +94,8 @@ class ContactProblem(Value):
         initial_velocity: ArrayLike | None = None,
         mass: ArrayLike | sparray | spmatrix | None = None,
         directions: ArrayLike | sparray | spmatrix | None = None,
+        bilateral: ArrayLike | sparray | spmatrix | None = None,
+        bilateral_velocity: ArrayLike | None = None,
     ) -> None:
         free = arrays.array(free_velocity, "free_velocity", (None,))
         chosen_laws = listed_laws(laws, free.size, normal_force)
@@ -99,8 +106,10 @@ class ContactProblem(Value):
         initial = np.zeros(rows)
         if initial_velocity is not None:
             initial = arrays.array(initial_velocity, "initial_velocity", (rows,))
+        bodies = operator.parameters(delassus, mass, directions, rows)
         self._set(
-            **operator.parameters(delassus, mass, directions, rows),
+            **bodies,
+            **joints.parameters(bilateral, bilateral_velocity, bodies),
             free_velocity=free,
             laws=chosen_laws,
             normal_force=normal,
@@ -110,9 +119,14 @@ class ContactProblem(Value):
             ),
             initial_velocity=initial,
         )
+        if self._joints is not None:
+            self._keep(free_velocity=self._joints.free_velocity)
+            given: Any = compressed(self._joints.delassus, "directions", (rows, rows)).triple
+        else:
+            given = operator.for_core(*(self._parameters[name] for name in _OPERATOR))
         try:
             core = _core.Problem(
-                operator.for_core(*(self._parameters[name] for name in _OPERATOR)),
+                given,
                 self.free_velocity,
                 [law._core for law in chosen_laws],
                 list(normal),
@@ -144,12 +158,19 @@ class ContactProblem(Value):
         free_velocity: ArrayLike,
         laws: FrictionLaw | Sequence[FrictionLaw],
         delassus: ArrayLike | sparray | spmatrix | None = None,
+        bilateral: ArrayLike | sparray | spmatrix | None = None,
+        bilateral_velocity: ArrayLike | None = None,
         **options: Any,
     ) -> Self:
         """Make the problem with G = WᵀM⁻¹W of the bodies, W = [W_N W].
 
         Solvers that factor matrices then choose between a matrix over the bodies and one over the
         contacts: many contacts of few bodies are solved several times faster.
+
+        Bilateral rows W_E hold the bodies, W_Eᵀu + b_E = 0 with percussions P_E of any sign, such
+        as joints: they are eliminated. `delassus` and `free_velocity` are those of the motion that
+        they let pass, for which solvers, measures, proofs and files take them. Rows may repeat each
+        other, as in loops: P_E has the least Σ G_ii P_i² then. `bilateral_percussion` returns it.
 
         Args:
             mass: M in kg and kg m², sparse, symmetric, positive definite, block-diagonal with
@@ -158,7 +179,11 @@ class ContactProblem(Value):
             free_velocity: b in m/s, shape ``(rows,)``, best within the range of Wᵀ: contacts of
                 which one alone would do are hard to solve where it is not.
             laws: as for the class.
-            delassus: G if it is known; default: assembled.
+            delassus: G if it is known and nothing is bilateral; default: assembled.
+            bilateral: W_E, sparse, shape ``(n, m)``. Default none.
+            bilateral_velocity: b_E, the velocities of these rows without percussions, in m/s, shape
+                ``(m,)``; they may not contradict each other by more than 1e-6 of themselves.
+                Default 0.
             options: ``normal_force`` and what follows, as for the class.
 
         Raises:
@@ -172,9 +197,26 @@ class ContactProblem(Value):
         ... )
         >>> block.solve().percussion.round(12).tolist(), block.delassus.diagonal().tolist()
         ([2.0, -0.2, -0.2], [0.5, 0.5, 0.5])
+
+        Between rails that stop its motion along the third axis:
+
+        >>> rail = np.array([[0.0], [0.0], [1.0]])
+        >>> held = ContactProblem.from_bodies(
+        ...     2.0 * np.eye(3),
+        ...     directions=np.eye(3)[:, :2],
+        ...     free_velocity=[-1.0, 0.5],
+        ...     laws=FrictionLaw.isotropic(0.3, dimension=1),
+        ...     bilateral=rail,
+        ...     bilateral_velocity=[0.5],
+        ... )
+        >>> found = held.solve().percussion
+        >>> found.round(12).tolist(), held.bilateral_percussion(found).round(12).tolist()
+        ([2.0, -0.6], [-1.0])
         """
         return cls(
             delassus,
+            bilateral=bilateral,
+            bilateral_velocity=bilateral_velocity,
             free_velocity=free_velocity,
             laws=laws,
             mass=mass,
@@ -185,10 +227,16 @@ class ContactProblem(Value):
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed.
 
-        A new `delassus` forgets the bodies, and new bodies forget the old `delassus`.
+        A new `delassus` forgets the bodies and what holds them, and new bodies forget the old
+        `delassus`; new `bilateral` rows, or ``None``, forget the velocities of the old ones. A new
+        `free_velocity` is that of bodies which no bilateral row holds, as `from_bodies` takes it.
         """
+        if "bilateral" in changes:
+            changes = {"bilateral_velocity": None, **changes}
         if "delassus" in changes:
-            changes = {"mass": None, "directions": None, **changes}
+            bodies = {"mass": None, "directions": None}
+            rows = {"bilateral": None, "bilateral_velocity": None}
+            changes = {"free_velocity": self.free_velocity, **bodies, **rows, **changes}
         elif "mass" in changes or "directions" in changes:
             changes = {"delassus": None, **changes}
         return super().replace(**changes)
@@ -196,6 +244,8 @@ class ContactProblem(Value):
     @cached_property
     def delassus(self) -> Array | csr_array:
         """The Delassus operator G in 1/kg, shape ``(rows, rows)``; of bodies, assembled."""
+        if self._joints is not None:
+            return self._joints.delassus
         given = self._parameters["delassus"]
         if given is None:
             mass, directions = self._parameters["mass"], self._parameters["directions"]
@@ -213,6 +263,29 @@ class ContactProblem(Value):
         """[W_N W] of the bodies, shape ``(n, rows)``."""
         directions = self._parameters["directions"]
         return None if directions is None else directions.tocsr()
+
+    @cached_property
+    def bilateral(self) -> csr_array | None:
+        """W_E of the rows that hold the bodies, shape ``(n, m)``."""
+        bilateral = self._parameters["bilateral"]
+        return None if bilateral is None else bilateral.tocsr()
+
+    def bilateral_percussion(self, percussion: ArrayLike) -> Array:
+        """Return P_E of the bilateral rows in N s for percussions of the contacts, shape ``(m,)``.
+
+        Args:
+            percussion: in N s, shape ``(rows,)``.
+        """
+        given = self._percussion(percussion)
+        return np.zeros(0) if self._joints is None else self._joints.percussion(given)
+
+    @cached_property
+    def _joints(self) -> joints.Joints | None:
+        given = self._parameters
+        if given["bilateral"] is None:
+            return None
+        names = ("mass", "directions", "free_velocity", "bilateral", "bilateral_velocity")
+        return joints.eliminated(*(given[name] for name in names))
 
     @property
     def row_slices(self) -> tuple[slice, ...]:

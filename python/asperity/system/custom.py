@@ -7,7 +7,7 @@ import difflib
 import inspect
 import operator
 from collections.abc import Callable, Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from asperity.law import FrictionLaw
 from asperity.system import labels
 from asperity.system.contacts import ContactLaw, relawed
 from asperity.system.labels import Labels
+from asperity.system.reactions import constraint_forces
+
+if TYPE_CHECKING:
+    from asperity.runs.run import Run
 
 
 class System:
@@ -53,8 +57,8 @@ class System:
 
     Where velocities are held, as by a rod or a rail, ``constraints`` is the number m of bilateral
     constraints g(q) = 0, with `constraint`, g, and `constraint_rows`, the rows J of its rates J u.
-    They hold at every sample of `simulate`, and may repeat each other; other methods refuse them.
-    A system with constraints has no ``blocks``.
+    They hold at every sample of `simulate`, and may repeat each other; `constraint_forces` has what
+    they transmit. Other methods refuse them. A system with constraints has no ``blocks``.
 
     ``coordinate_names`` and ``coordinate_units``, one text per coordinate, are what tables and
     messages call them; contacts have the ``name`` of their `ContactLaw`.
@@ -123,7 +127,10 @@ class System:
         raise NotImplementedError
 
     def constraint_rows(self, q: Array) -> Array:
-        """Return J(q) with the rates J u of g, shape ``(m, n)``."""
+        """Return J(q) with the rates J u of g, shape ``(m, n)``.
+
+        Where a run begins it is compared with differences of g.
+        """
         raise NotImplementedError
 
     def forces(self, t: float, q: Array, u: Array) -> Array:
@@ -175,6 +182,45 @@ class System:
                 "with_law of its own",
             ) from None
         return other
+
+    def constraint_forces(self, trajectory: Run) -> Array:
+        """Return Λ of the constraints in N or N m: M u̇ = h + W_N λ_N + W λ + JᵀΛ.
+
+        They are those in the middle of the step that ends at a sample, and follow from its state
+        and the forces of its contacts with an error of the order of Δt²; in a step with an impact,
+        whose forces are percussions over Δt, it does not vanish with Δt. Rows that repeat others
+        transmit nothing here.
+
+        Args:
+            trajectory: of this system.
+
+        Returns:
+            Shape ``(n_t, m)``. NaN for the initial state if there are contacts.
+
+        Raises:
+            DimensionError, ParameterError: naming the argument.
+
+        >>> import numpy as np
+        >>> from asperity import System, simulate
+        >>> class Hung(System):
+        ...     dof, constraints = 2, 1
+        ...
+        ...     def mass(self, q):
+        ...         return 2.0 * np.eye(2)
+        ...
+        ...     def forces(self, t, q, u):
+        ...         return np.array([0.0, -19.62])
+        ...
+        ...     def constraint(self, q):
+        ...         return [np.hypot(*q) - 1.0]
+        ...
+        ...     def constraint_rows(self, q):
+        ...         return [q / np.hypot(*q)]
+        >>> motion = simulate(Hung(), dt=0.01, t_end=0.1, q0=[0.0, -1.0])
+        >>> Hung().constraint_forces(motion)[-1].round(9).tolist()
+        [-19.62]
+        """
+        return constraint_forces(self, trajectory)
 
     @property
     def labels(self) -> Labels:

@@ -11,16 +11,19 @@ from numpy.typing import ArrayLike
 import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.arrays import Array
+from asperity._base.result import counted
 from asperity._base.value import Value
 from asperity.errors import DimensionError, ParameterError
 from asperity.law import FrictionLaw
 from asperity.system import labels
 from asperity.system.contacts import Contact, relawed
 from asperity.system.labels import Labels
+from asperity.system.reactions import constraint_forces
 
 if TYPE_CHECKING:
     from scipy.sparse import sparray, spmatrix
 
+    from asperity.runs.run import Run
     from asperity.system.sparse.mesh_contacts import MeshContacts
 
     AnySparse: TypeAlias = sparray | spmatrix
@@ -42,8 +45,8 @@ class LinearSystem(Value):
         force: constant f, shape ``(n,)``. Default 0.
         contacts: the contacts.
         constraint_rows: J, shape ``(m, n)``, of bilateral constraints J q + c = 0, which may repeat
-            each other and hold at every sample of `simulate`; other methods refuse them, and so do
-            sparse matrices. Default none.
+            each other and hold at every sample of `simulate`; `constraint_forces` has what they
+            transmit. Other methods refuse them, and so do sparse matrices. Default none.
         constraint: c, what is to be 0 as it is at q = 0, in m or rad, shape ``(m,)``. Default 0.
         coordinate_names: one per coordinate; default ``"q0"``, ``"q1"``, ….
         coordinate_units: such as ``["m", "rad"]``; default ``"SI"``, which may be a length or an
@@ -182,6 +185,41 @@ class LinearSystem(Value):
             arrays.positive(speed, "speed"),
         )
         return self.replace(contacts=[one._turned(*given) for one in self.contacts])
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed.
+
+        Without new `constraint_rows`, ``None``, there is no `constraint` either.
+        """
+        if "constraint_rows" in changes and "constraint" not in changes:
+            rows = changes["constraint_rows"]
+            if rows is None:
+                changes["constraint"] = None
+            elif self.constraint is not None and np.shape(rows)[:1] != self.constraint.shape:
+                raise DimensionError(
+                    "constraint_rows",
+                    f"must have {counted(len(self.constraint), 'row')}, as constraint has entries, "
+                    "unless that is given, too",
+                )
+        return super().replace(**changes)
+
+    def constraint_forces(self, trajectory: Run) -> Array:
+        """Return Λ of the constraints in N or N m, M q̈ + B q̇ + K q = f + W λ + JᵀΛ.
+
+        In the middle of the step that ends at a sample, as `System.constraint_forces`.
+
+        Args:
+            trajectory: of this system.
+
+        Returns:
+            Shape ``(n_t, m)``. NaN for the initial state if there are contacts.
+
+        >>> from asperity import LinearSystem, simulate
+        >>> held = LinearSystem([2.0, 1.0], force=[3.0, 0.0], constraint_rows=[[1.0, 0.0]])
+        >>> held.constraint_forces(simulate(held, dt=0.1, t_end=1.0))[-1].round(9).tolist()
+        [-3.0]
+        """
+        return constraint_forces(self, trajectory)
 
     @property
     def dof(self) -> int:

@@ -1,6 +1,6 @@
 //! What a system says about one state.
 
-use asperity::system::{Configuration, System, full_rows};
+use asperity::system::{self, Configuration, System, full_rows};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -113,6 +113,24 @@ fn kinematics<'py>(
         out.set_item("normal", PyArray1::from_vec(py, normal))?;
     }
     Ok(out)
+}
+
+/// Forces of a system's own constraints in the middle of a step that ends in a state.
+#[pyfunction]
+pub fn constraint_forces<'py>(
+    py: Python<'py>,
+    system: &Bound<'py, PyAny>,
+    times: (f64, f64),
+    q: Numbers<'py>,
+    u: Numbers<'py>,
+    contacts: Numbers<'py>,
+) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+    let (state, contacts) =
+        ((numbers(&q, "q")?, numbers(&u, "u")?), numbers(&contacts, "contacts")?);
+    let forces =
+        with_system(system, |system| system::constraint_forces(system, times, state, contacts))?;
+    // Some callbacks cannot return what they raise.
+    raised(system).map_or(Ok(PyArray1::from_vec(py, forces?)), |error| Err(error.into()))
 }
 
 /// `q ⊕ dt u`.

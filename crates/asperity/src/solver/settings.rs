@@ -48,7 +48,7 @@ pub enum Solver {
         /// Outer steps after which the solver gives up.
         max_iterations: usize,
     },
-    /// Primal-dual interior point method: unilateral contacts with ellipsoids as reservoir and direction set.
+    /// Primal-dual interior point method: contacts with ellipsoids as reservoir and direction set.
     InteriorPoint {
         /// Iterations after which the solver gives up.
         max_iterations: usize,

@@ -13,8 +13,8 @@ use nalgebra::DMatrix;
 
 use super::held::Held;
 use super::mass::MassFactors;
-use super::{Midpoint, Step, System, SystemError};
-use crate::argument::refuse;
+use super::{Configuration, Midpoint, Step, System, SystemError, full_rows};
+use crate::argument::{entries, refuse};
 
 /// Relative defect up to which a start meets the constraints, and up to which a row all but repeats others.
 const MET: f64 = 1e-9;
@@ -23,6 +23,15 @@ const ROUNDED: f64 = 4.0 * f64::EPSILON;
 const UNFOUND: f64 = 1e-12;
 /// Iterations, each of which leaves a part of the order of `Δt‖Ω‖`.
 const MOST_ITERATIONS: usize = 60;
+/// Steps of differences in parts of the coordinates: rounding makes them off by up to this part of a row. The finer one is for
+/// constraints that bend within the other.
+const STEP: f64 = 1e-6;
+const FINE: f64 = 1e-9;
+/// Rounds in which velocities and accelerations in the middle of a step follow from each other.
+const ROUNDS: usize = 3;
+
+/// Coordinates, velocities and momenta.
+pub(crate) type End = [Vec<f64>; 3];
 
 /// What holds a system.
 pub(crate) trait Constraints {
@@ -44,12 +53,7 @@ pub(crate) trait Constraints {
     fn rates(&self, q: &[f64], u: &[f64]) -> Result<Vec<f64>, SystemError>;
 
     /// Coordinates, velocities and momenta at the end of a step after velocities `after`, as constraints hold the former.
-    fn end(
-        &self,
-        midpoint: &Midpoint,
-        after: &[f64],
-        half: f64,
-    ) -> Result<[Vec<f64>; 3], SystemError>;
+    fn end(&self, midpoint: &Midpoint, after: &[f64], half: f64) -> Result<End, SystemError>;
 
     /// What the user calls the constraint of a row.
     fn name(&self, row: usize) -> String;
@@ -66,6 +70,61 @@ impl Own<'_> {
         let mut rows = vec![0.0; self.0.constraints() * self.0.dof()];
         self.0.constraint_rows(q, &mut rows)?;
         Ok(rows)
+    }
+
+    /// How large the coordinates are that each velocity changes: those below 1 m or 1 rad count as that large, as what they follow
+    /// from may be.
+    fn extents(&self, q: &[f64]) -> Vec<f64> {
+        let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
+        let at = |k: usize| 1.0 + if q.len() == self.0.dof() { q[k].abs() } else { largest };
+        (0..self.0.dof()).map(at).collect()
+    }
+
+    /// Refuses rows that are not the rates of what they hold, as differences along each velocity tell: those of neither step.
+    pub(super) fn check_rows(&self, q: &[f64]) -> Result<(), SystemError> {
+        if self.are_constant() {
+            return Ok(());
+        }
+        let (rows, extents) = (self.rows(q)?, self.extents(q));
+        for (k, extent) in extents.iter().enumerate() {
+            let [fine, coarse] =
+                [self.slopes(q, k, FINE * extent)?, self.slopes(q, k, STEP * extent)?];
+            for (i, row) in rows.chunks_exact(extents.len()).enumerate() {
+                let size: f64 = row.iter().zip(&extents).map(|(j, at)| j.abs() * at).sum();
+                let is_off = |(slope, doubt): (f64, f64)| {
+                    let rounding = STEP * f64::max(size / extent, slope.abs());
+                    (row[k] - slope).abs() > doubt + rounding
+                };
+                if is_off(fine[i]) && is_off(coarse[i]) {
+                    let message = format!(
+                        "must be the rates of constraint, has {:.6e} in row {i} for velocity {k}, where differences of constraint give {:.6e}",
+                        row[k], coarse[i].0
+                    );
+                    return Ok(refuse("constraint_rows", message)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Differences of all constraints along a velocity, and by how much they may be off: what they change by with their step and
+    /// their side.
+    fn slopes(&self, q: &[f64], k: usize, step: f64) -> Result<Vec<(f64, f64)>, SystemError> {
+        let (mut way, mut there) = (vec![0.0; self.0.dof()], q.to_vec());
+        let mut off = |steps| {
+            way[k] = steps;
+            self.0.advance(q, &way, step, &mut there);
+            self.defects(&there)
+        };
+        let [far, back, here] = [off(-2.0)?, off(-1.0)?, off(0.0)?];
+        let [ahead, farther] = [off(1.0)?, off(2.0)?];
+        let slope = |i: usize| {
+            let slope = (ahead[i] - back[i]) / (2.0 * step);
+            let change = slope - (farther[i] - far[i]) / (4.0 * step);
+            let bend = (ahead[i] - 2.0 * here[i] + back[i]) / step;
+            (slope, change.abs() + bend.abs())
+        };
+        Ok((0..here.len()).map(slope).collect())
     }
 }
 
@@ -85,10 +144,8 @@ impl Constraints for Own<'_> {
         mass.update(system, t, q)?;
         let mut responses = rows.clone();
         responses.chunks_exact_mut(n).for_each(|row| mass.solve_block(system, 0, row));
-        // Coordinates below 1 m or 1 rad count as that large: what they follow from may be.
-        let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
-        let at = |k: usize| 1.0 + if q.len() == n { q[k].abs() } else { largest };
-        let size = |row: &[f64]| row.iter().enumerate().map(|(k, j)| j.abs() * at(k)).sum();
+        let extents = self.extents(q);
+        let size = |row: &[f64]| row.iter().zip(&extents).map(|(j, at)| j.abs() * at).sum();
         let sizes = rows.chunks_exact(n).map(size).collect();
         let rows = DMatrix::from_row_slice(count, n, &rows);
         let responses = DMatrix::from_column_slice(n, count, &responses);
@@ -106,12 +163,7 @@ impl Constraints for Own<'_> {
         Ok(self.rows(q)?.chunks_exact(u.len()).map(rate).collect())
     }
 
-    fn end(
-        &self,
-        midpoint: &Midpoint,
-        after: &[f64],
-        half: f64,
-    ) -> Result<[Vec<f64>; 3], SystemError> {
+    fn end(&self, midpoint: &Midpoint, after: &[f64], half: f64) -> Result<End, SystemError> {
         let Midpoint { t, q: from, held, .. } = midpoint;
         let (mut q, mut u) = (from.clone(), after.to_vec());
         arrive(self, *t, held, (from, &mut u, half), &mut q, |_, _| {})?;
@@ -239,4 +291,74 @@ pub(super) fn hold(
         let [q, u, _] = constraints.end(midpoint, after, half)?;
         constraints.rates(&q, &u)
     })
+}
+
+/// Forces in N or N m of all rows in the middle of a step of length `dt` that ends in a state at `t`, and the coordinates there.
+/// `contacts` are the forces of all rows of contacts. Rows that repeat others transmit nothing.
+pub(super) fn reactions(
+    constraints: &impl Constraints,
+    (t, dt): (f64, f64),
+    (q, u): (&[f64], &[f64]),
+    contacts: &[f64],
+) -> Result<(Vec<f64>, Vec<f64>), SystemError> {
+    let system = constraints.system();
+    let (half, n) = (0.5 * dt, system.dof());
+    entries("q", q, system.coordinates())?;
+    entries("u", u, n)?;
+    let moved = |from: &[f64], u: &[f64], time: f64| {
+        let mut out = from.to_vec();
+        system.advance(from, u, time, &mut out);
+        out
+    };
+    let middle = moved(q, u, -half);
+    let at = Configuration::new(t - half, &middle);
+    let (mut pushed, mut rest) = (vec![0.0; n], contacts.iter());
+    for (contact, len) in system.contacts().iter().map(|law| law.rows()).enumerate() {
+        let (mut rows, mut velocity) = (vec![0.0; len * n], vec![0.0; len]);
+        full_rows(system, &at, contact, &mut rows, &mut velocity)?;
+        for (row, force) in rows.chunks_exact(n).zip(&mut rest) {
+            pushed.iter_mut().zip(row).for_each(|(pushed, w)| *pushed += w * force);
+        }
+    }
+    let (mut mass, mut speeds, mut forces) = (MassFactors::default(), u.to_vec(), Vec::new());
+    mass.update(system, t, &middle)?;
+    let held = constraints.held(t, &middle)?;
+    for _ in 0..ROUNDS {
+        let mut accelerations = vec![0.0; n];
+        system.forces(&at, &speeds, &mut accelerations)?;
+        accelerations.iter_mut().zip(&pushed).for_each(|(h, pushed)| *h += pushed);
+        mass.solve(system, &mut accelerations);
+        // What J u would change by without joints.
+        let ahead = constraints.rates(&moved(&middle, &speeds, half), &speeds)?;
+        let behind = constraints.rates(&moved(&middle, &speeds, -half), &speeds)?;
+        let mut off = constraints.rates(&middle, &accelerations)?;
+        for (off, (ahead, behind)) in off.iter_mut().zip(ahead.iter().zip(&behind)) {
+            *off += (ahead - behind) / dt;
+        }
+        forces.clear();
+        for held in &held {
+            let own = &off[forces.len()..forces.len() + held.count];
+            forces.extend(held.reactions(own));
+            held.take(own, &mut accelerations[held.velocities.clone()]);
+        }
+        let back = speeds.iter_mut().zip(u).zip(&accelerations);
+        back.for_each(|((speed, u), a)| *speed = u - half * a);
+    }
+    Ok((forces, middle))
+}
+
+/// Forces in N or N m of the constraints that a system gives itself, [`System::constraint`], in the middle of a step of length `dt` that
+/// ends in a state at `t`: one per row of `J`, and `JᵀΛ` acts. `contacts` are the forces of all rows of contacts. Rows that repeat
+/// others transmit nothing.
+///
+/// # Errors
+///
+/// [`SystemError::Argument`] unless the state has the coordinates and velocities of the system.
+pub fn constraint_forces(
+    system: &dyn System,
+    times: (f64, f64),
+    state: (&[f64], &[f64]),
+    contacts: &[f64],
+) -> Result<Vec<f64>, SystemError> {
+    Ok(reactions(&Own(system), times, state, contacts)?.0)
 }

@@ -22,7 +22,10 @@ pub(crate) fn momenta(system: &dyn System, q: &[f64], u: &[f64]) -> Vec<f64> {
 pub(crate) fn meets(system: &dyn System, q: &[f64], u: &[f64], dt: f64) -> Result<(), SystemError> {
     match system.turning() {
         Some(turning) => turning.meets(q, u, dt),
-        None if system.constraints() > 0 => constrained::check(&Own(system), q, u, 0.5 * dt),
+        None if system.constraints() > 0 => {
+            Own(system).check_rows(q)?;
+            constrained::check(&Own(system), q, u, 0.5 * dt)
+        }
         None => Ok(()),
     }
 }

@@ -19,6 +19,7 @@ use std::ops::Range;
 
 use thiserror::Error as ThisError;
 
+pub use constrained::constraint_forces;
 pub use friction_map::{Field, FrictionMap};
 pub use linear::{Contact, LinearSystem};
 pub use models::{mass_on_belt, sliding_point};

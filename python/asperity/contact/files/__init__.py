@@ -9,11 +9,15 @@ M v = f + H r, u = Hᵀ v + b. HDF5, for p = 1 and 2: the groups ``fclib_local``
 and, of bodies, ``fclib_global`` (M, H, f, w, mu, spacedim). A problem does not keep f: it writes
 f = 0 and its whole b. Reading takes q where it is given, else b = Hᵀ M⁻¹ f + w, and G of the
 bodies. Triplets have rows in `i` and columns in `p`, as in CSparse; of a mass matrix one triangle
-stands for both. Rolling friction (`fclib_local_rolling`, `fclib_global_rolling`) and joints are
-refused. `percussions` returns what a file of FCLIB holds as solution and guesses.
+stands for both. Rolling friction (`fclib_local_rolling`, `fclib_global_rolling`) is refused.
+`percussions` returns what a file of FCLIB holds as solution and guesses.
 
 G is kept sparse in files. A problem with a dense one, or with one that is made of the bodies, says
 so in ``W_form``, of HDF5 in ``data/form``: it comes back as it was.
+
+Of bodies that bilateral rows hold, W and q are what these leave, and b (w) is the bodies' own;
+``E_*`` and ``s`` are those of Eᵀ v + s = 0, in HDF5 G and b of ``fclib_global``. Joints that a file
+of FCLIB has in ``fclib_local`` (V, R) are refused.
 
 What asperity writes has checksums throughout: damage is refused. HDF5 files of other engines have
 none, and the HDF5 library itself may fail on damaged ones.

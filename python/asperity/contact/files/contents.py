@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity.contact import compressed
+from asperity.contact import compressed, operator
 from asperity.contact.files import laws as law_files
 from asperity.contact.problem import ContactProblem
 from asperity.errors import DimensionError, ParameterError
@@ -43,10 +43,12 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Bodies:
-    """Mass and directions."""
+    """Mass and directions, and rows that hold the bodies with their velocities."""
 
     mass: csr_array
     directions: csr_array
+    bilateral: csr_array | None = None
+    bilateral_velocity: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -232,13 +234,32 @@ def built(
     """Make the problem; complaints about its arguments name the keys they came from."""
     if form not in (SPARSE, DENSE, ASSEMBLED):
         raise ParameterError(keys["form"], f"must be one of the forms of G, got {form!r}")
-    known: dict[str, Any] = (
-        {} if bodies is None else {"mass": bodies.mass, "directions": bodies.directions}
-    )
+    known: dict[str, Any] = {} if bodies is None else vars(bodies)
     given = delassus.toarray() if form == DENSE and delassus is not None else delassus
     try:
+        if bodies is not None and bodies.bilateral is not None:
+            return ContactProblem(None, free_velocity=free_velocity, **options, **known)
         problem = ContactProblem(given, free_velocity=free_velocity, **options, **known)
         # The operator of the file has been compared with the bodies' own, which takes its place.
         return problem.replace(**known) if form == ASSEMBLED else problem
     except ParameterError as error:
         raise type(error)(keys.get(error.argument, error.argument), error.message) from None
+
+
+def free_velocity(problem: ContactProblem) -> Array:
+    """Return b of the bodies before what holds them."""
+    given: Array = problem._parameters["free_velocity"]
+    return given
+
+
+def check_eliminated(
+    problem: ContactProblem, delassus: csr_array, free: Array, keys: Mapping[str, str]
+) -> None:
+    """Refuse G and b of a file that are not those which its bilateral rows leave."""
+    pairs: list[tuple[str, Any, Any]] = [
+        ("delassus", delassus, problem.delassus),
+        ("free_velocity", free, problem.free_velocity),
+    ]
+    for name, stated, own in pairs:
+        if not abs(stated - own).max() <= operator.CONSISTENT * abs(own).max():
+            raise ParameterError(keys[name], "must be what bilateral rows leave of the bodies'")

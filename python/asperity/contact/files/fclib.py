@@ -28,6 +28,8 @@ _LOCAL = {
     "mass": "fclib_global/M",
     "directions": "fclib_global/H",
     "form": "data/form",
+    "bilateral": "fclib_global/G",
+    "bilateral_velocity": "fclib_global/vectors/b",
 }
 _GLOBAL = {**_LOCAL, "delassus": "fclib_global/H", "free_velocity": "fclib_global/vectors/w"}
 # The library's marks for compressed columns and rows; from 0 on it is the length of a triplet form.
@@ -35,7 +37,7 @@ _COLUMNS, _ROWS = -1, -2
 # Numbers that share a checksum.
 _CHUNK = 2**18
 _ROLLING = ("fclib_local_rolling", "fclib_global_rolling")
-_JOINTS = ("fclib_local/V", "fclib_local/R", "fclib_global/G")
+_JOINTS = ("fclib_local/V", "fclib_local/R")
 
 
 def _h5py() -> Any:
@@ -92,7 +94,11 @@ def save(problem: ContactProblem, path: Path) -> None:
         groups = ["fclib_local"]
         if problem.mass is not None and problem.directions is not None:
             matrices = {"M": problem.mass, "H": problem.directions}
-            vectors = {"f": np.zeros(problem.mass.shape[0]), "w": problem.free_velocity}
+            free = contents.free_velocity(problem)
+            vectors = {"f": np.zeros(problem.mass.shape[0]), "w": free}
+            if problem.bilateral is not None and problem.bilateral_velocity is not None:
+                matrices["G"] = problem.bilateral
+                vectors["b"] = problem.bilateral_velocity
             _write(file, "fclib_global", matrices, vectors)
             groups.append("fclib_global")
         if mu is not None and problem.laws[0].dimension <= 2:
@@ -155,29 +161,46 @@ def _load(source: _Group) -> ContactProblem:
             )
     for name in _JOINTS:
         if name in source:
-            raise ParameterError(name, "must be absent: joints are not part of a contact problem")
-    bodies = None
+            raise ParameterError(
+                name, "must be absent: joints are read with the bodies, in fclib_global/G"
+            )
+    bodies, delassus, free, form = None, None, None, contents.SPARSE
+    group, keys = "fclib_global", _GLOBAL
     if "fclib_global" in source:
         mass, gap = _mass(source), contents.numbers(source, _GLOBAL["free_velocity"])
         bodies = contents.Bodies(mass, _read(source, "fclib_global/H", (mass.shape[0], gap.size)))
-    form = contents.SPARSE
+        if "fclib_global/G" in source:
+            bodies = _held(source, bodies)
     if "fclib_local" in source or bodies is None:
         group, keys = "fclib_local", _LOCAL
         free = contents.numbers(source, _LOCAL["free_velocity"])
         delassus = _read(source, "fclib_local/W", (free.size, free.size))
         if _LOCAL["form"] in source:
             form = contents.text(source, _LOCAL["form"])
-    else:
-        group, keys, delassus = "fclib_global", _GLOBAL, None
-        free = _free_velocity(source, bodies)
     if "data/laws" in source:
         options = contents.read_details(source, "data/")
     else:
         dimension = _integer(source, f"{group}/spacedim") - 1
         if dimension not in (1, 2):
             raise ParameterError(f"{group}/spacedim", f"must be 2 or 3, got {dimension + 1}")
-        options = contents.read_coefficients(source, f"{group}/vectors/mu", free.size, dimension)
-    return contents.built(delassus, bodies, free, options, keys, form)
+        rows = gap.size if free is None else free.size
+        options = contents.read_coefficients(source, f"{group}/vectors/mu", rows, dimension)
+    if free is not None and (bodies is None or bodies.bilateral is None):
+        return contents.built(delassus, bodies, free, options, keys, form)
+    assert bodies is not None
+    own = _free_velocity(source, bodies)
+    problem = contents.built(None, bodies, own, options, _GLOBAL, form)
+    if delassus is not None and free is not None:
+        contents.check_eliminated(problem, delassus, free, _LOCAL)
+    return problem
+
+
+def _held(source: _Group, bodies: contents.Bodies) -> contents.Bodies:
+    """Return bodies with 0 = Gᵀv + b, v without percussions M⁻¹f."""
+    gap = contents.numbers(source, "fclib_global/vectors/b")
+    rows = _read(source, "fclib_global/G", (bodies.mass.shape[0], gap.size))
+    velocity = rows.T @ _unmoved(source, bodies) + gap
+    return contents.Bodies(bodies.mass, bodies.directions, rows, velocity)
 
 
 def _mass(source: _Group) -> csr_array:
@@ -201,8 +224,13 @@ def _mass(source: _Group) -> csr_array:
 
 def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float64]:
     """Return b = Wᵀ M⁻¹ f + w."""
-    force = contents.numbers(source, "fclib_global/vectors/f")
     gap = contents.numbers(source, "fclib_global/vectors/w")
+    return bodies.directions.T @ _unmoved(source, bodies) + gap
+
+
+def _unmoved(source: _Group, bodies: contents.Bodies) -> NDArray[np.float64]:
+    """Return M⁻¹ f."""
+    force = contents.numbers(source, "fclib_global/vectors/f")
     if force.size != bodies.directions.shape[0]:
         raise ParameterError(
             "fclib_global/vectors/f",
@@ -212,7 +240,8 @@ def _free_velocity(source: _Group, bodies: contents.Bodies) -> NDArray[np.float6
         mass = operator.checked_mass(bodies.mass)
     except ParameterError as error:
         raise type(error)("fclib_global/M", error.message) from None
-    return bodies.directions.T @ (operator.inverse(mass.tocsr()) @ force) + gap
+    velocity: NDArray[np.float64] = operator.inverse(mass.tocsr()) @ force
+    return velocity
 
 
 def _write(

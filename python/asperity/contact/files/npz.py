@@ -25,6 +25,8 @@ _KEYS = {
     "mass": "M",
     "directions": "H",
     "form": "W_form",
+    "bilateral": "E",
+    "bilateral_velocity": "s",
 }
 
 
@@ -45,7 +47,9 @@ def save(problem: ContactProblem, path: Path) -> None:
     if problem.mass is not None and problem.directions is not None:
         arrays.update(_written(problem.mass, "M"))
         arrays.update(_written(problem.directions, "H"))
-        arrays["f"], arrays["b"] = np.zeros(problem.mass.shape[0]), problem.free_velocity
+        arrays["f"], arrays["b"] = np.zeros(problem.mass.shape[0]), contents.free_velocity(problem)
+    if problem.bilateral is not None:
+        arrays.update({**_written(problem.bilateral, "E"), "s": problem.bilateral_velocity})
     with atomic(path) as file:
         np.savez_compressed(file, **arrays)
 
@@ -63,6 +67,14 @@ def load(path: Path) -> ContactProblem:
         if "M_data" in source:
             mass = _read(source, "M", (None, None))
             bodies = contents.Bodies(mass, _read(source, "H", (mass.shape[0], free.size)))
+        if bodies is not None and "E_data" in source:
+            held = contents.numbers(source, "s")
+            rows = _read(source, "E", (bodies.mass.shape[0], held.size))
+            bodies = contents.Bodies(bodies.mass, bodies.directions, rows, held)
+            own = contents.numbers(source, "b")
+            problem = contents.built(None, bodies, own, options, {**_KEYS, "free_velocity": "b"})
+            contents.check_eliminated(problem, delassus, free, _KEYS)
+            return problem
         form = contents.text(source, "W_form") if "W_form" in source else contents.SPARSE
         return contents.built(delassus, bodies, free, options, _KEYS, form)
 

@@ -18,6 +18,7 @@ from asperity.law import FrictionLaw
 from asperity.system import labels, time_functions
 from asperity.system.contacts import relawed
 from asperity.system.labels import Labels
+from asperity.system.reactions import row_forces, states
 from asperity.system.rigid import rotation
 from asperity.system.rigid.bodies import Body, PlanarBody
 from asperity.system.rigid.joints import Joint
@@ -386,12 +387,7 @@ class RigidBodies(Value):
         [[0.0, 0.0, 19.62]]
         """
         self._states(trajectory)
-        rows = [np.zeros((len(trajectory.t), 0))]
-        for number, label in enumerate(self.contacts):
-            pair = self.pairs[label.pair]
-            normal = trajectory.normal_force[:, [number]] if pair.normal_force is None else rows[0]
-            rows += [normal, trajectory.force[:, number, : pair.law.dimension]]
-        given = np.ascontiguousarray(np.hstack(rows))
+        given = row_forces(trajectory, [self.pairs[label.pair] for label in self.contacts])
         times, dt = trajectory.t, getattr(trajectory, "dt", 0.0)
         both = self._core.joint_reactions(times, dt, trajectory.q, trajectory.u, given)
         forces, torques = both[:, :, 0, : self._space], both[:, :, 1]
@@ -411,18 +407,7 @@ class RigidBodies(Value):
 
     def _states(self, trajectory: Run) -> tuple[Array, Array]:
         """Return coordinates and velocities per body of a trajectory that may be this system's."""
-        q, u = getattr(trajectory, "q", None), getattr(trajectory, "u", None)
-        if not isinstance(q, np.ndarray) or not isinstance(u, np.ndarray):
-            raise ParameterError(
-                "trajectory", f"must be a Trajectory or a Motion, got {trajectory!r}"
-            )
-        found = q.shape[1], u.shape[1], trajectory.phase.shape[1]
-        own = self.coordinates, self.dof, len(self.contacts)
-        if found != own:
-            raise DimensionError(
-                "trajectory",
-                f"must have {own} coordinates, velocities and contacts as the system, has {found}",
-            )
+        q, u = states(trajectory, (self.coordinates, self.dof, len(self.contacts)))
         return self._per_body(q), self._per_body(u)
 
     def _rotations(self, q: Array) -> Array:

@@ -176,7 +176,8 @@ impl Closed {
             if (0..contact.len()).any(|a| diagonal(a) <= 0.0) {
                 return Err(SystemError::direction(*c));
             }
-            let held = 10.0 * compliance[contact.offset];
+            // What is held moves by less than its compliance, to which that was added.
+            let held = 2.0 * compliance[contact.offset];
             if contact.normal_rows() > 0 && held > 0.0 && diagonal(0) <= held {
                 return Err(SystemError::held(*c, joints));
             }

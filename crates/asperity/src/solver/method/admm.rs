@@ -1,8 +1,9 @@
 //! Alternating direction method of multipliers for laws with Lorentz cones (`cones.rs`).
 //!
 //! In `x = T P` and `ξ̂ = K ξ`: `x ← (Ĝ + βS)⁻¹(βS(y − w) − b̂ − s)`, `y ← proj_S(x + w)`, `w ← w + x − y` with De
-//! Saxcé's shift `s_N = ‖ξ̂_T‖` (\[DeSaxceFeng1998\]) of the last iterate. One factorisation serves until the
-//! penalty `β` changes: the method of choice where a factorisation is too expensive to be repeated.
+//! Saxcé's shift `s_N = ‖ξ̂_T‖` (\[DeSaxceFeng1998\]) of the last iterate; prescribed normal percussions have no normal row, and `y` is
+//! projected onto a ball. One factorisation serves until the penalty `β` changes: the method of choice where a factorisation is too
+//! expensive to be repeated.
 //!
 //! Variants take turns ([`Variant`]). Plain iterations whose penalty keeps primal and dual residuals of one size end most problems.
 //! Iterations that are extrapolated by Nesterov's rule with restarts (\[GoldsteinODonoghueSetzerBaraniuk2014\]), at the
@@ -10,7 +11,7 @@
 //! circle at 1e-4. The shift makes the problem one that is not monotone: either variant may circle, and which of them does
 //! depends on where it begins.
 
-use super::cones::{Cones, own_rows};
+use super::cones::{Cones, between_rows, own_rows, write_rows};
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::solver::gauss_seidel::Task;
@@ -61,6 +62,7 @@ pub(crate) const BESIDE: &[Variant] = &[AFRESH, ACCELERATED];
 pub(crate) struct Admm {
     points: Vec<Point>,
     a: Vec<ContactMatrix>,
+    b: Vec<ContactMatrix>,
     step: Vec<f64>,
     percussion: Vec<f64>,
     velocity: Vec<f64>,
@@ -84,6 +86,8 @@ struct Point {
     w_ahead: V,
     /// `S_NN`.
     weight: f64,
+    /// `P̂_N` where it is prescribed; all vectors are zero there.
+    given: Option<f64>,
 }
 
 /// Of one iteration: residuals relative to their sizes, and the squared change of its iterate.
@@ -181,27 +185,32 @@ impl Admm {
         problem.velocity(&self.percussion, &mut self.velocity);
         self.step.resize(problem.rows(), 0.0);
         self.a.resize(problem.contacts().len(), ContactMatrix::zeros());
+        self.b.resize(problem.contacts().len(), ContactMatrix::zeros());
         self.points.clear();
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
+            let own = |values: &[f64]| own_rows(values, rows);
             let xi = own(&self.velocity) + own(problem.restitution());
             let weight = cones.t[i][(0, 0)].powf(-variant.power);
-            let mut v = cones.k[i] * xi;
-            v[0] = (v[0].max(0.0) + v.rows(1, 3).norm()) / weight;
+            let (mut v, given) = (cones.k[i] * xi, cones.given[i]);
+            if given.is_none() {
+                v[0] = (v[0].max(0.0) + v.rows(1, 3).norm()) / weight;
+            }
             let (y, w) = (cones.t[i] * own(&self.percussion), -v * unit);
             let (y_before, w_before, y_ahead, w_ahead) = (y, w, y, w);
-            self.points.push(Point { y, w, y_before, w_before, y_ahead, w_ahead, weight });
+            self.points.push(Point { y, w, y_before, w_before, y_ahead, w_ahead, weight, given });
         }
     }
 
     fn factor(&mut self, task: &Task<'_>, cones: &Cones, matrix: &mut NewtonMatrix) -> bool {
         let Task { problem, stop, .. } = *task;
         self.factorizations += 1;
-        for ((a, t), point) in self.a.iter_mut().zip(&cones.t).zip(&self.points) {
-            *a = t * self.penalty;
-            a.row_mut(0).scale_mut(point.weight);
+        for (i, rows) in problem.contacts().iter().enumerate() {
+            let mut a = cones.t[i] * self.penalty;
+            a.row_mut(0).scale_mut(self.points[i].weight);
+            self.a[i] = between_rows(a, rows);
+            self.b[i] = between_rows(cones.k[i], rows);
         }
-        matrix.factor(problem, &self.a, &cones.k, &|| stop.early())
+        matrix.factor(problem, &self.a, &self.b, &|| stop.early())
     }
 
     /// The penalty for residuals of this ratio; false if there is no factorisation with it.
@@ -229,21 +238,24 @@ impl Admm {
     ) -> Residuals {
         let penalty = self.penalty;
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
+            let own = |values: &[f64]| own_rows(values, rows);
             let b = own(problem.free_velocity()) + own(problem.restitution());
             let Point { y_ahead, w_ahead, weight, .. } = self.points[i];
             let mut right = (y_ahead - w_ahead) * penalty;
             right[0] = weight * right[0] - penalty * w_ahead.rows(1, 3).norm();
             right -= cones.k[i] * b;
-            self.step[rows.rows()].copy_from_slice(&right.as_slice()[..rows.len()]);
+            write_rows(&right, rows, &mut self.step);
         }
         matrix.solve(problem, &mut self.step);
         let (mut primal, mut dual, mut size, mut change) = (0.0, 0.0, 0.0, 0.0);
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let x = cones.t[i] * own_rows(&self.step, rows.offset, rows.len());
+            let x = cones.t[i] * own_rows(&self.step, rows);
             let point = &mut self.points[i];
             (point.y_before, point.w_before) = (point.y, point.w);
-            let y = project(&(x + point.w_ahead), point.weight);
+            let y = match point.given {
+                Some(radius) => (x + point.w_ahead).cap_magnitude(radius),
+                None => project(&(x + point.w_ahead), point.weight),
+            };
             let (moved, gap) = (y - point.y_ahead, x - y);
             primal += gap.norm_squared();
             dual += moved.norm_squared();
@@ -284,8 +296,7 @@ impl Admm {
     /// The projected percussions in the coordinates of the problem.
     fn restore(&mut self, problem: &ContactProblem, cones: &Cones) {
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let p = cones.t_inverse[i] * self.points[i].y;
-            self.percussion[rows.rows()].copy_from_slice(&p.as_slice()[..rows.len()]);
+            write_rows(&(cones.t_inverse[i] * self.points[i].y), rows, &mut self.percussion);
         }
     }
 }

@@ -2,10 +2,11 @@
 //!
 //! Percussions `x = T P` and `z = Γ(K ξ)`, `Γ(v) = (v_N + ‖v_T‖, v_T)` (\[DeSaxceFeng1998\]), both in the
 //! cone with `x ∘ z = μ e`, `μ → 0`: scaling of \[NesterovTodd1998\], predictor and corrector of
-//! \[Mehrotra1992\], Newton on `Γ` with its full derivative. Variables are scaled: `P` by `ρ` times
+//! \[Mehrotra1992\], Newton on `Γ` with its full derivative. Where `P_N` is prescribed `x_N` never moves and `z_N` is whatever
+//! complementarity asks for, ‖v_T‖ in the end: it is eliminated from each step. Variables are scaled: `P` by `ρ` times
 //! the loads' mean size, `ξ` by that size.
 
-use super::cones::{Cones, own_rows};
+use super::cones::{Cones, between_rows, own_rows, write_rows};
 use crate::contact::ContactProblem;
 use crate::law::{ContactMatrix, ContactVector};
 use crate::solver::gauss_seidel::Task;
@@ -48,10 +49,15 @@ struct Point {
     w: ContactMatrix,
     w_inverse: ContactMatrix,
     theta: ContactMatrix,
+    /// First column of the square before `dz_N` of a prescribed `x_N` was eliminated.
+    lead: V,
     /// `Γ'`.
     slope: ContactMatrix,
     /// Scale of the contact's equations.
     weight: f64,
+    /// Whether `x_N` is prescribed, and `dx_N + (Θ dz)_N` that a step then brings about by `dz_N`.
+    is_given: bool,
+    goal: f64,
 }
 
 /// Buffers.
@@ -95,7 +101,7 @@ impl Interior {
         let problem = incumbent.task.problem;
         let units = Units::of(problem);
         let Course { max_iterations, goal, expected } = course;
-        self.start(problem, expected / (units.rho * units.velocity));
+        self.start(problem, cones, units, expected);
         let (mut iterations, mut lowest, mut lowest_at) = (0, f64::INFINITY, 0);
         while iterations < max_iterations && !incumbent.task.stop.early() {
             self.evaluate(problem, cones, units);
@@ -124,7 +130,7 @@ impl Interior {
         }
     }
 
-    fn start(&mut self, problem: &ContactProblem, expected: f64) {
+    fn start(&mut self, problem: &ContactProblem, cones: &Cones, units: Units, expected: f64) {
         let (rows, contacts) = (problem.rows(), problem.contacts().len());
         self.percussion.resize(rows, 0.0);
         self.trial.resize(rows, 0.0);
@@ -132,18 +138,28 @@ impl Interior {
         self.step.resize(rows, 0.0);
         self.a.resize(contacts, ContactMatrix::zeros());
         self.b.resize(contacts, ContactMatrix::zeros());
-        let unit = V::new(START, 0.0, 0.0, 0.0);
+        let along = |size: f64| V::new(size, 0.0, 0.0, 0.0);
+        let unit = units.rho * units.velocity;
         self.points.clear();
-        let x = unit * (expected / START).max(1.0);
-        self.points.resize(contacts, Point { x, z: unit, ..Point::default() });
+        self.points.extend(cones.given.iter().map(|given| match given {
+            // Without a percussion it stays at rest in the origin.
+            Some(0.0) => Point { is_given: true, ..Point::default() },
+            Some(given) => {
+                let x = given / unit;
+                let (x, z) = (along(x), along(START * START / x));
+                Point { x, z, is_given: true, ..Point::default() }
+            }
+            None => {
+                let (x, z) = (along((expected / unit).max(START)), along(START));
+                Point { x, z, ..Point::default() }
+            }
+        }));
     }
 
     /// `P = T⁻¹ x`, `ξ`, `Γ(Kξ)` and its defect.
     fn evaluate(&mut self, problem: &ContactProblem, cones: &Cones, units: Units) {
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let p = cones.t_inverse[i] * self.points[i].x;
-            let own = &mut self.percussion[rows.rows()];
-            own.copy_from_slice(&p.as_slice()[..rows.len()]);
+            write_rows(&(cones.t_inverse[i] * self.points[i].x), rows, &mut self.percussion);
         }
         problem.delassus().apply(&self.percussion, &mut self.velocity);
         for (row, xi) in self.velocity.iter_mut().enumerate() {
@@ -151,14 +167,17 @@ impl Interior {
             *xi = units.rho * *xi + load / units.velocity;
         }
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let v = cones.k[i] * own_rows(&self.velocity, rows.offset, rows.len());
+            let v = cones.k[i] * own_rows(&self.velocity, rows);
             let point = &mut self.points[i];
             let speed = tangent(&v).norm();
             point.slope = ContactMatrix::identity();
-            if speed > 0.0 {
+            if speed > 0.0 && !point.is_given {
                 (1..4).for_each(|j| point.slope[(0, j)] = v[j] / speed);
             }
             point.defect = V::new(v[0] + speed, v[1], v[2], v[3]) - point.z;
+            if point.is_given {
+                point.defect[0] = 0.0;
+            }
         }
     }
 
@@ -176,8 +195,10 @@ impl Interior {
         let mean = gap / self.points.len() as f64;
         for (i, point) in self.points.iter_mut().enumerate() {
             point.rescale();
-            self.a[i] = cones.t[i] * point.weight;
-            self.b[i] = point.theta * point.slope * cones.k[i] * (point.weight * units.rho);
+            let rows = &problem.contacts()[i];
+            self.a[i] = between_rows(cones.t[i] * point.weight, rows);
+            let b = point.theta * point.slope * cones.k[i] * (point.weight * units.rho);
+            self.b[i] = between_rows(b, rows);
         }
         if !matrix.factor(problem, &self.a, &self.b, &|| stop.early()) {
             return false;
@@ -216,27 +237,35 @@ impl Interior {
     }
 
     fn right_hand_side(&mut self, problem: &ContactProblem, centre: f64, corrected: bool) {
-        for (rows, point) in problem.contacts().iter().zip(&self.points) {
+        for (rows, point) in problem.contacts().iter().zip(&mut self.points) {
+            if point.rests() {
+                write_rows(&V::zeros(), rows, &mut self.step);
+                continue;
+            }
             let mut d = -product(&point.lambda, &point.lambda);
             d[0] += centre;
             if corrected {
                 d -= product(&(point.w_inverse * point.dx), &(point.w * point.dz));
             }
-            let h = point.w * quotient(&point.lambda, &d) - point.theta * point.defect;
-            let own = &mut self.step[rows.rows()];
-            for (value, h) in own.iter_mut().zip(h.iter()) {
-                *value = h * point.weight;
+            let mut h = point.w * quotient(&point.lambda, &d);
+            if point.is_given {
+                point.goal = h[0];
+                h -= point.lead * (h[0] / point.lead[0]);
             }
+            h -= point.theta * point.defect;
+            write_rows(&(h * point.weight), rows, &mut self.step);
         }
     }
 
     /// Adds what the step has left over, with the same factors; the velocities are those that it brings.
     fn refine(&mut self, problem: &ContactProblem, matrix: &mut NewtonMatrix) {
         for (i, rows) in problem.contacts().iter().enumerate() {
-            let own = |values: &[f64]| own_rows(values, rows.offset, rows.len());
-            let brought = self.a[i] * own(&self.step) + self.b[i] * own(&self.velocity);
-            let left = self.left[rows.rows()].iter_mut();
-            left.zip(brought.iter()).for_each(|(left, brought)| *left -= brought);
+            for (r, row) in rows.rows().enumerate() {
+                for (c, column) in rows.rows().enumerate() {
+                    self.left[row] -= self.a[i][(r, c)] * self.step[column]
+                        + self.b[i][(r, c)] * self.velocity[column];
+                }
+            }
         }
         matrix.solve(problem, &mut self.left);
         self.step.iter_mut().zip(&self.left).for_each(|(step, more)| *step += more);
@@ -247,9 +276,16 @@ impl Interior {
         problem.delassus().apply(&self.step, &mut self.velocity);
         for (i, rows) in problem.contacts().iter().enumerate() {
             let point = &mut self.points[i];
-            point.dx = cones.t[i] * own_rows(&self.step, rows.offset, rows.len());
-            let change = own_rows(&self.velocity, rows.offset, rows.len()) * units.rho;
+            if point.rests() {
+                continue;
+            }
+            point.dx = cones.t[i] * own_rows(&self.step, rows);
+            let change = own_rows(&self.velocity, rows) * units.rho;
             point.dz = point.slope * (cones.k[i] * change) + point.defect;
+            if point.is_given {
+                let others = tangent(&point.lead).dot(&tangent(&point.dz));
+                point.dz[0] = (point.goal - others) / point.lead[0];
+            }
         }
     }
 
@@ -261,8 +297,17 @@ impl Interior {
 }
 
 impl Point {
+    /// Whether nothing moves it from the origin: its percussions are prescribed to vanish.
+    fn rests(&self) -> bool {
+        self.is_given && self.x[0] == 0.0
+    }
+
     /// Nesterov–Todd scaling `W x̂ = z`-wise: `W λ = x`, `W⁻¹ λ = z`.
     fn rescale(&mut self) {
+        if self.rests() {
+            self.weight = 1.0;
+            return;
+        }
         let size = |v: &V| (inner(v).max(1e-300)).sqrt();
         let (size_x, size_z) = (size(&self.x), size(&self.z));
         let (x, z) = (self.x / size_x, self.z / size_z);
@@ -283,6 +328,10 @@ impl Point {
         let j = ContactMatrix::from_diagonal(&V::new(-1.0, 1.0, 1.0, 1.0));
         self.theta = (w * w.transpose() * 2.0 + j) * (eta * eta);
         self.weight = 1.0 / (1.0 + eta * eta * 2.0 * w.norm_squared());
+        if self.is_given {
+            self.lead = self.theta.column(0).into();
+            self.theta -= self.lead * self.lead.transpose() / self.lead[0];
+        }
     }
 }
 

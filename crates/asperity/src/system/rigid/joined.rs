@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::pose::{Twist, angular, linear, twist};
 use super::rigid_bodies::RigidBodies;
-use crate::system::constrained::{self, Constraints};
+use crate::system::constrained::{self, Constraints, End};
 use crate::system::held::Held;
 use crate::system::{Midpoint, System, SystemError};
 
@@ -69,12 +69,7 @@ impl Constraints for RigidBodies {
         Ok(rates)
     }
 
-    fn end(
-        &self,
-        midpoint: &Midpoint,
-        after: &[f64],
-        half: f64,
-    ) -> Result<[Vec<f64>; 3], SystemError> {
+    fn end(&self, midpoint: &Midpoint, after: &[f64], half: f64) -> Result<End, SystemError> {
         let at = midpoint.configuration();
         let (mut q, mut ends, mut spins) = (midpoint.q.clone(), after.to_vec(), Vec::new());
         for (&body, momentum) in self.unequal.iter().zip(midpoint.momenta.chunks_exact(3)) {
