@@ -304,28 +304,16 @@ def box_in_flight(rng):
 
 @counts(25, 3000)
 def test_clocks_are_right_and_nothing_sinks_in(count):
-    redundant = (box_on_a_moving_line, box_on_a_moving_plane)
-    scenes = (*redundant, boxes_in_flight, pile, box_in_flight)
+    scenes = (box_on_a_moving_line, box_on_a_moving_plane, boxes_in_flight, pile, box_in_flight)
     rng = np.random.default_rng(7)
-    boxes, errors = 0, []
     for case in range(count):
         scene = scenes[rng.integers(len(scenes))]
         system, tolerance = scene(rng), 10.0 ** -rng.integers(6, 13)
-        boxes += scene in redundant
         options = {"t_end": 0.6, "sample_every": 0.005, "max_events": 20_000}
-        try:
-            motion = asp.integrate(system, tolerance=tolerance, **options)
-        except asp.ConvergenceError as error:
-            errors.append((case, scene.__name__, str(error)))
-            continue
+        motion = asp.integrate(system, tolerance=tolerance, **options)
         height = len(system.q0) - (2 if system.planar else 5)
         fallen = motion.q[:, height] - (100.0 - 0.5 * GRAVITY * motion.t**2)
         assert np.abs(fallen).max() < NEGLIGIBLE, (case, scene.__name__, tolerance)
         for t, q in zip(motion.t, motion.q, strict=True):
             overlap = _core.deepest_overlap(system._core, t, q)
             assert overlap is None or overlap[1] > -NEGLIGIBLE, (case, scene.__name__, tolerance)
-    # Boxes whose corners share the load on moving surfaces end by name in a few scenes, and so may
-    # the impacts in a pile, which follow each other ever faster.
-    allowed = {scene.__name__ for scene in (*redundant, pile)}
-    assert {name for _, name, _ in errors} <= allowed, errors
-    assert len(errors) <= 0.05 * boxes, errors
