@@ -280,6 +280,27 @@ def test_the_command_fits_a_stribeck_factor_where_speeds_vary(tmp_path, capsys):
     assert "identify the law at the speed that is predicted" in printed
 
 
+@pytest.mark.parametrize("one_channel", [True, False])
+def test_where_speeds_tell_a_stribeck_factor_a_law_has_it(one_channel, tmp_path, capsys):
+    """Runs made with μ(v) = 0.4 f(v), f of v₀ = 0.1 m/s and ρ = 0.7."""
+    circles = ["--reservoir", "circle", "--direction", "circle"]
+    rates = np.geomspace(0.05, 2.0, 8)
+    options = [*campaign(tmp_path, rates=rates, one_channel=one_channel), *circles]
+    assert main(options) == 1
+    assert "law_with_rate.toml has C at rest" in capsys.readouterr().out
+    file = tmp_path / "out" / "law_with_rate.toml"
+    law = asp.FrictionLaw.load(file)
+    speeds = 2.0 * np.pi * rates * 0.05
+    force = -law.force(np.stack([speeds, 0.0 * speeds], axis=-1))[:, 0]
+    np.testing.assert_allclose(force, 0.4 * asp.Stribeck(0.1, ratio=0.7)(speeds), rtol=5e-3)
+    assert not isinstance(asp.LawFile.load(file), identify.IdentifiedLaw)
+    # Of one speed there is none, and that of before goes.
+    assert main([*options[:2], *options[9:]]) == 1
+    assert "law_with_rate" not in capsys.readouterr().out
+    assert not file.exists()
+    assert (tmp_path / "out" / "law.toml").exists()
+
+
 def test_two_runs_at_two_loads_do_not_tell_the_load_from_the_mounting(tmp_path, capsys):
     assert main(campaign(tmp_path, loads=(10.0, 20.0))) == 1
     printed = capsys.readouterr().out

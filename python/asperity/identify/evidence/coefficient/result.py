@@ -261,17 +261,7 @@ class FrictionCoefficient(TableResult):
             raise FitError(
                 "data: runs at several loads or speeds: identify a law from those of one at a time"
             )
-        if not self.processed.goes_round:
-            raise FitError(
-                "data: strokes along some lines do not tell whether friction is the same in all "
-                "directions; FrictionLaw.isotropic takes it for granted"
-            )
-        spread = self.anisotropy
-        if spread > _ISOTROPIC:
-            raise FitError(
-                f"data: the coefficient changes by {spread:.1%} (root mean square) over the "
-                "directions of sliding: a law of such a surface needs the radial channel"
-            )
+        self.check_isotropic()
         mean = self.mean
         if mean.value <= 0.0:
             raise FitError(
@@ -296,6 +286,24 @@ class FrictionCoefficient(TableResult):
             zeros=None if known[0] is None else part(zero),
             degrees_of_freedom=(max(freedom, 1.0), math.inf, math.inf),
         )
+
+    def check_isotropic(self) -> None:
+        """Refuse strokes along some lines, and a coefficient that depends on the direction.
+
+        Raises:
+            FitError: for these.
+        """
+        if not self.processed.goes_round:
+            raise FitError(
+                "data: strokes along some lines do not tell whether friction is the same in all "
+                "directions; FrictionLaw.isotropic takes it for granted"
+            )
+        spread = self.anisotropy
+        if spread > _ISOTROPIC:
+            raise FitError(
+                f"data: the coefficient changes by {spread:.1%} (root mean square) over the "
+                "directions of sliding: a law of such a surface needs the radial channel"
+            )
 
     @cached_property
     def anisotropy(self) -> float:
