@@ -217,8 +217,14 @@ def test_the_command_compares_with_the_first_law(tmp_path, capsys):
     written = sorted(file.name for file in out.iterdir())
     assert written == ["comparison.csv", "comparison.png", "paths.png", "report.html"]
     assert main(["compare", *map(str, files[:2]), "--json"]) == 0
-    (one,) = json.loads(capsys.readouterr().out)["comparisons"]
+    printed = json.loads(capsys.readouterr().out)
+    (one,) = printed["comparisons"]
     assert one["differs"]
+    # Sliding with friction μ from 1 m/s ends after 1/(2 μ g).
+    e = [np.cos(printed["launches"]), np.sin(printed["launches"])]
+    for end, mu in zip(printed["ends"], (0.3, 0.33), strict=True):
+        np.testing.assert_allclose(np.transpose(end), np.array(e) / (2.0 * mu * 9.81), atol=1e-5)
+    assert one["end_distance"] == pytest.approx((1 / 0.3 - 1 / 0.33) / (2.0 * 9.81), abs=2e-5)
     assert one["coefficient_difference"] == pytest.approx([0.03] * 90)
     assert main(["compare", str(files[0])]) == 2
     assert "two files or more" in capsys.readouterr().err
