@@ -628,7 +628,9 @@ def test_strokes_that_hardly_slip_are_refused(reach, sticks, sine):
             assert friction_coefficient(data).mean.value == pytest.approx(mu, rel=0.01)
 
 
-def ringing(c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, seed=0):
+def ringing(
+    c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, seed=0, noise=0.005
+):
     """Return a record of a pin with mass on a spring, without excess of static friction."""
     random = np.random.default_rng(seed)
     sub, period = 4, 4.0 * half / speed
@@ -647,21 +649,45 @@ def ringing(c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, 
         if step % sub == 0:
             force.append(x / c)
             way.append(v)
-    noisy = np.array(force) + 0.005 * mu * load * random.normal(size=len(force))
+    noisy = np.array(force) + noise * mu * load * random.normal(size=len(force))
     time = np.arange(len(force)) / rate
     given = {"time": time, "force": noisy[:, None], "velocity": np.array(way)[:, None]}
-    return virtual_strokes.processed({**given, "load": load})
+    return {**given, "load": load}
 
 
 def test_a_swing_that_samples_do_not_resolve_is_no_excess():
     untold = 0
     for seed, c in enumerate(np.geomspace(3e-7, 1.5e-6, 6)):
-        found = breakaway(ringing(c, 0.3, seed=seed))
+        found = breakaway(virtual_strokes.processed(ringing(c, 0.3, seed=seed)))
         assert not found.has_excess
         if found.ratio.identifiable and found.ratio.low > 1.0:
             untold += 1
             assert "cannot be told: a mass of pin and holder" in found.summary()
     assert untold >= 1
+
+
+@pytest.mark.parametrize(
+    ("c", "mass", "rate"), [(1e-7, 0.2, 3e3), (1e-7, 0.2, 5e3), (1e-6, 0.05, 4e3)]
+)
+def test_a_swing_under_the_least_load_is_no_excess_of_all(c, mass, rate):
+    """The same inertia is much beside the kinetic force of 2 N, and little beside that of 60 N."""
+    runs = []
+    for k, load in enumerate((2.0, 60.0, 60.0)):
+        options = {"load": load, "half": max(5e-5, 3.0 * c * 0.3 * load), "noise": 0.0005}
+        given = ringing(c, 0.3, mass=mass, rate=rate, seed=k, **options)
+        runs.append(virtual_strokes.recording(given))
+    assert not breakaway(process(identify.RawData(runs, one_channel=True))).has_excess
+
+
+def test_an_excess_is_found_under_several_loads():
+    options = {"ratio": 1.2, "kinetic": 0.3, "compliance": 1e-6}
+    runs = [
+        virtual_strokes.recording(virtual_strokes.records(1, seed=k, load=load, **options))
+        for k, load in enumerate((2.0, 10.0, 10.0))
+    ]
+    found = breakaway(process(identify.RawData(runs, one_channel=True)))
+    assert found.has_excess
+    assert found.ratio.covers(1.2)
 
 
 def back_and_forth(force, **options):
