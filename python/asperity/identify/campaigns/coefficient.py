@@ -140,7 +140,7 @@ class OneChannel:
             for run in one.runs
             if math.isnan(run.coefficient.low)
         ]
-        return (*found, *one.wrong_signs, *one.unsteady)
+        return (*found, *one.wrong_signs, *one.unlikely, *one.unsteady)
 
     @property
     def _further(self) -> list[str]:

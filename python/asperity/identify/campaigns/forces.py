@@ -73,8 +73,8 @@ class Identification:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Those of the fit, and on runs whose load or speed varies."""
-        return (*self.fit.warnings, *self.coefficient.unsteady)
+        """Those of the fit, and on runs of unlikely units, or whose load or speed varies."""
+        return (*self.fit.warnings, *self.coefficient.unlikely, *self.coefficient.unsteady)
 
     @cached_property
     def rated(self) -> FrictionLaw | None:

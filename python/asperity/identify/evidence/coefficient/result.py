@@ -48,6 +48,8 @@ _ISOTROPIC, _BINS = 0.02, 24
 _SHOWN = 4
 # An interval that allows more change at twice the load or speed does not tell that there is none.
 _TOLD = 0.05
+# Coefficients beyond are rather those of wrong units.
+_LIKELY = 1e-3, 10.0
 # Loads and speeds of a run are those of its turns without this part of them at either end.
 _ENDS = 0.1
 
@@ -332,6 +334,20 @@ class FrictionCoefficient(TableResult):
         )
 
     @property
+    def unlikely(self) -> tuple[str, ...]:
+        """A sentence on runs with coefficients as of wrong units; `sentences` has it, too."""
+        least, most = _LIKELY
+        found = [run for run in self.runs if not least <= abs(run.coefficient.value) <= most]
+        if not found:
+            return ()
+        values = [run.coefficient.value for run in found]
+        return (
+            f"In {_listed(found)} the coefficient is {_span(values, '.3g')}, which is unlikely: "
+            "look at the units of friction and normal force, at the calibration, and at the arm of "
+            "a torque, which is in m.",
+        )
+
+    @property
     def unsteady(self) -> tuple[str, ...]:
         """Sentences on runs whose load or speed varies; `sentences` has them, too."""
         found = []
@@ -365,7 +381,8 @@ class FrictionCoefficient(TableResult):
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
         word = "turns" if self.processed.goes_round else "strokes"
-        found = [f"warning: {one}" for one in self.wrong_signs] + [*self.unsteady]
+        found = [f"warning: {one}" for one in (*self.wrong_signs, *self.unlikely)]
+        found += self.unsteady
         for group in self.groups:
             where = f" at {_words(group)}" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
@@ -400,14 +417,18 @@ class FrictionCoefficient(TableResult):
                 else fit.summary() + f" For predictions: law.replace(rate={fit.rate!r}), with C at "
                 "rest."
             )
-        for run in self.runs:
-            drifts = run.change.low > 0.0 or run.change.high < 0.0
-            if drifts and not self._varying(run):
-                found.append(
-                    f"In {run.name} the coefficient changes by {run.change.value:+.2%} from the "
-                    f"first to the last of its {word}: predictions hold for their mean, not for a "
-                    "surface that is new or run in."
-                )
+        drift = [
+            run
+            for run in self.runs
+            if (run.change.low > 0.0 or run.change.high < 0.0) and not self._varying(run)
+        ]
+        for some in [drift] if len(drift) > _SHOWN else [[run] for run in drift]:
+            changes = [run.change.value for run in some]
+            found.append(
+                f"In {_listed(some)} the coefficient changes by {_span(changes, '+.2%')} from the "
+                f"first to the last {word[:-1]}: predictions hold for their mean, not for a "
+                "surface that is new or run in."
+            )
         return tuple(found)
 
     def summary(self) -> str:
@@ -518,6 +539,18 @@ def _load(run: Run) -> float:
 def _pace(run: Run | Group) -> float:
     """Return the speed, or the turn rate where it is not known."""
     return run.rate if math.isnan(run.speed) else run.speed
+
+
+def _listed(runs: Sequence[Run]) -> str:
+    """Return the name of a run, or how many there are and the first one."""
+    more = len(runs) - 1
+    return runs[0].name + (f" and {more} more run{'s' * (more > 1)}" if more else "")
+
+
+def _span(values: Sequence[float], form: str) -> str:
+    """Return a value, or the least and the largest one."""
+    ends = [format(one, form) for one in (min(values), max(values))]
+    return " … ".join(dict.fromkeys(ends))
 
 
 def _words(group: Group) -> str:
@@ -679,9 +712,13 @@ def _group(
     )
     some = [values[k] for k in part]
     degrees = sum(one.degrees for one in some)
-    squares = sum(float(((one.values - one.values.mean()) ** 2).sum()) for one in some)
-    scatter = squares / degrees if degrees else math.nan
     means = np.array([one.values.mean() for one in some])
+    left = [one.values - mean for one, mean in zip(some, means, strict=True)]
+    if len(some) > 1 and len({one.size for one in left}) == 1:
+        # The running-in that all mountings have in common is no scatter.
+        left = [one - np.mean(left, axis=0) for one in left]
+        degrees -= some[0].degrees
+    scatter = sum(float((one**2).sum()) for one in left) / degrees if degrees else math.nan
     mean, between, ahead = own[0].coefficient, math.nan, (math.nan, math.nan)
     if len(part) > 1:
         mean = interval(means, level, known=known)
