@@ -529,6 +529,18 @@ def test_names_of_many_runs_leave_room_for_the_curve():
         assert figure.axes[0].get_window_extent().height > 0.5 * figure.bbox.height
 
 
+def test_a_power_of_the_load_says_at_which_speed():
+    """Where speeds have as many loads, that with most runs counts."""
+    runs = [
+        turning([0.3] * 6, loads=load, rates=rate, seed=10 * k + m, name=f"{k}{m}.csv")
+        for k, (load, rate) in enumerate([(5.0, 0.5), (20.0, 0.5), (5.0, 2.0), (20.0, 2.0)])
+        for m in range(1 + k // 2)
+    ]
+    found = coefficient_of(*runs, radius=0.05)
+    assert found.load_dependence.values.size == 4
+    assert "over 5 … 20 N at 0.6283 m/s" in found.summary()
+
+
 def test_without_a_radius_turn_rates_tell_groups_apart():
     runs = [
         turning([0.5 - 0.1 * k] * 6, rates=rate, seed=10 * k + m, name=f"{k}{m}.csv")

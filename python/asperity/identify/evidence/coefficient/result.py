@@ -212,16 +212,20 @@ class FrictionCoefficient(TableResult):
 
     def _dependence(self, name: str, other: Callable[[Run], float]) -> Dependence | None:
         """Return how coefficients depend on one quantity over the runs at one value of another."""
-        chosen: list[Run] = max(
-            ([self.runs[k] for k in part] for part in _alike([other(run) for run in self.runs])),
-            key=lambda runs: len(_alike([getattr(run, name) for run in runs])),
-        )
+        chosen = self._chosen(name, other)
         values = [getattr(run, name) for run in chosen]
         lines = np.nan_to_num([2.0 * run.line for run in chosen])
         if len(_alike(values)) < 2 or len(by_direction(lines)) > 1:
             return None
         coefficients = [run.coefficient.value for run in chosen]
         return Dependence(values, coefficients, confidence=self.confidence)
+
+    def _chosen(self, name: str, other: Callable[[Run], float]) -> list[Run]:
+        """Return the runs at one value of a quantity at which another one has most values."""
+        return max(
+            ([self.runs[k] for k in part] for part in _alike([other(run) for run in self.runs])),
+            key=lambda runs: (len(_alike([getattr(run, name) for run in runs])), len(runs)),
+        )
 
     def loop(self, bins: int = 100) -> Loop:
         """Return the hysteresis loop: means of all strokes in equal bins of the place.
@@ -397,12 +401,16 @@ class FrictionCoefficient(TableResult):
                 "No load and speed was recorded twice: intervals leave out what setting down the "
                 "pin anew changes."
             )
-        for one, what, unit in (
-            (self.load_dependence, "load", "N"),
-            (self.speed_dependence, "speed", "m/s"),
+        pace_unit = "turns/s" if any(math.isnan(run.speed) for run in self.runs) else "m/s"
+        for one, what, unit, other, its in (
+            (self.load_dependence, "load", "N", _pace, pace_unit),
+            (self.speed_dependence, "speed", "m/s", _load, "N"),
         ):
             if one is not None:
-                found.append(_of_power(one, what, unit))
+                values = [other(run) for run in self._chosen(what, other)]
+                several = len(_alike([other(run) for run in self.runs])) > 1
+                at = f" at {np.mean(values):.4g} {its}" if several else ""
+                found.append(_of_power(one, what, unit, at))
         unknown = [run.rate for run in self.runs if math.isnan(run.speed)]
         if len(_alike(unknown)) > 1:
             found.append(
@@ -559,9 +567,9 @@ def _words(group: Group) -> str:
     return f"{group.load:.4g} N" + (f" and {pace:.4g} {unit}" if math.isfinite(pace) else "")
 
 
-def _of_power(one: Dependence, what: str, unit: str) -> str:
+def _of_power(one: Dependence, what: str, unit: str, at: str) -> str:
     """Return what a power of the load or the speed means for predictions."""
-    span = f"{one.values.min():.4g} … {one.values.max():.4g} {unit}"
+    span = f"{one.values.min():.4g} … {one.values.max():.4g} {unit}{at}"
     twice = 2.0**one.exponent - 1.0
     if not math.isfinite(one.low):
         return (
