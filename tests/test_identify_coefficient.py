@@ -54,7 +54,9 @@ HELD = {
     "s": T, "ms": 1e3 * T, "min": T / 60.0, "rad": A, "deg": np.rad2deg(A) % 360.0,
     "rev": A / (2.0 * np.pi), "cts": np.floor(A / (2.0 * np.pi) * 4096) % 4096,
     "rpm": np.full(T.size, 30.0), "x": X, "mx": 1e3 * X, "kgx": X / G, "gx": 1e3 * X / G,
-    "lbx": X / POUND, "dax": 0.1 * X, "z": Z, "-z": -Z, "mz": 1e3 * Z, "kgz": Z / G,
+    "lbx": X / POUND, "ozx": 16.0 * X / POUND,
+    "inx": 0.04 * X / (0.0254 * POUND), "dax": 0.1 * X,
+    "z": Z, "-z": -Z, "mz": 1e3 * Z, "kgz": Z / G,
     "lbz": Z / POUND, "kz": 1e-3 * Z, "Nm": 0.04 * X, "Nmm": 40.0 * X, "mNm": 40.0 * X,
     "Ncm": 4.0 * X, "cof": X / Z, "T": 20.0 + 0.01 * T, "wear": np.sin(T), "n": np.arange(T.size),
 }  # fmt: skip
@@ -527,6 +529,70 @@ def test_names_of_many_runs_leave_room_for_the_curve():
             assert box.x0 >= 0.0
             assert box.x1 <= figure.bbox.width
         assert figure.axes[0].get_window_extent().height > 0.5 * figure.bbox.height
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("Speed (mm/min)", 1e-3 / 60.0), ("Geschwindigkeit [m/min]", 1.0 / 60.0),
+        ("Stroke (in)", 0.0254), ("Position_in", 0.0254), ("Velocity [in/s]", 0.0254),
+    ],
+)  # fmt: skip
+def test_motions_are_read_in_the_units_of_their_headings(name, unit, tmp_path):
+    given = virtual_strokes.records(1, kinetic=0.3, compliance=1e-6, rate=2000.0)
+    kind = "place" if name in ("Stroke (in)", "Position_in") else "velocity"
+    motion = given[kind][:, 0] / unit
+    table = np.column_stack([given["time"], motion, given["force"][:, 0], 10.0 + 0.0 * motion])
+    table[:, 3] += 1e-3 * np.random.default_rng(0).normal(size=len(table))
+    heading = f"Time [s];{name};Friction force [N];Load [N]"
+    file = tmp_path / "run.csv"
+    np.savetxt(file, table, delimiter=";", header=heading, comments="")
+    sections = {key: dict(part) for key, part in identify.inspect_file(file).sections.items()}
+    sections["file"] = {**sections.get("file", {}), "one_channel": True}
+    (run,) = friction_coefficient(identify.load(file, sections)).runs
+    half = np.abs(given["place"]).max()
+    assert run.speed == pytest.approx(4.0 * half / 0.5, rel=0.01)
+
+
+def test_an_arm_in_millimetres_is_refused(tmp_path):
+    file = written(
+        tmp_path / "run.txt", "Time [s],Angle [deg],Torque [N m],Normal force [N]", "s deg Nm z"
+    )
+    sections = {name: dict(part) for name, part in identify.inspect_file(file).sections.items()}
+    sections["file"] |= {"one_channel": True, "arm": 40.0}
+    with pytest.raises(RecordError, match="arm in m, or force units: friction coefficient"):
+        identify.load(file, sections)
+
+
+@pytest.mark.parametrize("rate", [10.0, 3.0, 1.0, 0.5])
+def test_a_log_with_few_samples_of_a_turn_tells_the_coefficient(rate, tmp_path, capsys):
+    """Of a disk that turns once a second, with 3 % more friction on one side of the track."""
+    random, time = np.random.default_rng(int(rate)), np.arange(400) / rate
+    turning_rate = 60.0 + 0.2 * random.normal(size=time.size)
+    # The log is not in step with the disk.
+    mu = 0.3 * (1.0 + 0.03 * np.sin(2.0 * np.pi * 1.0437 * time))
+    force = 10.0 * mu * (1.0 + 0.02 * random.normal(size=time.size))
+    load = 10.0 + 0.1 * random.normal(size=time.size)
+    table = np.column_stack([time, turning_rate, force, load])
+    names = "time,turn_rate,tangential,normal"
+    np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=names, comments="")
+    config, folder = tmp_path / "rig.toml", tmp_path / "out"
+    config.write_text(
+        "[file]\none_channel = true\n[columns]\nturn_rate = 'turn_rate'\n"
+        "[units]\nturn_rate = 'rpm'\n[tribometer]\nradius = 0.05\n"
+    )
+    options = ["identify", str(tmp_path / "run.csv"), "--config", str(config), "--out", str(folder)]
+    assert main([*options, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)["coefficient"]
+    (run,) = found["runs"]
+    assert run["coefficient"]["low"] < 0.3 < run["coefficient"]["high"]
+    assert run["speed"] == pytest.approx(2.0 * np.pi * 0.05, rel=0.01)
+    assert run["turns"] == pytest.approx(400 / (rate * math.ceil(4.0 / rate)), rel=0.03)
+    together = any("turns are taken together" in text for text in found["sentences"])
+    assert together == (rate < 4.0)
+    code = main([*options, "--reservoir", "circle", "--direction", "circle"])
+    assert code == (2 if rate < 8.0 else 1)
+    assert ("sample faster" in capsys.readouterr().err) == (rate < 8.0)
 
 
 def test_a_power_of_the_load_says_at_which_speed():

@@ -37,7 +37,8 @@ from asperity.identify.evidence.coefficient.turns import (
     turns_of,
 )
 from asperity.identify.forces.processing import ProcessedData
-from asperity.identify.forces.turns import bin_numbers
+from asperity.identify.forces.strokes import turns_together
+from asperity.identify.forces.turns import bin_numbers, full_bins
 from asperity.identify.models.coordinates import Estimate
 from asperity.law import FrictionLaw
 
@@ -316,13 +317,26 @@ class FrictionCoefficient(TableResult):
         """Root mean square change of the coefficient over the directions of turns, relative.
 
         What the scatter of the turns makes of it is taken off.
+
+        Raises:
+            FitError: where turns have too few samples.
         """
         data, turns = self.processed, self.over_turns
-        cell = data.turn[turns.kept] * _BINS + bin_numbers(data.phi[turns.kept], _BINS)
-        y = arrays.along_and_across(data.force[turns.kept], data.phi[turns.kept])[0]
-        size = data.turns * _BINS
-        sums = np.bincount(cell, y / data.normal_force[turns.kept], size)
-        means = (sums / np.maximum(np.bincount(cell, minlength=size), 1)).reshape(-1, _BINS)
+        phi, number = data.phi[turns.kept], data.turn[turns.kept]
+        bins = full_bins(phi, number, _BINS, each_turn=True)
+        cell = number * bins + bin_numbers(phi, bins)
+        y = arrays.along_and_across(data.force[turns.kept], phi)[0]
+        sums, counts = (
+            np.bincount(cell, one, data.turns * bins).reshape(-1, bins)
+            for one in (y / data.normal_force[turns.kept], None)
+        )
+        if not counts.all():
+            raise FitError(
+                f"data: of {bins} directions of sliding, some have no sample in a turn, which does "
+                "not tell whether friction is the same in all of them: sample faster; "
+                "FrictionLaw.isotropic takes it for granted"
+            )
+        means = sums / counts
         means = means / means.mean(axis=1)[:, None]
         noise = means.var(axis=0, ddof=1).mean() / len(means) if len(means) > 1 else 0.0
         return math.sqrt(max(float(means.mean(axis=0).var(ddof=1)) - float(noise), 0.0))
@@ -336,6 +350,15 @@ class FrictionCoefficient(TableResult):
             for run in self.runs
             if run.coefficient.value < 0.0
         )
+
+    @property
+    def _together(self) -> list[int]:
+        """How many turns count as one, by run."""
+        records = self.processed.raw.recordings
+        known = {name: 1 for name in self.names}
+        for number, one in zip(runs_of(self.processed).tolist(), records, strict=True):
+            known[self.names[number]] = 1 if one.velocity is not None else turns_together(one)
+        return [known[run.name] for run in self.runs]
 
     @property
     def unlikely(self) -> tuple[str, ...]:
@@ -387,6 +410,12 @@ class FrictionCoefficient(TableResult):
         word = "turns" if self.processed.goes_round else "strokes"
         found = [f"warning: {one}" for one in (*self.wrong_signs, *self.unlikely)]
         found += self.unsteady
+        sparse = [run for run, one in zip(self.runs, self._together, strict=True) if one > 1]
+        if sparse:
+            found.append(
+                f"In {_listed(sparse)} there are hardly any samples per turn: up to "
+                f"{max(self._together)} turns are taken together, and counted as one."
+            )
         for group in self.groups:
             where = f" at {_words(group)}" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
