@@ -246,15 +246,19 @@ def test_the_command_says_where_laws_are_not_independent_or_of_another_load(tmp_
     heavy = saved("heavy", 0.31, "c", [30.0, 10.0])
     again = saved("again", 0.31, "a", [10.0])
     assert main(["compare", first, other]) == 0
+    (said,) = (line for line in capsys.readouterr().out.splitlines() if "warning" in line)
+    assert said.startswith("warning: of first.toml, other.toml one run was recorded: bands leave")
+    twice = [saved(f"twice_{k}", 0.3, f"t{k}", [10.0, 10.1]) for k in range(2)]
+    assert main(["compare", *twice]) == 0
     assert "warning" not in capsys.readouterr().out
     assert main(["compare", first, heavy, again, "--out", str(tmp_path / "out")]) == 0
     text = capsys.readouterr().out
-    assert text.count("warning: ") == 2
+    assert text.count("warning: ") == 3
     assert "heavy.toml was recorded under 30, 10 N, first.toml under 10 N: a difference" in text
     assert "again.toml and first.toml both come from a.csv: they are not independent" in text
     assert "are not independent" in (tmp_path / "out" / "report.html").read_text("utf-8")
     assert main(["compare", first, other, first, "--json"]) == 0
-    (said,) = json.loads(capsys.readouterr().out)["warnings"]
+    said, _ = json.loads(capsys.readouterr().out)["warnings"]
     assert said.startswith("first.toml holds the same law as first.toml: ")
 
 

@@ -171,6 +171,10 @@ class ComparisonSheet(TableResult):
                 for k, one in enumerate(self.comparisons):
                     options = {"color": _color(k + 1), "label": self.names[k + 1]}
                     plot_law_comparison(one, ax=ax, quantity=quantity, **options)
+                if ax.get_legend() is not None:
+                    ax.get_legend().remove()
+            lines = changes.axes[0].get_legend_handles_labels()
+            changes.legend(*lines, loc="outside upper center", ncols=3)
             sliding = Figure(figsize=(5.6, 5.2), layout="constrained")
             ax = sliding.add_subplot(aspect="equal", xlabel="$x_1$ in m", ylabel="$x_2$ in m")
             for k, (name, paths) in enumerate(zip(self.names, self.paths, strict=True)):
@@ -277,6 +281,12 @@ def _taken_for_granted(laws: Sequence[IdentifiedLaw], names: Sequence[str]) -> I
                 f"{name} was recorded under {under[0]} N, {names[0]} under {under[1]} N: a "
                 "difference may be that of the load"
             )
+    single = [name for law, name in zip(laws, names, strict=True) if law._is_of_one_run]
+    if single:
+        yield (
+            f"of {', '.join(dict.fromkeys(single))} one run was recorded: bands leave out what "
+            "setting down the pin anew changes, and a difference may be that of the mounting"
+        )
 
 
 def _names(files: Sequence[str | os.PathLike[str]]) -> tuple[str, ...]:
