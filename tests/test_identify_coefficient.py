@@ -707,6 +707,15 @@ def test_no_excess_is_found_where_there_is_none(count):
     assert sum(found) <= (5 if count == 100 else binom.isf(1e-4, count, 0.025))
 
 
+@pytest.mark.parametrize(("rate", "said"), [(1e3, "cannot be told"), (2e4, "No excess of")])
+def test_an_interval_that_allows_much_excess_is_not_taken_for_none(rate, said):
+    given = virtual_strokes.records(1, ratio=1.0, scatter=0.0, compliance=1e-6, rate=rate, seed=3)
+    found = breakaway(virtual_strokes.processed(given))
+    assert found.ratio.covers(1.0)
+    assert (found.ratio.high > 1.05) == (rate < 1e4)
+    assert said in found.summary()
+
+
 def test_a_sampling_rate_that_cannot_tell_is_said():
     given = virtual_strokes.records(1, compliance=1e-7, rate=500.0, seed=3)
     found = breakaway(virtual_strokes.processed(given))

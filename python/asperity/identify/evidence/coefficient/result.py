@@ -488,8 +488,9 @@ class FrictionCoefficient(TableResult):
 
     def rows(self) -> list[tuple[str, ...]]:
         """Return the table of the runs as texts, with its heading."""
+        word = "turns" if self.processed.goes_round else "strokes"
         rows: list[tuple[str, ...]] = [
-            ("run", "load N", "speed m/s", "turns", "coefficient", "from", "to", "change")
+            ("run", "load N", "speed m/s", word, "coefficient", "from", "to", "change")
         ]
         if all(math.isnan(run.speed) for run in self.runs):
             rows = [("run", "load N", "turns/s", *rows[0][3:])]

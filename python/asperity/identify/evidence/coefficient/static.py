@@ -45,6 +45,8 @@ _ALIKE = 1.25
 _UNRESOLVED = 1.5
 # Samples tell apart what differs by more than so many standard deviations of the noise.
 _APART = 3.0
+# An interval that allows a larger excess does not tell that there is none.
+_TOLD = 0.05
 # More directions are not spoken of one by one.
 _SHOWN = 4
 # Where the pin sticks over more than this part of the way, the rest tells no kinetic force;
@@ -237,6 +239,11 @@ class Breakaway(TableResult):
                 f"Whether static friction exceeds the kinetic one (ratio {self.ratio}) cannot be "
                 f"told: a mass of pin and holder whose swing the samples do not show may add up to "
                 f"{self.unseen:.2%} to the force; sample faster, or reverse more slowly."
+            )
+        elif self.ratio.low <= 1.0 and self.ratio.high > 1.0 + _TOLD:
+            lines.append(
+                "Whether static friction exceeds the kinetic one cannot be told (ratio "
+                f"{self.ratio}): sample faster, reverse more slowly, or record more strokes."
             )
         elif self.has_excess:
             lines.append(
