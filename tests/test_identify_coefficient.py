@@ -707,6 +707,18 @@ def test_no_excess_is_found_where_there_is_none(count):
     assert sum(found) <= (5 if count == 100 else binom.isf(1e-4, count, 0.025))
 
 
+def test_the_zero_of_the_sensor_does_not_bias_the_ratio():
+    """Half of the kinetic force: (1.3 ± 0.5)/(1 ± 0.5) has the mean 1.4."""
+    options = {"ratio": 1.3, "kinetic": 0.3, "compliance": 1e-6, "seed": 3}
+    found, same = (
+        breakaway(virtual_strokes.processed(virtual_strokes.records(1, zero=zero, **options))).ratio
+        for zero in (1.5, 0.0)
+    )
+    assert found.value == pytest.approx(same.value, abs=1e-3)
+    assert found.high - found.low < 1.1 * (same.high - same.low)
+    assert found.covers(1.3)
+
+
 @pytest.mark.parametrize(("rate", "said"), [(1e3, "cannot be told"), (2e4, "No excess of")])
 def test_an_interval_that_allows_much_excess_is_not_taken_for_none(rate, said):
     given = virtual_strokes.records(1, ratio=1.0, scatter=0.0, compliance=1e-6, rate=rate, seed=3)

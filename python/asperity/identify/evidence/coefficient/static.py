@@ -332,7 +332,7 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         _of_direction(data, found.turns, number[at], kinetic[at], ends[at], error[at], level)
         for at in by_direction(found.turns.direction[number])
     )
-    both = []
+    both, of_zero = [], np.zeros(kinetic.size)
     for line in by_direction(2.0 * found.turns.direction[number]):
         ways = by_direction(found.turns.direction[number[line]])
         if len(ways) == 2:
@@ -340,12 +340,17 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
             off = np.zeros(line.size)
             half = 0.5 * float(np.subtract(*(kinetic[line[way]].mean() for way in ways)))
             off[ways[0]], off[ways[1]] = half, -half
+            if data.zero_covariance is None:
+                of_zero[line] = off
             mean = kinetic[line] - off, ends[line] - off[:, None], error[line]
             both.append(_of_direction(data, found.turns, number[line], *mean, level))
     has_length = data.raw.radius is not None or data.raw.recordings[0].velocity is not None
     ratio = _NONE
     if _enough(told):
-        ratio = _over_strokes(ends[told] / kinetic[told, None], (error / kinetic)[told], level)
+        # The zero of the sensor would enter the ratios there and back with opposite signs.
+        level_of_each = kinetic - of_zero
+        rises = ((ends - of_zero[:, None]) / level_of_each[:, None])[told]
+        ratio = _over_strokes(rises, (error / level_of_each)[told], level)
     share = _largest(inertia[told] if ratio.identifiable else inertia)
     return Breakaway(
         directions,
