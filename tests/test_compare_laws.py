@@ -217,8 +217,14 @@ def test_the_command_compares_with_the_first_law(tmp_path, capsys):
     written = sorted(file.name for file in out.iterdir())
     assert written == ["comparison.csv", "comparison.png", "paths.png", "report.html"]
     assert main(["compare", *map(str, files[:2]), "--json"]) == 0
-    (one,) = json.loads(capsys.readouterr().out)["comparisons"]
+    printed = json.loads(capsys.readouterr().out)
+    (one,) = printed["comparisons"]
     assert one["differs"]
+    # Sliding with friction μ from 1 m/s ends after 1/(2 μ g).
+    e = [np.cos(printed["launches"]), np.sin(printed["launches"])]
+    for end, mu in zip(printed["ends"], (0.3, 0.33), strict=True):
+        np.testing.assert_allclose(np.transpose(end), np.array(e) / (2.0 * mu * 9.81), atol=1e-5)
+    assert one["end_distance"] == pytest.approx((1 / 0.3 - 1 / 0.33) / (2.0 * 9.81), abs=2e-5)
     assert one["coefficient_difference"] == pytest.approx([0.03] * 90)
     assert main(["compare", str(files[0])]) == 2
     assert "two files or more" in capsys.readouterr().err
@@ -240,15 +246,19 @@ def test_the_command_says_where_laws_are_not_independent_or_of_another_load(tmp_
     heavy = saved("heavy", 0.31, "c", [30.0, 10.0])
     again = saved("again", 0.31, "a", [10.0])
     assert main(["compare", first, other]) == 0
+    (said,) = (line for line in capsys.readouterr().out.splitlines() if "warning" in line)
+    assert said.startswith("warning: of first.toml, other.toml one run was recorded: bands leave")
+    twice = [saved(f"twice_{k}", 0.3, f"t{k}", [10.0, 10.1]) for k in range(2)]
+    assert main(["compare", *twice]) == 0
     assert "warning" not in capsys.readouterr().out
     assert main(["compare", first, heavy, again, "--out", str(tmp_path / "out")]) == 0
     text = capsys.readouterr().out
-    assert text.count("warning: ") == 2
+    assert text.count("warning: ") == 3
     assert "heavy.toml was recorded under 30, 10 N, first.toml under 10 N: a difference" in text
     assert "again.toml and first.toml both come from a.csv: they are not independent" in text
     assert "are not independent" in (tmp_path / "out" / "report.html").read_text("utf-8")
     assert main(["compare", first, other, first, "--json"]) == 0
-    (said,) = json.loads(capsys.readouterr().out)["warnings"]
+    said, _ = json.loads(capsys.readouterr().out)["warnings"]
     assert said.startswith("first.toml holds the same law as first.toml: ")
 
 

@@ -311,3 +311,21 @@ def test_the_command_writes_standard_errors_as_comments(tmp_path, capsys):
     assert target.read_text() == json.loads(capsys.readouterr().out)["text"]
     assert main(["export", str(file), "--to", "abacus"]) == 2
     assert "--to: 'abacus' is not known" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("program", ["abaqus", "mujoco", "drake", "lsdyna"])
+def test_the_covariance_of_a_law_is_json_in_the_comments(program, tmp_path, capsys):
+    models = {"reservoir_model": "ellipse", "direction_model": "ellipse"}
+    law = asp.FrictionLaw(asp.Ellipse(0.5, 0.4, angle=0.3), asp.Ellipse(1.5, 1.0, angle=0.2))
+    root = 0.01 * np.random.default_rng(1).normal(size=(5, 5))
+    spread, file = root @ root.T, tmp_path / "law.toml"
+    IdentifiedLaw(law, values=[0.5, 0.4, 0.3, 1.5, 0.2], turns=spread, **models).save(file)
+    assert main(["export", str(file), "--to", program, "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    _, _, rest = printed["text"].partition("covariance = ")
+    # What follows the end of the JSON is no part of it.
+    plain = re.sub(r"(?: -->)?\n(?:<!--|\*\*|#|\$|//) ", " ", rest)
+    found, _ = json.JSONDecoder().raw_decode(plain)
+    assert found == printed["covariance"]
+    assert found["coordinates"][0] == "ln(reservoir.a)"
+    np.testing.assert_allclose(found["matrix"], spread, rtol=1e-5)

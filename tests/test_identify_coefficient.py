@@ -54,7 +54,9 @@ HELD = {
     "s": T, "ms": 1e3 * T, "min": T / 60.0, "rad": A, "deg": np.rad2deg(A) % 360.0,
     "rev": A / (2.0 * np.pi), "cts": np.floor(A / (2.0 * np.pi) * 4096) % 4096,
     "rpm": np.full(T.size, 30.0), "x": X, "mx": 1e3 * X, "kgx": X / G, "gx": 1e3 * X / G,
-    "lbx": X / POUND, "dax": 0.1 * X, "z": Z, "-z": -Z, "mz": 1e3 * Z, "kgz": Z / G,
+    "lbx": X / POUND, "ozx": 16.0 * X / POUND,
+    "inx": 0.04 * X / (0.0254 * POUND), "dax": 0.1 * X,
+    "z": Z, "-z": -Z, "mz": 1e3 * Z, "kgz": Z / G,
     "lbz": Z / POUND, "kz": 1e-3 * Z, "Nm": 0.04 * X, "Nmm": 40.0 * X, "mNm": 40.0 * X,
     "Ncm": 4.0 * X, "cof": X / Z, "T": 20.0 + 0.01 * T, "wear": np.sin(T), "n": np.arange(T.size),
 }  # fmt: skip
@@ -280,6 +282,27 @@ def test_the_command_fits_a_stribeck_factor_where_speeds_vary(tmp_path, capsys):
     assert "identify the law at the speed that is predicted" in printed
 
 
+@pytest.mark.parametrize("one_channel", [True, False])
+def test_where_speeds_tell_a_stribeck_factor_a_law_has_it(one_channel, tmp_path, capsys):
+    """Runs made with μ(v) = 0.4 f(v), f of v₀ = 0.1 m/s and ρ = 0.7."""
+    circles = ["--reservoir", "circle", "--direction", "circle"]
+    rates = np.geomspace(0.05, 2.0, 8)
+    options = [*campaign(tmp_path, rates=rates, one_channel=one_channel), *circles]
+    assert main(options) == 1
+    assert "law_with_rate.toml has C at rest" in capsys.readouterr().out
+    file = tmp_path / "out" / "law_with_rate.toml"
+    law = asp.FrictionLaw.load(file)
+    speeds = 2.0 * np.pi * rates * 0.05
+    force = -law.force(np.stack([speeds, 0.0 * speeds], axis=-1))[:, 0]
+    np.testing.assert_allclose(force, 0.4 * asp.Stribeck(0.1, ratio=0.7)(speeds), rtol=5e-3)
+    assert not isinstance(asp.LawFile.load(file), identify.IdentifiedLaw)
+    # Of one speed there is none, and that of before goes.
+    assert main([*options[:2], *options[9:]]) == 1
+    assert "law_with_rate" not in capsys.readouterr().out
+    assert not file.exists()
+    assert (tmp_path / "out" / "law.toml").exists()
+
+
 def test_two_runs_at_two_loads_do_not_tell_the_load_from_the_mounting(tmp_path, capsys):
     assert main(campaign(tmp_path, loads=(10.0, 20.0))) == 1
     printed = capsys.readouterr().out
@@ -470,6 +493,120 @@ def coefficient_of(*runs, **options):
     return friction_coefficient(process(raw, cut_off=None))
 
 
+def test_a_running_in_that_mountings_share_is_no_scatter_of_turns():
+    """Of 40 mountings that differ by 3 % and lose 30 % over their turns alike."""
+    own = np.random.default_rng(3).normal(1.0, 0.03, 40)
+    fall = 0.2 + 0.06 * np.exp(-np.arange(8) / 2.0)
+    runs = [turning(x * fall, rates=5.0, seed=k, name=f"{k}.csv") for k, x in enumerate(own)]
+    (group,) = coefficient_of(*runs).groups
+    assert group.between == pytest.approx(own.std(ddof=1), rel=0.02)
+    assert group.within < 0.005
+    found = coefficient_of(*runs[:6])
+    drifts = [one for one in found.sentences() if "from the first to the last turn" in one]
+    assert [one.partition(" the coefficient")[0] for one in drifts] == ["In 0.csv and 5 more runs"]
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_coefficients_as_of_wrong_units_are_said(factor):
+    found = coefficient_of(turning([0.3 * factor] * 6))
+    assert f"the coefficient is {found.mean.value:.3g}, which is unlikely" in found.summary()
+    one = OneChannel.of(found, asp.Provenance(), reservoir="superellipse", direction="superellipse")
+    assert any("unlikely" in text for text in one.warnings)
+    assert one.summary().count("unlikely") == 1
+    assert not coefficient_of(turning([0.003] * 6)).unlikely
+
+
+def test_names_of_many_runs_leave_room_for_the_curve():
+    """Beside a legend the axes keep most of the figure, whatever the names."""
+    from asperity.plot.coefficient import turns_figure
+
+    for count, name in ((3, "a/long/path/of/a/folder/of/the/laboratory/"), (27, "")):
+        runs = [turning([0.3] * 3, seed=k, name=f"{name}{k}.csv") for k in range(count)]
+        figure = turns_figure(coefficient_of(*runs))
+        figure.draw_without_rendering()
+        for legend in figure.legends:
+            box = legend.get_window_extent()
+            assert box.x0 >= 0.0
+            assert box.x1 <= figure.bbox.width
+        assert figure.axes[0].get_window_extent().height > 0.5 * figure.bbox.height
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("Speed (mm/min)", 1e-3 / 60.0), ("Geschwindigkeit [m/min]", 1.0 / 60.0),
+        ("Stroke (in)", 0.0254), ("Position_in", 0.0254), ("Velocity [in/s]", 0.0254),
+    ],
+)  # fmt: skip
+def test_motions_are_read_in_the_units_of_their_headings(name, unit, tmp_path):
+    given = virtual_strokes.records(1, kinetic=0.3, compliance=1e-6, rate=2000.0)
+    kind = "place" if name in ("Stroke (in)", "Position_in") else "velocity"
+    motion = given[kind][:, 0] / unit
+    table = np.column_stack([given["time"], motion, given["force"][:, 0], 10.0 + 0.0 * motion])
+    table[:, 3] += 1e-3 * np.random.default_rng(0).normal(size=len(table))
+    heading = f"Time [s];{name};Friction force [N];Load [N]"
+    file = tmp_path / "run.csv"
+    np.savetxt(file, table, delimiter=";", header=heading, comments="")
+    sections = {key: dict(part) for key, part in identify.inspect_file(file).sections.items()}
+    sections["file"] = {**sections.get("file", {}), "one_channel": True}
+    (run,) = friction_coefficient(identify.load(file, sections)).runs
+    half = np.abs(given["place"]).max()
+    assert run.speed == pytest.approx(4.0 * half / 0.5, rel=0.01)
+
+
+def test_an_arm_in_millimetres_is_refused(tmp_path):
+    file = written(
+        tmp_path / "run.txt", "Time [s],Angle [deg],Torque [N m],Normal force [N]", "s deg Nm z"
+    )
+    sections = {name: dict(part) for name, part in identify.inspect_file(file).sections.items()}
+    sections["file"] |= {"one_channel": True, "arm": 40.0}
+    with pytest.raises(RecordError, match="arm in m, or force units: friction coefficient"):
+        identify.load(file, sections)
+
+
+@pytest.mark.parametrize("rate", [10.0, 3.0, 1.0, 0.5])
+def test_a_log_with_few_samples_of_a_turn_tells_the_coefficient(rate, tmp_path, capsys):
+    """Of a disk that turns once a second, with 3 % more friction on one side of the track."""
+    random, time = np.random.default_rng(int(rate)), np.arange(400) / rate
+    turning_rate = 60.0 + 0.2 * random.normal(size=time.size)
+    # The log is not in step with the disk.
+    mu = 0.3 * (1.0 + 0.03 * np.sin(2.0 * np.pi * 1.0437 * time))
+    force = 10.0 * mu * (1.0 + 0.02 * random.normal(size=time.size))
+    load = 10.0 + 0.1 * random.normal(size=time.size)
+    table = np.column_stack([time, turning_rate, force, load])
+    names = "time,turn_rate,tangential,normal"
+    np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=names, comments="")
+    config, folder = tmp_path / "rig.toml", tmp_path / "out"
+    config.write_text(
+        "[file]\none_channel = true\n[columns]\nturn_rate = 'turn_rate'\n"
+        "[units]\nturn_rate = 'rpm'\n[tribometer]\nradius = 0.05\n"
+    )
+    options = ["identify", str(tmp_path / "run.csv"), "--config", str(config), "--out", str(folder)]
+    assert main([*options, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)["coefficient"]
+    (run,) = found["runs"]
+    assert run["coefficient"]["low"] < 0.3 < run["coefficient"]["high"]
+    assert run["speed"] == pytest.approx(2.0 * np.pi * 0.05, rel=0.01)
+    assert run["turns"] == pytest.approx(400 / (rate * math.ceil(4.0 / rate)), rel=0.03)
+    together = any("turns are taken together" in text for text in found["sentences"])
+    assert together == (rate < 4.0)
+    code = main([*options, "--reservoir", "circle", "--direction", "circle"])
+    assert code == (2 if rate < 8.0 else 1)
+    assert ("sample faster" in capsys.readouterr().err) == (rate < 8.0)
+
+
+def test_a_power_of_the_load_says_at_which_speed():
+    """Where speeds have as many loads, that with most runs counts."""
+    runs = [
+        turning([0.3] * 6, loads=load, rates=rate, seed=10 * k + m, name=f"{k}{m}.csv")
+        for k, (load, rate) in enumerate([(5.0, 0.5), (20.0, 0.5), (5.0, 2.0), (20.0, 2.0)])
+        for m in range(1 + k // 2)
+    ]
+    found = coefficient_of(*runs, radius=0.05)
+    assert found.load_dependence.values.size == 4
+    assert "over 5 … 20 N at 0.6283 m/s" in found.summary()
+
+
 def test_without_a_radius_turn_rates_tell_groups_apart():
     runs = [
         turning([0.5 - 0.1 * k] * 6, rates=rate, seed=10 * k + m, name=f"{k}{m}.csv")
@@ -570,6 +707,27 @@ def test_no_excess_is_found_where_there_is_none(count):
     assert sum(found) <= (5 if count == 100 else binom.isf(1e-4, count, 0.025))
 
 
+def test_the_zero_of_the_sensor_does_not_bias_the_ratio():
+    """Half of the kinetic force: (1.3 ± 0.5)/(1 ± 0.5) has the mean 1.4."""
+    options = {"ratio": 1.3, "kinetic": 0.3, "compliance": 1e-6, "seed": 3}
+    found, same = (
+        breakaway(virtual_strokes.processed(virtual_strokes.records(1, zero=zero, **options))).ratio
+        for zero in (1.5, 0.0)
+    )
+    assert found.value == pytest.approx(same.value, abs=1e-3)
+    assert found.high - found.low < 1.1 * (same.high - same.low)
+    assert found.covers(1.3)
+
+
+@pytest.mark.parametrize(("rate", "said"), [(1e3, "cannot be told"), (2e4, "No excess of")])
+def test_an_interval_that_allows_much_excess_is_not_taken_for_none(rate, said):
+    given = virtual_strokes.records(1, ratio=1.0, scatter=0.0, compliance=1e-6, rate=rate, seed=3)
+    found = breakaway(virtual_strokes.processed(given))
+    assert found.ratio.covers(1.0)
+    assert (found.ratio.high > 1.05) == (rate < 1e4)
+    assert said in found.summary()
+
+
 def test_a_sampling_rate_that_cannot_tell_is_said():
     given = virtual_strokes.records(1, compliance=1e-7, rate=500.0, seed=3)
     found = breakaway(virtual_strokes.processed(given))
@@ -607,7 +765,9 @@ def test_strokes_that_hardly_slip_are_refused(reach, sticks, sine):
             assert friction_coefficient(data).mean.value == pytest.approx(mu, rel=0.01)
 
 
-def ringing(c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, seed=0):
+def ringing(
+    c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, seed=0, noise=0.005
+):
     """Return a record of a pin with mass on a spring, without excess of static friction."""
     random = np.random.default_rng(seed)
     sub, period = 4, 4.0 * half / speed
@@ -626,21 +786,45 @@ def ringing(c, mu, *, mass=0.02, rate=5000.0, speed=1e-4, half=5e-5, load=10.0, 
         if step % sub == 0:
             force.append(x / c)
             way.append(v)
-    noisy = np.array(force) + 0.005 * mu * load * random.normal(size=len(force))
+    noisy = np.array(force) + noise * mu * load * random.normal(size=len(force))
     time = np.arange(len(force)) / rate
     given = {"time": time, "force": noisy[:, None], "velocity": np.array(way)[:, None]}
-    return virtual_strokes.processed({**given, "load": load})
+    return {**given, "load": load}
 
 
 def test_a_swing_that_samples_do_not_resolve_is_no_excess():
     untold = 0
     for seed, c in enumerate(np.geomspace(3e-7, 1.5e-6, 6)):
-        found = breakaway(ringing(c, 0.3, seed=seed))
+        found = breakaway(virtual_strokes.processed(ringing(c, 0.3, seed=seed)))
         assert not found.has_excess
         if found.ratio.identifiable and found.ratio.low > 1.0:
             untold += 1
             assert "cannot be told: a mass of pin and holder" in found.summary()
     assert untold >= 1
+
+
+@pytest.mark.parametrize(
+    ("c", "mass", "rate"), [(1e-7, 0.2, 3e3), (1e-7, 0.2, 5e3), (1e-6, 0.05, 4e3)]
+)
+def test_a_swing_under_the_least_load_is_no_excess_of_all(c, mass, rate):
+    """The same inertia is much beside the kinetic force of 2 N, and little beside that of 60 N."""
+    runs = []
+    for k, load in enumerate((2.0, 60.0, 60.0)):
+        options = {"load": load, "half": max(5e-5, 3.0 * c * 0.3 * load), "noise": 0.0005}
+        given = ringing(c, 0.3, mass=mass, rate=rate, seed=k, **options)
+        runs.append(virtual_strokes.recording(given))
+    assert not breakaway(process(identify.RawData(runs, one_channel=True))).has_excess
+
+
+def test_an_excess_is_found_under_several_loads():
+    options = {"ratio": 1.2, "kinetic": 0.3, "compliance": 1e-6}
+    runs = [
+        virtual_strokes.recording(virtual_strokes.records(1, seed=k, load=load, **options))
+        for k, load in enumerate((2.0, 10.0, 10.0))
+    ]
+    found = breakaway(process(identify.RawData(runs, one_channel=True)))
+    assert found.has_excess
+    assert found.ratio.covers(1.2)
 
 
 def back_and_forth(force, **options):

@@ -54,15 +54,20 @@ def records(
     }
 
 
-def processed(given, at=0):
-    """Return one of the records as processed data of one channel."""
+def recording(given, at=0):
+    """Return one of the records as a run of one channel."""
     still = np.zeros(given["time"].size)
-    run = Recording(
+    return Recording(
         given["time"],
         angle=still,
         readings=np.stack([given["force"][:, at], still, still + given["load"]], axis=-1),
         velocity=np.stack([given["velocity"][:, at], still], axis=-1),
     )
+
+
+def processed(given, at=0):
+    """Return one of the records as processed data of one channel."""
+    run = recording(given, at)
     return process(RawData([run], normal_load=given["load"], one_channel=True))
 
 

@@ -12,6 +12,9 @@ from asperity.plot.look import BLUE, INK, style
 if TYPE_CHECKING:
     from asperity.identify.evidence.coefficient.result import FrictionCoefficient, Loop
 
+# More runs, or longer lines of names, have no room above the figure.
+_NAMED, _LETTERS = 8, 100
+
 
 def turns_figure(found: FrictionCoefficient) -> Figure:
     """Return the figure of the coefficient over the turns or strokes of all runs."""
@@ -23,8 +26,11 @@ def turns_figure(found: FrictionCoefficient) -> Figure:
         for number, name in enumerate(found.names):
             at = np.flatnonzero(turns.run == number)
             ax.plot(at, turns.coefficient[at], ".-", markersize=4, linewidth=0.8, label=name)
-        if len(found.names) > 1:
-            figure.legend(loc="outside upper center", ncols=4)
+        if 1 < len(found.names) <= _NAMED:
+            columns = _LETTERS // (max(map(len, found.names)) + 8)
+            figure.legend(loc="outside upper center", ncols=min(max(columns, 1), 4))
+        elif len(found.names) > 1:
+            ax.set_xlabel(f"{word}s of {len(found.names)} runs, in the order of the table")
     return figure
 
 

@@ -57,15 +57,21 @@ class ComparisonSheet(TableResult):
         """Paths in m of bodies that are launched with 1 m/s, by law and launch direction."""
         return [[_path(law, np.deg2rad(degrees)) for degrees in _LAUNCHES] for law in self.laws]
 
+    @cached_property
+    def end_distances(self) -> tuple[float, ...]:
+        """How far in m the ends of paths are from those of the first law at most, by law."""
+        ends = np.array([[path[-1] for path in paths] for paths in self.paths])
+        far = np.linalg.norm(ends[1:] - ends[0], axis=-1).max(axis=-1)
+        return tuple(far.tolist())
+
     def verdicts(self) -> list[tuple[str, ...]]:
         """Return for each further law whether it differs, and by how much, as a table of texts."""
         rows: list[tuple[str, ...]] = [
             ("law", "differs", "p", "p of C", "p of D", "coefficient", "deflection", "end of path")
         ]
-        ends = [np.array([path[-1] for path in paths]) for paths in self.paths]
-        for name, one, end in zip(self.names[1:], self.comparisons, ends[1:], strict=True):
+        ends = self.end_distances
+        for name, one, far in zip(self.names[1:], self.comparisons, ends, strict=True):
             mu, angle = one.coefficient.difference, np.rad2deg(one.deflection.difference)
-            far = np.linalg.norm(end - ends[0], axis=1).max()
             rows.append(
                 (
                     name,
@@ -124,6 +130,9 @@ class ComparisonSheet(TableResult):
             "first": self.names[0],
             "confidence": self.comparisons[0].confidence,
             "warnings": list(self.warnings),
+            "launches": np.deg2rad(_LAUNCHES).tolist(),
+            "launch_speed": _SPEED,
+            "ends": [[path[-1].tolist() for path in paths] for paths in self.paths],
             "comparisons": [
                 {
                     "law": name,
@@ -131,6 +140,7 @@ class ComparisonSheet(TableResult):
                     "p_value": one.p_value,
                     "p_value_reservoir": one.reservoir.p_value,
                     "p_value_direction": one.direction.p_value,
+                    "end_distance": far,
                     "phi": one.phi.tolist(),
                     **{
                         f"{curve}_{word}": getattr(getattr(one, curve), word).tolist()
@@ -141,7 +151,9 @@ class ComparisonSheet(TableResult):
                         key: dict(change._parameters) for key, change in one.parameters.items()
                     },
                 }
-                for name, one in zip(self.names[1:], self.comparisons, strict=True)
+                for name, one, far in zip(
+                    self.names[1:], self.comparisons, self.end_distances, strict=True
+                )
             ],
         }
 
@@ -159,6 +171,10 @@ class ComparisonSheet(TableResult):
                 for k, one in enumerate(self.comparisons):
                     options = {"color": _color(k + 1), "label": self.names[k + 1]}
                     plot_law_comparison(one, ax=ax, quantity=quantity, **options)
+                if ax.get_legend() is not None:
+                    ax.get_legend().remove()
+            lines = changes.axes[0].get_legend_handles_labels()
+            changes.legend(*lines, loc="outside upper center", ncols=3)
             sliding = Figure(figsize=(5.6, 5.2), layout="constrained")
             ax = sliding.add_subplot(aspect="equal", xlabel="$x_1$ in m", ylabel="$x_2$ in m")
             for k, (name, paths) in enumerate(zip(self.names, self.paths, strict=True)):
@@ -265,6 +281,12 @@ def _taken_for_granted(laws: Sequence[IdentifiedLaw], names: Sequence[str]) -> I
                 f"{name} was recorded under {under[0]} N, {names[0]} under {under[1]} N: a "
                 "difference may be that of the load"
             )
+    single = [name for law, name in zip(laws, names, strict=True) if law._is_of_one_run]
+    if single:
+        yield (
+            f"of {', '.join(dict.fromkeys(single))} one run was recorded: bands leave out what "
+            "setting down the pin anew changes, and a difference may be that of the mounting"
+        )
 
 
 def _names(files: Sequence[str | os.PathLike[str]]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from asperity.errors import FitError, ParameterError
 from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.evidence.coefficient.result import FrictionCoefficient
 from asperity.identify.models.coordinates import Estimate
-from asperity.law import Provenance
+from asperity.law import FrictionLaw, LawFile, Provenance
 
 FIRST = "runs.csv"
 """What every result of forces has."""
@@ -21,6 +21,28 @@ FIRST = "runs.csv"
 TABLES = (FIRST, "turns.png")
 STROKES = ("breakaway.csv", "loop.csv", "loop.png")
 """What results of strokes have besides, loops those along one line."""
+
+WITH_RATE = "law_with_rate.toml"
+"""What results have besides whose speeds tell a Stribeck factor."""
+SAID_OF_RATE = (
+    f"{WITH_RATE} has C at rest and this Stribeck factor, for predictions over all speeds, without "
+    "an uncertainty."
+)
+_DIRECTIONS = 3600
+
+
+def with_rate(found: FrictionCoefficient, law: FrictionLaw) -> FrictionLaw | None:
+    """Return a law with the Stribeck factor over the runs, and with C at rest; None without one.
+
+    C is scaled so that the mean coefficient along the sliding, over the directions of the runs, is
+    that of the Stribeck curve at rest.
+    """
+    curve = found.stribeck
+    if isinstance(curve, str):
+        return None
+    phi = found.processed.phi[found.over_turns.kept]
+    mean = float(law.resistance(phi[:: max(phi.size // _DIRECTIONS, 1)])[0].mean())
+    return law.replace(reservoir=law.reservoir.scaled(curve.static.value / mean), rate=curve.rate)
 
 
 def write_coefficient(found: FrictionCoefficient, folder: Path) -> list[Section]:
@@ -59,12 +81,14 @@ class OneChannel:
 
     Attributes:
         coefficient: along the sliding.
-        law: the isotropic law, where it was asked for.
+        law: the isotropic law, where it was asked for and runs have one load and speed.
+        rated: the isotropic law at rest with its Stribeck factor, where speeds tell one.
         provenance: where it comes from.
     """
 
     coefficient: FrictionCoefficient
     law: IdentifiedLaw | None
+    rated: FrictionLaw | None
     provenance: Provenance
 
     @classmethod
@@ -84,10 +108,13 @@ class OneChannel:
                 "one channel tells no direction set: circle for both models makes an isotropic "
                 "law, without them there is the coefficient alone",
             )
-        law = found.isotropic_law() if pair == {"circle"} else None
-        if law is not None:
-            law = law.replace(provenance=provenance)
-        return cls(found, law, provenance)
+        if pair != {"circle"}:
+            return cls(found, None, None, provenance)
+        if len(found.groups) > 1 and not isinstance(found.stribeck, str):
+            found.check_isotropic()
+            rated = with_rate(found, FrictionLaw.isotropic(1.0))
+            return cls(found, None, rated, provenance)
+        return cls(found, found.isotropic_law().replace(provenance=provenance), None, provenance)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -113,7 +140,7 @@ class OneChannel:
             for run in one.runs
             if math.isnan(run.coefficient.low)
         ]
-        return (*found, *one.wrong_signs, *one.unsteady)
+        return (*found, *one.wrong_signs, *one.unlikely, *one.unsteady)
 
     @property
     def _further(self) -> list[str]:
@@ -128,6 +155,8 @@ class OneChannel:
             "One channel: the force across the sliding is not known, and neither is a direction "
             "set." + (f" Isotropic law: {self.law.law}." if self.law is not None else "")
         )
+        if self.rated is not None:
+            parts.append(SAID_OF_RATE)
         if self._further:
             parts.append("\n".join(f"warning: {sentence}" for sentence in self._further))
         return "\n\n".join(parts)
@@ -142,6 +171,8 @@ class OneChannel:
 
         if self.law is not None:
             self.law.save(folder / "law.toml")
+        if self.rated is not None:
+            LawFile(self.rated, provenance=self.provenance).save(folder / WITH_RATE)
         self.coefficient.to_csv(folder / "turns.csv")
         sections = write_coefficient(self.coefficient, folder)
         head = Section("", *(Text(one, "warning") for one in self._further))

@@ -17,9 +17,12 @@ from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
 from asperity.errors import FitError
 from asperity.identify.campaigns.coefficient import (
+    SAID_OF_RATE,
     STROKES,
+    WITH_RATE,
     OneChannel,
     estimate_data,
+    with_rate,
     write_coefficient,
 )
 from asperity.identify.campaigns.coefficient import TABLES as COEFFICIENT
@@ -41,13 +44,13 @@ from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.turns import TurnAverage
 from asperity.identify.loading import load
 from asperity.identify.records.configuration import Configuration
-from asperity.law import Provenance
+from asperity.law import FrictionLaw, LawFile, Provenance
 
 _PICTURES = ("sets.png", "forces.png", "residuals.png")
 _TABLES = ("directions.csv", "parameters.csv", "turns.csv", "models.csv")
 _LAW = "law.toml"
 FILES = (*COEFFICIENT, *_TABLES, _LAW, *_PICTURES, "report.html")
-"""What `identify_campaign` writes of turns; of strokes `STROKES` besides."""
+"""What `identify_campaign` writes of turns; of strokes `STROKES` besides, of speeds `WITH_RATE`."""
 
 STAGES = ("reading", "fitting", "comparing models", "writing")
 """What it announces, and counts in its progress; reading counts file by file."""
@@ -70,8 +73,13 @@ class Identification:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Those of the fit, and on runs whose load or speed varies."""
-        return (*self.fit.warnings, *self.coefficient.unsteady)
+        """Those of the fit, and on runs of unlikely units, or whose load or speed varies."""
+        return (*self.fit.warnings, *self.coefficient.unlikely, *self.coefficient.unsteady)
+
+    @cached_property
+    def rated(self) -> FrictionLaw | None:
+        """The law with the Stribeck factor over the runs, and C at rest, where speeds tell one."""
+        return with_rate(self.coefficient, self.fit.law)
 
     @cached_property
     def sliding(self) -> NDArray[np.bool_]:
@@ -116,6 +124,8 @@ class Identification:
                 f"for C and {pair[1]} for D{remedy}"
             )
         parts.append(self.coefficient.text())
+        if self.rated is not None:
+            parts.append(SAID_OF_RATE)
         if self.fit.warnings:
             parts.append("\n".join(f"warning: {sentence}" for sentence in self.fit.warnings))
         return "\n\n".join(parts)
@@ -181,6 +191,8 @@ class Identification:
         from asperity.plot.identification import report_figures
 
         self.fit.save_law(folder / _LAW, provenance=self.provenance)
+        if self.rated is not None:
+            LawFile(self.rated, provenance=self.provenance).save(folder / WITH_RATE)
         figures = report_figures(self.fit)
         for name, figure in zip(_PICTURES, figures.values(), strict=True):
             save_figure(figure, folder / name)
@@ -277,7 +289,7 @@ def identify_campaign(
         ParameterError: if an option or the folder cannot be used.
         FitError: if nothing fits, or the fitted D is not convex.
     """
-    folder = ResultFolder(out, (*FILES, *STROKES), [*paths, config])
+    folder = ResultFolder(out, (*FILES, *STROKES, WITH_RATE), [*paths, config])
     with reporter(progress, "stage") as report:
 
         def begin(stage: str) -> None:

@@ -41,11 +41,13 @@ _SAME, _DIRECTIONS_COMPARED = 1e-9, 72
 _ROUNDING = 1e-9
 # So many draws for every law are made at most: most of them must be laws.
 _DRAWS, _FEWEST_DRAWS = 20, 200
+_BY_ONE = " by one run"
 
 
 def recorded_under(loads: Sequence[float]) -> str:
-    """Return the note of a law on the normal forces in N under which it was recorded."""
-    return f"recorded under {', '.join(dict.fromkeys(f'{load:.4g}' for load in loads))} N"
+    """Return the note of a law on the normal forces in N under which its runs were recorded."""
+    by = _BY_ONE * (len(loads) == 1)
+    return f"recorded under {', '.join(dict.fromkeys(f'{load:.4g}' for load in loads))} N{by}"
 
 
 class IdentifiedLaw(LawFile):
@@ -142,8 +144,14 @@ class IdentifiedLaw(LawFile):
     @property
     def _loads(self) -> tuple[float, ...]:
         """The normal forces in N that the note of `recorded_under` says."""
-        found = re.fullmatch(r"recorded under (.+) N", self.provenance.note)
+        note = self.provenance.note.removesuffix(_BY_ONE)
+        found = re.fullmatch(r"recorded under (.+) N", note)
         return () if found is None else tuple(map(float, found[1].split(", ")))
+
+    @property
+    def _is_of_one_run(self) -> bool:
+        """Whether that note says so: the scatter between mountings is not in the covariance."""
+        return self.provenance.note.endswith(_BY_ONE)
 
     @property
     def units(self) -> tuple[str, ...]:

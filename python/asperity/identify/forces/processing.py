@@ -55,7 +55,8 @@ class ProcessedData(Value):
         calibration_covariance: of the entries of T row by row, shape ``(9, 9)``; None where the
             error is neither known by a calibration nor stated. A given λ_N needs no third row.
         zero_covariance: shape ``(3, 3)``, or None where there are no records and nothing is stated.
-        cut_off_frequency: of the normal force's filter for each run, in Hz; None without a filter.
+        cut_off_frequency: of the normal force's filter for each run, in Hz; None without one, and
+            where there is nothing above it in the samples.
 
     Reference: [WL19] (119), (120).
     """
@@ -117,7 +118,8 @@ class ProcessedData(Value):
             ),
             run=tuple(int(start) for start in starts),
             cut_off_frequency=tuple(
-                None if self.cut_off is None else self.cut_off * one.rate for one in strokes
+                _cut_off(self.cut_off, one.rate, run.sample_rate)
+                for run, one in zip(raw.recordings, strokes, strict=True)
             ),
             _zeros=zeros,
             _turned=tuple(one.turned for one in strokes),
@@ -432,6 +434,11 @@ class _Series:
     force: Array
     normal: Array
     turn: NDArray[np.int32]
+
+
+def _cut_off(turns: float | None, rate: float, sample_rate: float) -> float | None:
+    """Return a cut-off in Hz; None where there is nothing above it in the samples."""
+    return None if turns is None or turns * rate >= 0.5 * sample_rate else turns * rate
 
 
 def _refuse_rest(run: Recording) -> None:

@@ -28,6 +28,8 @@ _TURN = 2.0 * math.pi
 # of the motion is small.
 _STRAIGHT = math.radians(2.0)
 _FIFTHS = 5
+# Of slow logs of a fast disk, turns are taken together for so many samples.
+_SAMPLES = 4
 LACKING = math.radians(5.0)
 """A turn that lacks more than this angle is no complete one."""
 
@@ -88,8 +90,17 @@ def strokes_of(run: Recording, *, swings: bool = False) -> Strokes:
         return _of_oscillation(run)
     sign = sense(run)
     number = turn_numbers(run, sign)
+    together = turns_together(run)
+    if together > 1:
+        complete = (int(number.max()) + 1) // together
+        number = np.where(number < complete * together, number // together, -1).astype(np.int32)
     count = int(number.max()) + 1
     return Strokes(number, count, math.pi if sign < 0.0 else 0.0, run.turn_rate)
+
+
+def turns_together(run: Recording) -> int:
+    """Return how many turns of a disk count as one, so that this has a few samples."""
+    return max(math.ceil(_SAMPLES * abs(run.turns) / len(run)), 1)
 
 
 def _of_velocity(run: Recording, velocity: Array) -> Strokes:

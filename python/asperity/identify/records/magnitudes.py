@@ -10,7 +10,7 @@ import numpy as np
 from asperity._base.arrays import Array
 from asperity.errors import RecordError
 from asperity.identify.records.record import CHANNELS, Recording, goes_back
-from asperity.identify.records.tables.headings import COEFFICIENT, COUNTS, NEWTONS, UNITS
+from asperity.identify.records.tables.headings import COEFFICIENT, COUNTS, NEWTONS, TORQUES, UNITS
 
 _TURN = 2.0 * math.pi
 _RATES, _TURN_RATES, _PER_TURN = (0.5, 2e7), (2e-3, 60.0), 16.0
@@ -53,12 +53,15 @@ def check_wrapping(angle: Array, unit: str, factor: float, source: str) -> None:
     raise RecordError(source, f"angle: jumps by {size:.6g} {unit}, which is no turn", counted)
 
 
-def check_magnitudes(runs: Sequence[Recording], units: Mapping[str, str]) -> None:
+def check_magnitudes(
+    runs: Sequence[Recording], units: Mapping[str, str], *, is_sparse: bool = False
+) -> None:
     """Refuse a record whose magnitudes do not fit a tribometer: a unit is wrong then.
 
     Args:
         runs: its pieces, which need not have the magnitudes of the whole each.
         units: of its columns.
+        is_sparse: whether turns may have few samples, as where no direction is asked for.
     """
     longest = max(runs, key=len)
     # A record without defects is one piece, and named without its lines.
@@ -72,13 +75,15 @@ def check_magnitudes(runs: Sequence[Recording], units: Mapping[str, str]) -> Non
             rate = turns / sum(run.duration for run in runs)
             _inside(rate, _TURN_RATES, "turns/s", source, "angle or time: turns at")
             per_turn = sum(map(len, runs)) / turns
-            if turns > 1.0 and per_turn < _PER_TURN:
+            if turns > 1.0 and per_turn < _PER_TURN and not is_sparse:
                 raise RecordError(
                     source,
                     f"angle: {per_turn:.3g} samples per turn: wrong unit?",
                     ("units", "check_units"),
                 )
-    if all(units[channel].removeprefix("-") in (*NEWTONS, COEFFICIENT) for channel in CHANNELS):
+    forces = (*NEWTONS, *TORQUES, COEFFICIENT)
+    if all(units[channel].removeprefix("-") in forces for channel in CHANNELS):
+        is_torque = units["tangential"].removeprefix("-") in TORQUES
         weights = [len(run) for run in runs]
         size = np.abs(np.average([run.readings.mean(axis=0) for run in runs], 0, weights))
         parts = [float(np.hypot(*run.readings[:, :2].T).mean()) for run in runs]
@@ -89,7 +94,7 @@ def check_magnitudes(runs: Sequence[Recording], units: Mapping[str, str]) -> Non
             _COEFFICIENTS,
             "",
             source,
-            "force units: friction coefficient",
+            f"{'arm in m, or ' * is_torque}force units: friction coefficient",
         )
 
 

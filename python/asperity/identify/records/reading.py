@@ -111,11 +111,11 @@ def read_csv(
             ``force_y`` for the channels; an ``angle`` then says how the surface lies.
         units: of these columns: time s, ms, us, min, clock (12:00:00.123, with or without a date);
             angle rad, deg, turn, counts; turn_rate turn/s, rpm, deg/s, rad/s; forces N, uN, mN, cN,
-            daN, kN, gf, kgf, lbf, or readings V, mV, raw for the calibration to turn into N, of the
-            tangential channel also torques Nm, Ncm, Nmm, mNm, uNm, or 1 for the coefficient of
-            friction, which is multiplied by the load;
-            velocities m/s, cm/s, mm/s, um/s; positions m, cm, mm, um. A leading minus turns the
-            sign. Default: the unit of the heading, else s, rad, turn/s, N, m/s, m. The angle may be
+            daN, kN, gf, kgf, ozf, lbf, or readings V, mV, raw for the calibration to turn into N,
+            of the tangential channel also torques Nm, Ncm, Nmm, mNm, uNm, in lbf, or 1 for the
+            coefficient of friction, which is multiplied by the load; velocities m/s, cm/s, mm/s,
+            um/s, in/s, or per min; positions m, cm, mm, um, in. A leading minus turns the sign.
+            Default: the unit of the heading, else s, rad, turn/s, N, m/s, m. The angle may be
             wrapped.
         delimiter: between columns; None or a blank for any white space.
         decimal: ``"."`` or ``","``.
@@ -318,6 +318,11 @@ class Reader:
     def is_stage(self) -> bool:
         """Whether a stage moves, and no disk turns."""
         return self.motion[0] not in ("angle", "turn_rate")
+
+    @property
+    def is_rate_given(self) -> bool:
+        """Whether the angle is made of the turn rate, and never jumps by a turn."""
+        return "angle" in self.constants or self.motion == ("turn_rate",)
 
     @cached_property
     def forces(self) -> tuple[str, str]:
@@ -525,7 +530,8 @@ class _Part:
             _refuse_constant(found, source, where)
             if self.reader.check_units:
                 units = self._units_of_channels()
-                check_magnitudes(found, units)
+                is_sparse = self.reader.one_channel and self.reader.is_rate_given
+                check_magnitudes(found, units, is_sparse=is_sparse)
         return found
 
     def _recording(
@@ -539,7 +545,7 @@ class _Part:
         reader = self.reader
         angle, time = series["angle"][rows], np.array(series["time"][rows])
         # A disk at rest has an angle that only shakes.
-        if self.loaded and not reader.is_stage:
+        if self.loaded and not reader.is_stage and not reader.is_rate_given:
             factor = self.scale["angle"]
             check_wrapping(angle / factor, self.named["angle"], factor, source)
             angle = np.unwrap(angle)

@@ -37,7 +37,8 @@ from asperity.identify.evidence.coefficient.turns import (
     turns_of,
 )
 from asperity.identify.forces.processing import ProcessedData
-from asperity.identify.forces.turns import bin_numbers
+from asperity.identify.forces.strokes import turns_together
+from asperity.identify.forces.turns import bin_numbers, full_bins
 from asperity.identify.models.coordinates import Estimate
 from asperity.law import FrictionLaw
 
@@ -48,6 +49,8 @@ _ISOTROPIC, _BINS = 0.02, 24
 _SHOWN = 4
 # An interval that allows more change at twice the load or speed does not tell that there is none.
 _TOLD = 0.05
+# Coefficients beyond are rather those of wrong units.
+_LIKELY = 1e-3, 10.0
 # Loads and speeds of a run are those of its turns without this part of them at either end.
 _ENDS = 0.1
 
@@ -210,16 +213,20 @@ class FrictionCoefficient(TableResult):
 
     def _dependence(self, name: str, other: Callable[[Run], float]) -> Dependence | None:
         """Return how coefficients depend on one quantity over the runs at one value of another."""
-        chosen: list[Run] = max(
-            ([self.runs[k] for k in part] for part in _alike([other(run) for run in self.runs])),
-            key=lambda runs: len(_alike([getattr(run, name) for run in runs])),
-        )
+        chosen = self._chosen(name, other)
         values = [getattr(run, name) for run in chosen]
         lines = np.nan_to_num([2.0 * run.line for run in chosen])
         if len(_alike(values)) < 2 or len(by_direction(lines)) > 1:
             return None
         coefficients = [run.coefficient.value for run in chosen]
         return Dependence(values, coefficients, confidence=self.confidence)
+
+    def _chosen(self, name: str, other: Callable[[Run], float]) -> list[Run]:
+        """Return the runs at one value of a quantity at which another one has most values."""
+        return max(
+            ([self.runs[k] for k in part] for part in _alike([other(run) for run in self.runs])),
+            key=lambda runs: (len(_alike([getattr(run, name) for run in runs])), len(runs)),
+        )
 
     def loop(self, bins: int = 100) -> Loop:
         """Return the hysteresis loop: means of all strokes in equal bins of the place.
@@ -261,17 +268,7 @@ class FrictionCoefficient(TableResult):
             raise FitError(
                 "data: runs at several loads or speeds: identify a law from those of one at a time"
             )
-        if not self.processed.goes_round:
-            raise FitError(
-                "data: strokes along some lines do not tell whether friction is the same in all "
-                "directions; FrictionLaw.isotropic takes it for granted"
-            )
-        spread = self.anisotropy
-        if spread > _ISOTROPIC:
-            raise FitError(
-                f"data: the coefficient changes by {spread:.1%} (root mean square) over the "
-                "directions of sliding: a law of such a surface needs the radial channel"
-            )
+        self.check_isotropic()
         mean = self.mean
         if mean.value <= 0.0:
             raise FitError(
@@ -297,18 +294,49 @@ class FrictionCoefficient(TableResult):
             degrees_of_freedom=(max(freedom, 1.0), math.inf, math.inf),
         )
 
+    def check_isotropic(self) -> None:
+        """Refuse strokes along some lines, and a coefficient that depends on the direction.
+
+        Raises:
+            FitError: for these.
+        """
+        if not self.processed.goes_round:
+            raise FitError(
+                "data: strokes along some lines do not tell whether friction is the same in all "
+                "directions; FrictionLaw.isotropic takes it for granted"
+            )
+        spread = self.anisotropy
+        if spread > _ISOTROPIC:
+            raise FitError(
+                f"data: the coefficient changes by {spread:.1%} (root mean square) over the "
+                "directions of sliding: a law of such a surface needs the radial channel"
+            )
+
     @cached_property
     def anisotropy(self) -> float:
         """Root mean square change of the coefficient over the directions of turns, relative.
 
         What the scatter of the turns makes of it is taken off.
+
+        Raises:
+            FitError: where turns have too few samples.
         """
         data, turns = self.processed, self.over_turns
-        cell = data.turn[turns.kept] * _BINS + bin_numbers(data.phi[turns.kept], _BINS)
-        y = arrays.along_and_across(data.force[turns.kept], data.phi[turns.kept])[0]
-        size = data.turns * _BINS
-        sums = np.bincount(cell, y / data.normal_force[turns.kept], size)
-        means = (sums / np.maximum(np.bincount(cell, minlength=size), 1)).reshape(-1, _BINS)
+        phi, number = data.phi[turns.kept], data.turn[turns.kept]
+        bins = full_bins(phi, number, _BINS, each_turn=True)
+        cell = number * bins + bin_numbers(phi, bins)
+        y = arrays.along_and_across(data.force[turns.kept], phi)[0]
+        sums, counts = (
+            np.bincount(cell, one, data.turns * bins).reshape(-1, bins)
+            for one in (y / data.normal_force[turns.kept], None)
+        )
+        if not counts.all():
+            raise FitError(
+                f"data: of {bins} directions of sliding, some have no sample in a turn, which does "
+                "not tell whether friction is the same in all of them: sample faster; "
+                "FrictionLaw.isotropic takes it for granted"
+            )
+        means = sums / counts
         means = means / means.mean(axis=1)[:, None]
         noise = means.var(axis=0, ddof=1).mean() / len(means) if len(means) > 1 else 0.0
         return math.sqrt(max(float(means.mean(axis=0).var(ddof=1)) - float(noise), 0.0))
@@ -321,6 +349,29 @@ class FrictionCoefficient(TableResult):
             "sign."
             for run in self.runs
             if run.coefficient.value < 0.0
+        )
+
+    @property
+    def _together(self) -> list[int]:
+        """How many turns count as one, by run."""
+        records = self.processed.raw.recordings
+        known = {name: 1 for name in self.names}
+        for number, one in zip(runs_of(self.processed).tolist(), records, strict=True):
+            known[self.names[number]] = 1 if one.velocity is not None else turns_together(one)
+        return [known[run.name] for run in self.runs]
+
+    @property
+    def unlikely(self) -> tuple[str, ...]:
+        """A sentence on runs with coefficients as of wrong units; `sentences` has it, too."""
+        least, most = _LIKELY
+        found = [run for run in self.runs if not least <= abs(run.coefficient.value) <= most]
+        if not found:
+            return ()
+        values = [run.coefficient.value for run in found]
+        return (
+            f"In {_listed(found)} the coefficient is {_span(values, '.3g')}, which is unlikely: "
+            "look at the units of friction and normal force, at the calibration, and at the arm of "
+            "a torque, which is in m.",
         )
 
     @property
@@ -357,7 +408,14 @@ class FrictionCoefficient(TableResult):
     def sentences(self) -> tuple[str, ...]:
         """Return what the runs mean for predictions with their coefficient or law."""
         word = "turns" if self.processed.goes_round else "strokes"
-        found = [f"warning: {one}" for one in self.wrong_signs] + [*self.unsteady]
+        found = [f"warning: {one}" for one in (*self.wrong_signs, *self.unlikely)]
+        found += self.unsteady
+        sparse = [run for run, one in zip(self.runs, self._together, strict=True) if one > 1]
+        if sparse:
+            found.append(
+                f"In {_listed(sparse)} there are hardly any samples per turn: up to "
+                f"{max(self._together)} turns are taken together, and counted as one."
+            )
         for group in self.groups:
             where = f" at {_words(group)}" if len(self.groups) > 1 else ""
             if len(group.runs) > 1:
@@ -372,12 +430,16 @@ class FrictionCoefficient(TableResult):
                 "No load and speed was recorded twice: intervals leave out what setting down the "
                 "pin anew changes."
             )
-        for one, what, unit in (
-            (self.load_dependence, "load", "N"),
-            (self.speed_dependence, "speed", "m/s"),
+        pace_unit = "turns/s" if any(math.isnan(run.speed) for run in self.runs) else "m/s"
+        for one, what, unit, other, its in (
+            (self.load_dependence, "load", "N", _pace, pace_unit),
+            (self.speed_dependence, "speed", "m/s", _load, "N"),
         ):
             if one is not None:
-                found.append(_of_power(one, what, unit))
+                values = [other(run) for run in self._chosen(what, other)]
+                several = len(_alike([other(run) for run in self.runs])) > 1
+                at = f" at {np.mean(values):.4g} {its}" if several else ""
+                found.append(_of_power(one, what, unit, at))
         unknown = [run.rate for run in self.runs if math.isnan(run.speed)]
         if len(_alike(unknown)) > 1:
             found.append(
@@ -392,14 +454,18 @@ class FrictionCoefficient(TableResult):
                 else fit.summary() + f" For predictions: law.replace(rate={fit.rate!r}), with C at "
                 "rest."
             )
-        for run in self.runs:
-            drifts = run.change.low > 0.0 or run.change.high < 0.0
-            if drifts and not self._varying(run):
-                found.append(
-                    f"In {run.name} the coefficient changes by {run.change.value:+.2%} from the "
-                    f"first to the last of its {word}: predictions hold for their mean, not for a "
-                    "surface that is new or run in."
-                )
+        drift = [
+            run
+            for run in self.runs
+            if (run.change.low > 0.0 or run.change.high < 0.0) and not self._varying(run)
+        ]
+        for some in [drift] if len(drift) > _SHOWN else [[run] for run in drift]:
+            changes = [run.change.value for run in some]
+            found.append(
+                f"In {_listed(some)} the coefficient changes by {_span(changes, '+.2%')} from the "
+                f"first to the last {word[:-1]}: predictions hold for their mean, not for a "
+                "surface that is new or run in."
+            )
         return tuple(found)
 
     def summary(self) -> str:
@@ -422,8 +488,9 @@ class FrictionCoefficient(TableResult):
 
     def rows(self) -> list[tuple[str, ...]]:
         """Return the table of the runs as texts, with its heading."""
+        word = "turns" if self.processed.goes_round else "strokes"
         rows: list[tuple[str, ...]] = [
-            ("run", "load N", "speed m/s", "turns", "coefficient", "from", "to", "change")
+            ("run", "load N", "speed m/s", word, "coefficient", "from", "to", "change")
         ]
         if all(math.isnan(run.speed) for run in self.runs):
             rows = [("run", "load N", "turns/s", *rows[0][3:])]
@@ -512,15 +579,27 @@ def _pace(run: Run | Group) -> float:
     return run.rate if math.isnan(run.speed) else run.speed
 
 
+def _listed(runs: Sequence[Run]) -> str:
+    """Return the name of a run, or how many there are and the first one."""
+    more = len(runs) - 1
+    return runs[0].name + (f" and {more} more run{'s' * (more > 1)}" if more else "")
+
+
+def _span(values: Sequence[float], form: str) -> str:
+    """Return a value, or the least and the largest one."""
+    ends = [format(one, form) for one in (min(values), max(values))]
+    return " … ".join(dict.fromkeys(ends))
+
+
 def _words(group: Group) -> str:
     """Return load and speed of a group in words."""
     pace, unit = _pace(group), "turns/s" if math.isnan(group.speed) else "m/s"
     return f"{group.load:.4g} N" + (f" and {pace:.4g} {unit}" if math.isfinite(pace) else "")
 
 
-def _of_power(one: Dependence, what: str, unit: str) -> str:
+def _of_power(one: Dependence, what: str, unit: str, at: str) -> str:
     """Return what a power of the load or the speed means for predictions."""
-    span = f"{one.values.min():.4g} … {one.values.max():.4g} {unit}"
+    span = f"{one.values.min():.4g} … {one.values.max():.4g} {unit}{at}"
     twice = 2.0**one.exponent - 1.0
     if not math.isfinite(one.low):
         return (
@@ -671,9 +750,13 @@ def _group(
     )
     some = [values[k] for k in part]
     degrees = sum(one.degrees for one in some)
-    squares = sum(float(((one.values - one.values.mean()) ** 2).sum()) for one in some)
-    scatter = squares / degrees if degrees else math.nan
     means = np.array([one.values.mean() for one in some])
+    left = [one.values - mean for one, mean in zip(some, means, strict=True)]
+    if len(some) > 1 and len({one.size for one in left}) == 1:
+        # The running-in that all mountings have in common is no scatter.
+        left = [one - np.mean(left, axis=0) for one in left]
+        degrees -= some[0].degrees
+    scatter = sum(float((one**2).sum()) for one in left) / degrees if degrees else math.nan
     mean, between, ahead = own[0].coefficient, math.nan, (math.nan, math.nan)
     if len(part) > 1:
         mean = interval(means, level, known=known)

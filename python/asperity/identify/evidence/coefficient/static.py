@@ -39,10 +39,14 @@ _GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
 # A force whose mean falls by so many standard errors below the kinetic one swings; it is looked for
 # in at most so many samples. Inertia that adds less than the last part of the excess is corrected.
 _SURE, _LONGEST, _SMALL = 5.0, 2000, 0.5
+# Strokes swing alike whose speeds over loads differ by less than this factor.
+_ALIKE = 1.25
 # A quarter of a period with fewer samples shows no swing.
 _UNRESOLVED = 1.5
 # Samples tell apart what differs by more than so many standard deviations of the noise.
 _APART = 3.0
+# An interval that allows a larger excess does not tell that there is none.
+_TOLD = 0.05
 # More directions are not spoken of one by one.
 _SHOWN = 4
 # Where the pin sticks over more than this part of the way, the rest tells no kinetic force;
@@ -226,12 +230,20 @@ class Breakaway(TableResult):
                 "exceed the kinetic force by; slower reversals tell the static coefficient."
             )
         elif not self.ratio.identifiable:
-            lines.append(f"Fewer than {_FEWEST} strokes tell no interval of static friction.")
+            lines.append(
+                f"Fewer than {_FEWEST} strokes of one load and speed tell no interval of static "
+                "friction."
+            )
         elif 1.0 < self.ratio.low <= 1.0 + self.unseen:
             lines.append(
                 f"Whether static friction exceeds the kinetic one (ratio {self.ratio}) cannot be "
                 f"told: a mass of pin and holder whose swing the samples do not show may add up to "
                 f"{self.unseen:.2%} to the force; sample faster, or reverse more slowly."
+            )
+        elif self.ratio.low <= 1.0 and self.ratio.high > 1.0 + _TOLD:
+            lines.append(
+                "Whether static friction exceeds the kinetic one cannot be told (ratio "
+                f"{self.ratio}): sample faster, reverse more slowly, or record more strokes."
             )
         elif self.has_excess:
             lines.append(
@@ -273,7 +285,8 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
     independent normal values, of each of which two ends are known. A mass m of pin and holder that
     the stage drags along with v adds up to a = v √(m/c) to the force, which then swings about the
     kinetic one: of a largest mean force that is higher by e, √(e² − a²) is friction, with a from
-    the half period of the swing. If a exceeds e/2, the static coefficient is not told.
+    the half period of the swing. If a exceeds e/2, the static coefficient is not told. Strokes of
+    like v/λ_N, of which a is the same part of the force, are looked at together.
     Forces that a filter of the sensor has changed are taken as they are.
 
     Args:
@@ -313,19 +326,13 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         [(math.nan, math.nan) if peak is None else peak.ends for peak in found.peaks]
     ).reshape(-1, 2)
     error = found.error / np.array([one.load for one in found.strokes])
-    excess, inertia = _swing(found)
-    if inertia > _SMALL * excess:
-        ends = np.full_like(ends, math.nan)
-    elif excess > 0.0:
-        # A mass on a spring has the energy of both at the largest force, past the line.
-        beyond = float(np.nanmean(ends.mean(axis=1) / kinetic)) - 1.0
-        ends -= kinetic[:, None] * (beyond - math.sqrt(excess**2 - inertia**2))
+    ends, inertia, unseen = _without_inertia(found, ends, kinetic)
     told = np.isfinite(ends[:, 0])
     directions = tuple(
         _of_direction(data, found.turns, number[at], kinetic[at], ends[at], error[at], level)
         for at in by_direction(found.turns.direction[number])
     )
-    both = []
+    both, of_zero = [], np.zeros(kinetic.size)
     for line in by_direction(2.0 * found.turns.direction[number]):
         ways = by_direction(found.turns.direction[number[line]])
         if len(ways) == 2:
@@ -333,13 +340,18 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
             off = np.zeros(line.size)
             half = 0.5 * float(np.subtract(*(kinetic[line[way]].mean() for way in ways)))
             off[ways[0]], off[ways[1]] = half, -half
+            if data.zero_covariance is None:
+                of_zero[line] = off
             mean = kinetic[line] - off, ends[line] - off[:, None], error[line]
             both.append(_of_direction(data, found.turns, number[line], *mean, level))
     has_length = data.raw.radius is not None or data.raw.recordings[0].velocity is not None
     ratio = _NONE
     if _enough(told):
-        ratio = _over_strokes(ends[told] / kinetic[told, None], (error / kinetic)[told], level)
-    share = inertia / excess
+        # The zero of the sensor would enter the ratios there and back with opposite signs.
+        level_of_each = kinetic - of_zero
+        rises = ((ends - of_zero[:, None]) / level_of_each[:, None])[told]
+        ratio = _over_strokes(rises, (error / level_of_each)[told], level)
+    share = _largest(inertia[told] if ratio.identifiable else inertia)
     return Breakaway(
         directions,
         tuple(both),
@@ -347,7 +359,7 @@ def breakaway(data: ProcessedData, *, confidence: float = 0.95) -> Breakaway:
         1.0 / found.stiffness if found.stiffness > 0.0 and has_length else math.nan,
         None if told.mean() > 0.5 or share > _SMALL else _needed_rate(data, found),
         share,
-        0.0 if math.isfinite(inertia) else _unseen(found),
+        float(unseen[told].mean()) if told.any() else 0.0,
         data.zero_covariance is not None,
         level,
     )
@@ -517,6 +529,40 @@ def _peak(one: Segment, kinetic: float, stiffness: float, noise: float) -> Peak 
         earliest = latest = last
     ends = start + slope * s[[earliest - 1, latest]]
     return Peak((float(ends.min()), float(ends.max())), (low, last))
+
+
+def _without_inertia(found: Starts, ends: Array, kinetic: Array) -> tuple[Array, Array, Array]:
+    """Return ends without what inertia adds; of each stroke its share of the excess, and `unseen`.
+
+    Inertia adds v √(m/c) to a kinetic force of μ λ_N: strokes of like v/λ_N swing alike, and are
+    taken together. Ends that it does not leave, or too few strokes do not tell, are NaN.
+    """
+    ends, share, unseen = ends.copy(), np.full(len(ends), math.nan), np.zeros(len(ends))
+    pace = np.array([one.path.max() / one.path.size / one.load for one in found.strokes])
+    rest = np.argsort(pace)
+    while rest.size:
+        alike = pace[rest] <= _ALIKE * pace[rest[0]]
+        at, rest = rest[alike], rest[~alike]
+        some = found._replace(
+            strokes=[found.strokes[k] for k in at], peaks=[found.peaks[k] for k in at]
+        )
+        excess, inertia = _swing(some)
+        share[at] = inertia / excess
+        if inertia > _SMALL * excess or np.isfinite(ends[at, 0]).sum() < _FEWEST:
+            ends[at] = math.nan
+        elif excess > 0.0:
+            # A mass on a spring has the energy of both at the largest force, past the line.
+            beyond = float(np.nanmean(ends[at].mean(axis=1) / kinetic[at])) - 1.0
+            ends[at] -= kinetic[at, None] * (beyond - math.sqrt(excess**2 - inertia**2))
+        if not math.isfinite(inertia):
+            unseen[at] = _unseen(some)
+    return ends, share, unseen
+
+
+def _largest(values: Array) -> float:
+    """Return the largest of values, NaN if all are."""
+    held = values[np.isfinite(values)]
+    return float(held.max()) if held.size else math.nan
 
 
 def _swing(found: Starts) -> tuple[float, float]:

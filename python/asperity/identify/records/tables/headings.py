@@ -34,18 +34,26 @@ WITHOUT = {
     "normal": ("normal_load", "Under a constant load, normal_load in [tribometer] does without it"),
 }
 """What takes the place of a channel that was not recorded."""
-_GRAVITY, _POUND = 9.80665, 0.45359237
+_GRAVITY, _POUND, _INCH = 9.80665, 0.45359237, 0.0254
 NEWTONS = {
     **{"N": 1.0, "uN": 1e-6, "mN": 1e-3, "cN": 1e-2, "daN": 10.0, "kN": 1e3},
     **{"gf": 1e-3 * _GRAVITY, "kgf": _GRAVITY, "lbf": _POUND * _GRAVITY},
+    "ozf": _POUND * _GRAVITY / 16.0,
 }
 _READINGS = {**NEWTONS, **dict(zip(READINGS, (1.0, 1e-3, 1.0), strict=True))}
-TORQUES = {"Nm": 1.0, "Ncm": 1e-2, "Nmm": 1e-3, "mNm": 1e-3, "uNm": 1e-6}
+TORQUES = {
+    **{"Nm": 1.0, "Ncm": 1e-2, "Nmm": 1e-3, "mNm": 1e-3, "uNm": 1e-6},
+    "in lbf": _INCH * _POUND * _GRAVITY,
+}
 """Units of a torque about the axis of a disk, which the arm of the friction force divides."""
 COEFFICIENT = "1"
 """Unit of a tangential channel that is the coefficient of friction, a force per load."""
-_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6}
-_SPEEDS = {f"{name}/s": factor for name, factor in _LENGTHS.items()}
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": _INCH}
+_SPEEDS = {
+    f"{name}/{per}": factor / seconds
+    for name, factor in _LENGTHS.items()
+    for per, seconds in (("s", 1.0), ("min", 60.0))
+}
 CLOCK, COUNTS = "clock", "counts"
 POSITIONS = ("position", "position_x", "position_y")
 VELOCITIES = ("velocity", "velocity_x", "velocity_y")
@@ -96,11 +104,17 @@ _UNITS = {
     "n": "N", "newton": "N", "newtons": "N", "mn": "mN", "cn": "cN", "dan": "daN", "kn": "kN",
     "un": "uN", "µn": "uN", "g": "gf", "gf": "gf", "p": "gf", "pond": "gf", "gram": "gf",
     "kg": "kgf", "kgf": "kgf", "kp": "kgf", "lbf": "lbf", "lb": "lbf", "lbs": "lbf",
+    "ozf": "ozf", "oz": "ozf", "inlbf": "in lbf", "inlb": "in lbf", "lbfin": "in lbf",
+    "lbin": "in lbf", "inlbs": "in lbf",
     "nm": "Nm", "newtonmeter": "Nm", "ncm": "Ncm", "nmm": "Nmm", "mnm": "mNm", "µnm": "uNm",
     "unm": "uNm",
     "v": "V", "volt": "V", "volts": "V", "mv": "mV", "raw": "raw",
     "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
-    "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s",
+    "in": "in", "inch": "in", "inches": "in", "zoll": "in", '"': "in",
+    "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s", "in/s": "in/s",
+    "ips": "in/s", "inch/s": "in/s",
+    "m/min": "m/min", "mm/min": "mm/min", "cm/min": "cm/min", "um/min": "um/min",
+    "µm/min": "um/min", "in/min": "in/min", "ipm": "in/min",
     "1": COEFFICIENT, "-": COEFFICIENT, "--": COEFFICIENT, "–": COEFFICIENT,
 }  # fmt: skip
 """Spellings of units, in small letters; where these differ, kN from KN do not."""
@@ -238,7 +252,7 @@ def unit(text: str) -> str:
     plain = text.strip().rstrip(".").replace("μ", "µ").replace("⁻¹", "-1").replace("º", "°")
     if plain in _OTHERS:
         return ""
-    plain = re.sub(r"[\s*·^]", "", plain.lower()).replace("sec", "s")
+    plain = re.sub(r"[\s*·^]|(?<=[a-zµ])-(?=[a-z])", "", plain.lower()).replace("sec", "s")
     plain = re.sub(r"\.?(s|min)-1$", r"/\1", plain).removeprefix(".")
     return _UNITS.get(f"1{plain}" if plain.startswith("/") else plain, "")
 
@@ -263,15 +277,17 @@ def parted(name: str, words: Mapping[str, str] = WORDS) -> tuple[str, str]:
         is_unit = name.rstrip().endswith("]") or (unit(text) and text != "1")
         is_unit = is_unit or not (other or symbol)
         return (found["name"], text) if is_unit else parted(found["name"], words)
-    if unit(name) or any(re.fullmatch(one, plain(name)) for one in words.values()):
+    known = any(re.fullmatch(one, plain(name)) for one in words.values())
+    # An "in" at the end may be an inch.
+    if unit(name) or (known and not re.search(r"[\s_.]in$", name)):
         return name, ""
     for form in (_SUFFIX, _MARKED):
         found = form.fullmatch(name)
         if found is not None and (own := unit(text := found["unit"])):
             rest = found["name"].removesuffix(" in")
             # A letter may be an index as well, such as that of a vertical force F_V.
-            fits = text in _LETTERS and _roles_in(plain(rest), own, words)
-            if form is _MARKED or len(text) > 1 or fits:
+            fits = text in (*_LETTERS, "in") and _roles_in(plain(rest), own, words)
+            if form is _MARKED or (len(text) > 1 and text != "in") or fits:
                 return rest, text
     return name, ""
 
