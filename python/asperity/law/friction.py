@@ -404,8 +404,8 @@ class FrictionLaw(Questions):
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone,
                         useLinearProportionalZone
-        ``ipctk``       mu
-        ``jaxsim``      mu
+        ``ipctk``       mu, mu_aniso (two factors of the slip)
+        ``jaxsim``      mu, contact_model (``"SoftContacts"``)
         ``motrix``      friction
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
                         (three, or of two geoms), condim, cone (``"pyramidal"`` or
