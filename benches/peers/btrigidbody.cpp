@@ -113,4 +113,5 @@ int main() {
         creep(1, scale, mode);
         lift(1, scale, mode);
     }
+    return 0;
 }
