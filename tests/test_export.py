@@ -121,6 +121,20 @@ def test_calls_of_python_give_a_program_its_numbers():
     assert builder.shape_material_mu == pytest.approx([0.5, 1.0, 0.5], abs=1e-8)
     assert newton.solvers.SolverXPBD.call_args == call(builder.finalize())
 
+    physx, force, known = Mock(), Mock(), {"np": np, "k": 1.0, "nu": 0.0}
+    exec(LAWS["isotropic"].export("physx").text, {"physx": physx})
+    assert physx.PhysxMaterial.call_args.args == pytest.approx((0.5, 0.5, 0.0), abs=1e-8)
+    exec(LAWS["isotropic"].export("opensim").text, {"force": force})
+    for word in ("Static", "Dynamic"):
+        (mu,) = getattr(force, f"set{word}Friction").call_args.args
+        assert mu == pytest.approx(0.5, abs=1e-8)
+    assert force.setTransitionVelocity.call_args == call(0.001)
+    export = TURNED.export("pyelastica")
+    exec(export.text, known | {"RodPlaneContactWithAnisotropicFriction": (rod := Mock())})
+    for word in ("static", "kinetic"):
+        three = rod.call_args.kwargs[f"{word}_mu_array"]
+        assert three == pytest.approx(export.parameters["kinetic_mu_array"], rel=1e-8)
+
     square = asp.FrictionLaw.associated(asp.Rectangle(0.5, 0.5))
     for law, solver in (LAWS["isotropic"], "NsgsFrictionSolver"), (square, "DantzigBoxedLcpSolver"):
         dartpy, world, node = Mock(), Mock(), Mock()

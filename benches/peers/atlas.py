@@ -12,6 +12,9 @@ cube, long: degrees and size over the weight of the mean friction force in the f
 creep: speed in m/s from 1.5 s to 2 s under half of the force that it can hold, 0 below 1 µm/s.
 two: coefficient between 0.2 and 0.8.
 lift: by how many m the cube rises in the first 0.3 s after a launch with 1.52 m/s at 58°.
+spin: torque over μ λ_N in m, of the cube that spins about its normal with 20 rad/s; its corners are
+    at 0.141 m.
+roll: torque over λ_N in m, of a ball of radius 0.1 m that rolls at 1 m/s.
 end: where the cube is 0.36 s after that launch, in m, in steps of 0.1 ms.
 """
 
@@ -53,6 +56,12 @@ class Mode(NamedTuple):
     make: Make
     step: float = 1e-3
     settle: float = 0.2
+    mu: float = MU
+    """Coefficient along x."""
+    window: float = 0.05
+    """Of the mean force in s; short where the force is not opposite to the slip."""
+    turning: tuple[str, ...] = ("spin", "roll")
+    """What its bodies can do but slide."""
     extras: Callable[[], Iterator[tuple[str, float]]] = lambda: iter(())
     """Other numbers and their names."""
 
@@ -76,8 +85,8 @@ def launched(mode: Mode, velocity: float, angle: float, time: float, *given) -> 
 
 def friction(mode: Mode, angle: float, *given) -> tuple[float, float]:
     """Return direction in degrees and size over the weight of the mean braking force."""
-    rows = launched(mode, 2.0, angle, 0.05, *given)
-    x, y = (rows[0, :2] - rows[-1, :2]) / (0.05 * GRAVITY)
+    rows = launched(mode, 2.0, angle, mode.window, *given)
+    x, y = (rows[0, :2] - rows[-1, :2]) / (mode.window * GRAVITY)
     return round(float(np.degrees(np.arctan2(y, x))), 2), round(float(np.hypot(x, y)), 4)
 
 
@@ -86,7 +95,7 @@ def creep(mode: Mode, *given) -> float:
     body = mode.make(*given, dt=mode.step)
     steps = [round(time / mode.step) for time in (mode.settle, 1.5, 0.5)]
     places = []
-    for number, push in zip(steps, (0.0, *2 * [0.5 * MU * GRAVITY]), strict=True):
+    for number, push in zip(steps, (0.0, *2 * [0.5 * mode.mu * GRAVITY]), strict=True):
         for _ in range(number):
             body.step(push)
         places.append(body.state()[0][0])
@@ -94,8 +103,8 @@ def creep(mode: Mode, *given) -> float:
     return float(f"{found:.3g}") if found >= 1e-6 else 0.0
 
 
-def deceleration(mode: Mode, number: int, start: float, time: float, *given) -> float:
-    """Return the mean deceleration of one of the six components of the velocity."""
+def deceleration(mode: Mode, number: int, start: float, time: float, *given, wait=0.0) -> float:
+    """Return the mean deceleration of one of the six components of the velocity, after a wait."""
     body = mode.make(*given, dt=mode.step)
     for _ in range(round(mode.settle / mode.step)):
         body.step(0.0)
@@ -103,9 +112,25 @@ def deceleration(mode: Mode, number: int, start: float, time: float, *given) -> 
     if number == 4:
         speeds[0] = start * BALL
     body.launch(speeds)
-    for _ in range(round(time / mode.step)):
-        body.step(0.0)
-    return float((start - np.concatenate(body.state()[1:])[number]) / time)
+    seen = []
+    for part in (wait, time):
+        for _ in range(round(part / mode.step)):
+            body.step(0.0)
+        seen.append(float(np.concatenate(body.state()[1:])[number]))
+    return (seen[0] - seen[1]) / time
+
+
+def turning(mode: Mode) -> Iterator[tuple[str, float]]:
+    """Return names and values of what the torques of spinning and rolling are measured by."""
+    if "spin" in mode.turning:
+        torque = 0.02 / 3.0 * deceleration(mode, 5, 20.0, 0.05)
+        yield "spin", torque / (mode.mu * GRAVITY)
+    if "roll" in mode.turning or "roll in a plane" in mode.turning:
+        inertia = (0.4 if "roll" in mode.turning else 0.5) * BALL**2
+        # A ball that sinks in rolls faster first.
+        slowed = deceleration(mode, 4, 10.0, 0.2, BALL, wait=0.2)
+        torque = (inertia + BALL**2) * slowed
+        yield "roll", torque / GRAVITY
 
 
 def bullet() -> Iterator[tuple[str, Mode]]:
@@ -198,8 +223,8 @@ def dart() -> Iterator[tuple[str, Mode]]:
         if used is not None:
             world.getConstraintSolver().setBoxedLcpSolver(used)
         for moves, size, place, one in (
-            (False, [20, 20, 1], [0, 0, -0.5], mu[0]),
-            (True, [2 * side for side in half], [0, 0, half[2]], mu[1]),
+            (False, [10, 10, 0.5], [0, 0, -0.5], mu[0]),
+            (True, half, [0, 0, half if np.ndim(half) == 0 else half[2]], mu[1]),
         ):
             skeleton = dartpy.dynamics.Skeleton(str(moves))
             add = (
@@ -208,7 +233,10 @@ def dart() -> Iterator[tuple[str, Mode]]:
                 else skeleton.createWeldJointAndBodyNodePair
             )
             joint, node = add()
-            shape = dartpy.dynamics.BoxShape(size)
+            if np.ndim(size) == 0:
+                shape = dartpy.dynamics.SphereShape(size)
+            else:
+                shape = dartpy.dynamics.BoxShape([2 * side for side in size])
             piece = node.createShapeNode(shape)
             piece.createCollisionAspect()
             piece.createDynamicsAspect().setFrictionCoeff(one)
@@ -256,15 +284,19 @@ def drake() -> Iterator[tuple[str, Mode]]:
         builder = dr.DiagramBuilder()
         plant, _ = dr.AddMultibodyPlantSceneGraph(builder, dt)
         plant.set_discrete_contact_approximation(getattr(dr.DiscreteContactApproximation, kind))
-        body = plant.AddRigidBody(
-            "body", dr.SpatialInertia.SolidBoxWithMass(1.0, *(2 * side for side in half))
-        )
-        for number, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1))):
-            place = [x * half[0], y * half[1], 0.02 - half[2]]
+        if np.ndim(half) == 0:
+            inertia, height = dr.SpatialInertia.SolidSphereWithMass(1.0, half), half
+            feet, radius = [[0, 0, 0]], half
+        else:
+            sides, height = [2 * side for side in half], half[2]
+            inertia, radius = dr.SpatialInertia.SolidBoxWithMass(1.0, *sides), 0.02
+            feet = [[x * half[0], y * half[1], 0.02 - height] for x in (1, -1) for y in (1, -1)]
+        body = plant.AddRigidBody("body", inertia)
+        for number, place in enumerate(feet):
             plant.RegisterCollisionGeometry(
                 body,
                 dr.RigidTransform(place),
-                dr.Sphere(0.02),
+                dr.Sphere(radius),
                 f"foot{number}",
                 dr.CoulombFriction(mu[1], mu[1]),
             )
@@ -278,7 +310,7 @@ def drake() -> Iterator[tuple[str, Mode]]:
         plant.Finalize()
         simulator = dr.Simulator(builder.Build())
         context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-        plant.SetFreeBodyPose(context, body, dr.RigidTransform([0, 0, half[2]]))
+        plant.SetFreeBodyPose(context, body, dr.RigidTransform([0, 0, height]))
         port = plant.get_applied_generalized_force_input_port()
         port.FixValue(context, np.zeros(6))
         count = [0]
@@ -297,7 +329,16 @@ def drake() -> Iterator[tuple[str, Mode]]:
             place = plant.EvalBodyPoseInWorld(context, body).translation()
             return place, speed.translational(), speed.rotational()
 
-        return Body(step, launch, state)
+        def reported():
+            # Rows: the sums on contacts whose body B is the body, and the floor.
+            rows = np.zeros((2, 3))
+            results = plant.get_contact_results_output_port().Eval(context)
+            for number in range(results.num_point_pair_contacts()):
+                one = results.point_pair_contact_info(number)
+                rows[int(one.bodyB_index() != body.index())] += one.contact_force()
+            return rows
+
+        return Body(step, launch, state, reported)
 
     for kind in ("kLagged", "kSimilar", "kTamsi", "kSap"):
         yield kind, Mode(functools.partial(make, kind=kind))
@@ -309,7 +350,7 @@ def mujoco() -> Iterator[tuple[str, Mode]]:
 
     slides = "".join(f'<joint type="slide" axis="{a}"/>' for a in ("1 0 0", "0 1 0", "0 0 1"))
 
-    def make(half=CUBE, mu=(MU, MU), *, dt, cone, points=4, options="", flag=""):
+    def make(half=CUBE, mu=(MU, MU), *, dt, cone, points=4, held=False, options="", flag=""):
         sphere = np.ndim(half) == 0
         size = half if sphere else " ".join(map(str, half))
         kind = "sphere" if sphere else "box"
@@ -323,7 +364,7 @@ def mujoco() -> Iterator[tuple[str, Mode]]:
                     for x, y in feet
                 )
             )
-        joint = slides if sphere else "<freejoint/>"
+        joint = slides if held else "<freejoint/>"
         height = half if sphere else half[2]
         model = mj.MjModel.from_xml_string(
             f'<mujoco><option timestep="{dt}" cone="{cone}" {options}>{flag}</option><worldbody>'
@@ -343,14 +384,25 @@ def mujoco() -> Iterator[tuple[str, Mode]]:
             speed = np.concatenate([data.qvel, np.zeros(6 - model.nv)])
             return data.xpos[1].copy(), speed[:3], speed[3:]
 
-        return Body(step, launch, state)
+        def reported():
+            # Rows: the sums of mj_contactForce, turned by the frame, whose geom2 is the body's, the
+            # floor's.
+            rows, force = np.zeros((2, 3)), np.zeros(6)
+            for number in range(data.ncon):
+                contact = data.contact[number]
+                mj.mj_contactForce(model, data, number, force)
+                second = model.geom_bodyid[contact.geom2]
+                rows[int(second != 1)] += contact.frame.reshape(3, 3).T @ force[:3]
+            return rows
+
+        return Body(step, launch, state, reported)
 
     def extras(cone):
         for name, given, more in (
-            ("one point", (BALL,), {}),
+            ("one point", (BALL,), {"held": True}),
             ("three points", (), {"points": 3}),
             ("four points, diagexact", (), {"flag": '<flag diagexact="enable"/>'}),
-            ("one point, noslip", (BALL,), {"options": 'noslip_iterations="10"'}),
+            ("one point, noslip", (BALL,), {"held": True, "options": 'noslip_iterations="10"'}),
             ("four points, noslip", (), {"options": 'noslip_iterations="10"'}),
         ):
             mode = Mode(functools.partial(make, cone=cone, **more), 2e-3)
@@ -381,10 +433,15 @@ def rapier() -> Iterator[tuple[str, Mode]]:
             rp.RigidBody.fixed(translation=(0, 0, -1)),
             colliders=[rp.Collider.cuboid(50, 50, 1, **of_ground)],
         )
-        density = 0.125 / np.prod(half)
+        if np.ndim(half) == 0:
+            height, collider = half, functools.partial(rp.Collider.ball, half)
+            density = 0.75 / (np.pi * half**3)
+        else:
+            height, collider = half[2], functools.partial(rp.Collider.cuboid, *half)
+            density = 0.125 / np.prod(half)
         handle = world.add_body(
-            rp.RigidBody.dynamic(translation=(0, 0, half[2]), can_sleep=False),
-            colliders=[rp.Collider.cuboid(*half, density=density, **own)],
+            rp.RigidBody.dynamic(translation=(0, 0, height), can_sleep=False),
+            colliders=[collider(density=density, **own)],
         )
 
         def step(push):
@@ -402,7 +459,16 @@ def rapier() -> Iterator[tuple[str, Mode]]:
             of = (body.translation, body.linvel, body.angvel)
             return tuple(np.array([one.x, one.y, one.z]) for one in of)
 
-        return Body(step, launch, state)
+        def reported():
+            # Rows: the impulses over the step of pairs whose collider1 is the body's, the floor's.
+            rows = np.zeros((2, 3))
+            for pair in world.narrow_phase.contact_pairs():
+                first = world.colliders[pair.collider1].parent != handle
+                one = pair.total_impulse()
+                rows[int(first)] += np.array([one.x, one.y, one.z]) / dt
+            return rows
+
+        return Body(step, launch, state, reported)
 
     def extras(model):
         for first, second in itertools.product(names, names):
@@ -420,11 +486,13 @@ def motrix() -> Iterator[tuple[str, Mode]]:
     import motrixsim as mx
 
     def make(half=CUBE, mu=(MU, MU), *, dt, pair=""):
-        size = " ".join(map(str, half))
+        sphere = np.ndim(half) == 0
+        kind, height = ("sphere", half) if sphere else ("box", half[2])
+        size = half if sphere else " ".join(map(str, half))
         model = mx.load_mjcf_str(
             f'<mujoco><option timestep="{dt}" gravity="0 0 {-GRAVITY}"/><worldbody>'
             f'<geom name="floor" type="plane" size="5 5 1" friction="{mu[0]}"/>'
-            f'<body pos="0 0 {half[2]}"><freejoint/><geom name="box" type="box" size="{size}" '
+            f'<body pos="0 0 {height}"><freejoint/><geom name="box" type="{kind}" size="{size}" '
             f'mass="1" friction="{mu[1]}"/></body></worldbody>{pair}</mujoco>'
         )
         data = mx.SceneData(model)
@@ -465,12 +533,16 @@ def omi() -> Iterator[tuple[str, Mode]]:
             world.add_material(parts.Material(one if static is None else static, one)) for one in mu
         )
         floor = world.add_shape(parts.Shape.box((40, 2, 40)))
-        box = world.add_shape(parts.Shape.box((2 * half[0], 2 * half[2], 2 * half[1])))
+        sphere = np.ndim(half) == 0
+        height = half if sphere else half[2]
+        sides = () if sphere else (2 * half[0], 2 * half[2], 2 * half[1])
+        shape = parts.Shape.sphere(half) if sphere else parts.Shape.box(sides)
+        box = world.add_shape(shape)
         world.add_body(
             parts.Motion(type="static"), parts.Collider(floor, ground), position=(0, -1, 0)
         )
         moves = parts.Motion(type="dynamic", mass=1.0)
-        body = world.add_body(moves, parts.Collider(box, own), position=(0, half[2], 0))
+        body = world.add_body(moves, parts.Collider(box, own), position=(0, height, 0))
         if rule is not None:
             world.set_pair_rule(lambda first, second: rule)
 
@@ -480,10 +552,11 @@ def omi() -> Iterator[tuple[str, Mode]]:
 
         def launch(speeds):
             world.linear_velocity[body] = speeds[[0, 2, 1]]
-            world.angular_velocity[body] = 0.0
+            # Two axes are exchanged, which mirrors rotations.
+            world.angular_velocity[body] = -speeds[[3, 5, 4]]
 
         def state():
-            of = (world.position, world.linear_velocity, world.angular_velocity)
+            of = (world.position, world.linear_velocity, -world.angular_velocity)
             return tuple(np.array(one[body], float)[[0, 2, 1]] for one in of)
 
         return Body(step, launch, state)
@@ -514,18 +587,23 @@ def newton() -> Iterator[tuple[str, Mode]]:
     wp.config.quiet = True
     wp.set_device("cpu")
 
-    def make(half=CUBE, mu=(MU, MU), *, dt, solver, shape=None, text=""):
+    def make(half=CUBE, mu=(MU, MU), *, dt, solver, shape=None, text="", **options):
         kind = getattr(nt.solvers, solver)
         builder = nt.ModelBuilder()
         if hasattr(kind, "register_custom_attributes"):
             kind.register_custom_attributes(builder)
         surface = functools.partial(nt.ModelBuilder.ShapeConfig, **(shape or {}))
         ground = builder.add_ground_plane(cfg=surface(mu=mu[0]))
-        number = builder.add_body(xform=wp.transform((0, 0, half[2]), wp.quat_identity()))
-        density = 0.125 / float(np.prod(half))
-        hx, hy, hz = half
+        sphere = np.ndim(half) == 0
+        height = half if sphere else half[2]
+        number = builder.add_body(xform=wp.transform((0, 0, height), wp.quat_identity()))
+        density = 0.75 / (np.pi * half**3) if sphere else 0.125 / float(np.prod(half))
         own = surface(mu=mu[1], density=density)
-        box = builder.add_shape_box(number, hx=hx, hy=hy, hz=hz, cfg=own)
+        if sphere:
+            box = builder.add_shape_sphere(number, radius=half, cfg=own)
+        else:
+            hx, hy, hz = half
+            box = builder.add_shape_box(number, hx=hx, hy=hy, hz=hz, cfg=own)
         if solver == "SolverVBD":
             builder.color()
         if text:
@@ -535,16 +613,19 @@ def newton() -> Iterator[tuple[str, Mode]]:
             model, engine = known["model"], known["solver"]
         else:
             model = builder.finalize()
-            engine = kind(model)
+            engine = kind(model, **options)
         states = [model.state(), model.state()]
         control, contacts = model.control(), model.contacts()
+        seen = {}
+        if "contact_f" in engine.supported_observables:
+            seen["observables"] = engine.observables({"contact_f"}, contacts=contacts)
 
         def step(push):
             states[0].clear_forces()
             if push:
                 states[0].body_f.assign(np.array([[push, 0, 0, 0, 0, 0]], np.float32))
             model.collide(states[0], contacts)
-            engine.step(states[0], states[1], control, contacts, dt)
+            engine.step(states[0], states[1], control, contacts, dt, **seen)
             states.reverse()
 
         def launch(speeds):
@@ -557,14 +638,28 @@ def newton() -> Iterator[tuple[str, Mode]]:
             speed = states[0].body_qd.numpy()[0].astype(float)
             return states[0].body_q.numpy()[0, :3].astype(float), speed[:3], speed[3:]
 
-        return Body(step, launch, state)
+        def reported():
+            # Rows: the sums on contacts whose shape 0 is the box, is the ground.
+            rows, number = np.zeros((2, 3)), int(contacts.rigid_contact_count.numpy()[0])
+            first = contacts.rigid_contact_shape0.numpy()[:number]
+            forces = seen["observables"].contact_f.numpy()[:number, :3]
+            for row, of in zip(rows, (box, ground), strict=True):
+                row += forces[first == of].sum(axis=0)
+            return rows
 
-    for solver, more, dt in (
+        return Body(step, launch, state, reported if seen else None)
+
+    for name, more, dt in (
         ("SolverXPBD", {}, 1e-3),
         ("SolverVBD", {"shape": {"ke": 1e5}}, 1e-3),
         ("SolverSemiImplicit", {}, 1e-4),
+        ("SolverFeatherstone", {}, 1e-4),
+        ("SolverSteel", {}, 1e-3),
+        ("SolverMuJoCo", {}, 2e-3),
+        ("SolverMuJoCo elliptic", {"cone": "elliptic"}, 2e-3),
+        ("SolverKamino", {}, 1e-3),
     ):
-        yield solver, Mode(functools.partial(make, solver=solver, **more), dt)
+        yield name, Mode(functools.partial(make, solver=name.split()[0], **more), dt)
 
 
 def physx() -> Iterator[tuple[str, Mode]]:
@@ -637,10 +732,14 @@ def pymunk() -> Iterator[tuple[str, Mode]]:
         space = ck.Space()
         space.gravity = (0, -GRAVITY)
         ground = ck.Segment(space.static_body, (-50, 0), (50, 0), 0.01)
-        width, height = 2 * half[0], 2 * half[2]
-        body = ck.Body(1.0, ck.moment_for_box(1.0, (width, height)))
-        body.position = (0, half[2] + 0.01)
-        box = ck.Poly.create_box(body, (width, height))
+        if np.ndim(half) == 0:
+            body = ck.Body(1.0, ck.moment_for_circle(1.0, 0.0, half))
+            height, box = half, ck.Circle(body, half)
+        else:
+            height, sides = half[2], (2 * half[0], 2 * half[2])
+            body = ck.Body(1.0, ck.moment_for_box(1.0, sides))
+            box = ck.Poly.create_box(body, sides)
+        body.position = (0, height + 0.01)
         ground.friction, box.friction = mu
         ground.surface_velocity = (belt, 0.0)
         space.add(ground, body, box)
@@ -650,14 +749,25 @@ def pymunk() -> Iterator[tuple[str, Mode]]:
             space.step(dt)
 
         def launch(speeds):
-            body.velocity, body.angular_velocity = (speeds[0], 0.0), 0.0
+            body.velocity, body.angular_velocity = (speeds[0], 0.0), -speeds[4]
 
-        return Body(step, launch, functools.partial(planar, body))
+        def reported():
+            # Rows: the impulses over the step of arbiters whose first shape is the box, the ground.
+            rows = np.zeros((2, 3))
+
+            def add(arbiter):
+                first = int(arbiter.shapes[0] is not box)
+                rows[first, [0, 2]] += np.array(arbiter.total_impulse) / dt
+
+            body.each_arbiter(add)
+            return rows
+
+        return Body(step, launch, functools.partial(planar, body), reported)
 
     def extras():
         yield "speed of a box on a ground of surface_velocity 1 m/s", carried(make)
 
-    yield "default", Mode(make, extras=extras)
+    yield "default", Mode(make, turning=("roll in a plane",), extras=extras)
 
 
 def carried(make) -> float:
@@ -713,7 +823,7 @@ def box2d() -> Iterator[tuple[str, Mode]]:
             words = f"rolling_resistance 0.1 of a disc of radius {radius} m, torque over N, m"
             yield words, torque / GRAVITY
 
-    yield "default", Mode(make, extras=extras)
+    yield "default", Mode(make, turning=("roll in a plane",), extras=extras)
 
 
 def ode() -> Iterator[tuple[str, Mode]]:
@@ -727,15 +837,21 @@ def ode() -> Iterator[tuple[str, Mode]]:
         world.setGravity((0, 0, -GRAVITY))
         body = od.Body(world)
         mass = od.Mass()
-        mass.setBoxTotal(1.0, *(2 * side for side in half))
+        if np.ndim(half) == 0:
+            height, touching = half, np.array([[0.0, 0.0, -half]])
+            mass.setSphereTotal(1.0, half)
+        else:
+            height, touching = half[2], corners * half
+            mass.setBoxTotal(1.0, *(2 * side for side in half))
         body.setMass(mass)
-        body.setPosition((0, 0, half[2] - 1e-6))
-        joints = od.JointGroup()
+        body.setPosition((0, 0, height - 1e-6))
+        joints, seen = od.JointGroup(), []
 
         def step(push):
             joints.empty()
-            turn = np.array(body.getRotation()).reshape(3, 3)
-            for point in body.getPosition() + corners * half @ turn.T:
+            made = []
+            turn = np.array(body.getRotation()).reshape(3, 3) if len(touching) > 1 else np.eye(3)
+            for point in body.getPosition() + touching @ turn.T:
                 if point[2] > 0.0:
                     continue
                 contact = od.Contact()
@@ -746,9 +862,14 @@ def ode() -> Iterator[tuple[str, Mode]]:
                     contact.setFDir1((1, 0, 0))
                 exec(text, {"ode": od, "contact": contact})
                 contact.setContactGeomParams(tuple(point), (0, 0, 1), -point[2])
-                od.ContactJoint(world, joints, contact).attach(body, None)
+                made.append(od.ContactJoint(world, joints, contact))
+                made[-1].attach(body, None)
+                made[-1].setFeedback(True)
             body.addForce((push, 0, 0))
             (world.quickStep if quick else world.step)(dt)
+            seen[:] = [one.getFeedback()[0] for one in made]
+            for one in made:
+                one.setFeedback(False)
 
         def launch(speeds):
             body.setLinearVel(speeds[:3])
@@ -758,7 +879,11 @@ def ode() -> Iterator[tuple[str, Mode]]:
             of = (body.getPosition(), body.getLinearVel(), body.getAngularVel())
             return tuple(map(np.array, of))
 
-        return Body(step, launch, state)
+        def reported():
+            # Rows: the sum of the first force of the feedback; the second one is of the world.
+            return np.array([np.sum(seen, axis=0), np.zeros(3)])
+
+        return Body(step, launch, state, reported)
 
     def extras(quick):
         newtons = Mode(functools.partial(make, quick=quick, mode=0))
@@ -790,16 +915,20 @@ def yade() -> Iterator[tuple[str, Mode]]:
         )
         floor = utils.box((0, 0, -0.5), (20, 20, 0.5), fixed=True, material=ground)
         world.bodies.append(floor)
-        feet = [
-            utils.sphere((x * half[0], y * half[1], 0.02), 0.02, material=own)
-            for x in (1, -1)
-            for y in (1, -1)
-        ]
-        number, _ = world.bodies.appendClumped(feet)
+        if np.ndim(half) == 0:
+            number = world.bodies.append(utils.sphere((0, 0, half), half, material=own))
+            inertia = 3 * [0.4 * half**2]
+        else:
+            a, b, c = half
+            feet = [
+                utils.sphere((x * a, y * b, 0.02), 0.02, material=own)
+                for x in (1, -1)
+                for y in (1, -1)
+            ]
+            number, _ = world.bodies.appendClumped(feet)
+            inertia = (np.array([b * b + c * c, a * a + c * c, a * a + b * b]) / 3).tolist()
         body = world.bodies[number]
-        a, b, c = half
-        body.state.mass = 1.0
-        body.state.inertia = (np.array([b * b + c * c, a * a + c * c, a * a + b * b]) / 3).tolist()
+        body.state.mass, body.state.inertia = 1.0, inertia
         newton = yd.NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0.2)
         world.engines = [
             yd.ForceResetter(),
@@ -825,7 +954,15 @@ def yade() -> Iterator[tuple[str, Mode]]:
             of = (body.state.pos, body.state.vel, body.state.angVel)
             return tuple(map(np.array, of))
 
-        return Body(step, launch, state)
+        def reported():
+            # Rows: sums of both forces of interactions whose id1 is the floor, is not.
+            rows = np.zeros((2, 3))
+            for one in world.interactions:
+                force = one.phys.normalForce + one.phys.shearForce
+                rows[int(one.id1 != 0)] += np.array(force)
+            return rows
+
+        return Body(step, launch, state, reported)
 
     def extras():
         default = yd.NewtonIntegrator().damping
@@ -841,12 +978,17 @@ def opensim() -> Iterator[tuple[str, Mode]]:
 
     os.Logger.setLevelString("off")
 
-    def make(half=CUBE, mu=(None, MU), *, dt, kind):
+    def make(half=CUBE, mu=(None, MU), *, dt, kind, text=""):
         model = os.Model()
         model.setGravity(os.Vec3(0, 0, -GRAVITY))
-        a, b, c = half
-        third = [(b * b + c * c) / 3, (a * a + c * c) / 3, (a * a + b * b) / 3, 0, 0, 0]
-        body = os.Body("body", 1.0, os.Vec3(0), os.Inertia(*third))
+        if np.ndim(half) == 0:
+            height, radius, feet = half, half, [(0, 0, 0)]
+            inertia = 3 * [0.4 * half**2]
+        else:
+            (a, b, c), radius = half, 0.02
+            height, feet = c, [(x * a, y * b, 0.02 - c) for x in (1, -1) for y in (1, -1)]
+            inertia = [(b * b + c * c) / 3, (a * a + c * c) / 3, (a * a + b * b) / 3]
+        body = os.Body("body", 1.0, os.Vec3(0), os.Inertia(*inertia, 0, 0, 0))
         joint = os.FreeJoint("joint", model.getGround(), body)
         model.addBody(body)
         model.addJoint(joint)
@@ -854,12 +996,12 @@ def opensim() -> Iterator[tuple[str, Mode]]:
         down = os.Vec3(0), os.Vec3(0, 0.5 * np.pi, 0)
         floor = os.ContactHalfSpace(*down, model.getGround(), "floor")
         model.addContactGeometry(floor)
-        for n, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1))):
-            place = os.Vec3(x * a, y * b, 0.02 - c)
-            foot = os.ContactSphere(0.02, place, body, f"foot{n}")
+        for n, place in enumerate(feet):
+            foot = os.ContactSphere(radius, os.Vec3(*place), body, f"foot{n}")
             model.addContactGeometry(foot)
             if kind == "HuntCrossleyForce":
                 force = os.HuntCrossleyForce()
+                force.setName(f"force{n}")
                 for name in ("floor", f"foot{n}"):
                     force.addGeometry(name)
                 force.setStiffness(1e6)
@@ -867,6 +1009,7 @@ def opensim() -> Iterator[tuple[str, Mode]]:
                 force.setStaticFriction(mu[1])
                 force.setDynamicFriction(mu[1])
                 force.setTransitionVelocity(1e-3)
+                exec(text, {"force": force})
             else:
                 force = os.SmoothSphereHalfSpaceForce(f"force{n}", foot, floor)
                 force.set_stiffness(1e6)
@@ -884,7 +1027,7 @@ def opensim() -> Iterator[tuple[str, Mode]]:
         pusher = os.CoordinateActuator.safeDownCast(model.getForceSet().get("pusher"))
         pusher.overrideActuation(state, True)
         coordinates = [joint.get_coordinates(k) for k in range(6)]
-        coordinates[5].setValue(state, half[2])
+        coordinates[5].setValue(state, height)
         held = [state, None]
 
         def step(push):
@@ -909,15 +1052,28 @@ def opensim() -> Iterator[tuple[str, Mode]]:
             u = np.array([one.getSpeedValue(held[0]) for one in coordinates])
             return q[3:], u[3:], u[:3]
 
+        def reported():
+            # Rows: the sums of the recorded forces of the body, or Sphere, and of the ground.
+            rows = np.zeros((2, 3))
+            model.realizeDynamics(held[0])
+            for n in range(len(feet)):
+                force = model.getForceSet().get(f"force{n}")
+                labels, values = force.getRecordLabels(), force.getRecordValues(held[0])
+                for k in range(labels.getSize()):
+                    *_, of, what, axis = labels.get(k).split(".")
+                    if what == "force":
+                        rows[int(of not in ("body", "Sphere")), "XYZ".index(axis)] += values.get(k)
+            return rows
+
         held.append(0.0)
-        return Body(step, launch, state_of)
+        return Body(step, launch, state_of, reported)
 
     for kind in ("HuntCrossleyForce", "SmoothSphereHalfSpaceForce"):
         yield kind, Mode(functools.partial(make, kind=kind), settle=0.5)
 
 
 def jaxsim() -> Iterator[tuple[str, Mode]]:
-    """Run the soft contacts of JaxSim with a box, whose corners are its contact points."""
+    """Run the contact models of JaxSim with a box, whose corners are its contact points."""
     import jax
     import jax.numpy as jnp
     import jaxsim.api as js
@@ -928,7 +1084,7 @@ def jaxsim() -> Iterator[tuple[str, Mode]]:
     jax.config.update("jax_enable_x64", True)
 
     @functools.cache
-    def built(half, mu, dt):
+    def built(half, mu, dt, kind):
         x, y, z = (2 * side for side in half)
         box = BoxBuilder(x=x, y=y, z=z, mass=1.0, name="box").build_model().add_link()
         box = box.add_inertial().add_visual().add_collision().build()
@@ -936,8 +1092,8 @@ def jaxsim() -> Iterator[tuple[str, Mode]]:
         model = js.model.JaxSimModel.build_from_model_description(
             model_description=box,
             time_step=dt,
-            contact_model=contacts.SoftContacts.build(),
-            contact_params=contacts.SoftContactsParams.build(mu=mu),
+            contact_model=getattr(contacts, kind).build(),
+            contact_params=getattr(contacts, f"{kind}Params").build(mu=mu),
         )
 
         @jax.jit
@@ -947,8 +1103,8 @@ def jaxsim() -> Iterator[tuple[str, Mode]]:
 
         return model, moved
 
-    def make(half=CUBE, mu=(None, MU), *, dt):
-        model, moved = built(tuple(half), mu[1], dt)
+    def make(half=CUBE, mu=(None, MU), *, dt, kind):
+        model, moved = built(tuple(half), mu[1], dt, kind)
         place = jnp.array([0, 0, half[2]])
         held = [js.data.JaxSimModelData.build(model=model, base_position=place)]
 
@@ -971,14 +1127,18 @@ def jaxsim() -> Iterator[tuple[str, Mode]]:
 
         return Body(step, launch, state)
 
-    mode = Mode(make, 5e-4, settle=0.5)
-
-    def extras():
+    def extras(mode):
+        pushed = mode.make(dt=mode.step)
+        for _ in range(1000):
+            pushed.step(1.2 * MU * GRAVITY)
+        yield "m/s after 1000 steps under 1.2 of the force that it can hold", pushed.state()[1][0]
         height = launched(mode, 2.0, 0.0, 0.05, CUBE, (None, 0.8))[:, 4]
         rise = (height[-1] - height[-2] - height[1] + height[0]) / mode.step
         yield "mean normal force over the weight, coefficient 0.8", 1.0 + rise / (0.05 * GRAVITY)
 
-    yield "SoftContacts", mode._replace(extras=extras)
+    for kind in ("SoftContacts", "RigidContacts", "RelaxedRigidContacts"):
+        mode = Mode(functools.partial(make, kind=kind), 5e-4, settle=0.5, turning=("spin",))
+        yield kind, mode._replace(extras=functools.partial(extras, mode))
 
 
 def ipctk() -> Iterator[tuple[str, Mode]]:
@@ -989,7 +1149,7 @@ def ipctk() -> Iterator[tuple[str, Mode]]:
     faces, edges = np.array([[0, 1, 2]]), np.array([[0, 1], [1, 2], [2, 0]])
     dhat, eps = 1e-3, 1e-3
 
-    def make(half=CUBE, mu=(None, MU), *, dt):
+    def make(half=CUBE, mu=(None, MU), *, dt, scale=None):
         barrier = ip.BarrierPotential(dhat, 1e6)
         friction = ip.FrictionPotential(eps)
         position, velocity = np.array([0.0, 0.0, 0.5 * dhat]), np.zeros(3)
@@ -1001,9 +1161,17 @@ def ipctk() -> Iterator[tuple[str, Mode]]:
             normal.build(mesh, vertices, dhat)
             lift = -barrier.gradient(normal, mesh, vertices).reshape(-1, 3)[3]
             # The normal force of the law is the weight.
-            scale = GRAVITY / lift[2]
+            weight = GRAVITY / lift[2]
             tangential = ip.TangentialCollisions()
-            tangential.build(mesh, vertices, normal, barrier, scale * mu[1])
+            tangential.build(mesh, vertices, normal, barrier, weight * mu[1])
+            if scale is not None:
+                # The numbers are along the basis of the collision, here x and y.
+                (one,) = tangential.fv_collisions
+                assert np.allclose(np.abs(one.tangent_basis), np.eye(3)[:, :2])
+                one.mu_aniso = np.array(scale)
+                tangential.update_lagged_anisotropic_friction_coefficients(
+                    mesh, vertices, np.zeros_like(vertices), np.vstack([0 * floor, velocity])
+                )
             moves = np.zeros_like(vertices)
             moves[3] = velocity
             still = np.zeros_like(vertices)
@@ -1022,14 +1190,16 @@ def ipctk() -> Iterator[tuple[str, Mode]]:
 
         return Body(step, launch, state)
 
-    yield "FrictionPotential", Mode(make, 1e-4, settle=1e-4)
+    yield "FrictionPotential", Mode(make, 1e-4, settle=1e-4, turning=())
+    unequal = functools.partial(make, mu=(None, 1.0), scale=(0.9, 0.3))
+    yield "mu_aniso (0.9, 0.3)", Mode(unequal, 1e-4, 1e-4, 1.0, 1e-3, turning=())
 
 
 def pyelastica() -> Iterator[tuple[str, Mode]]:
     """Move a rod of PyElastica, along x, under the forces of its contact with a plane."""
     import elastica as ea
 
-    def make(half=CUBE, mu=(None, MU), *, dt, sideways=None):
+    def make(half=CUBE, mu=(None, MU), *, dt, sideways=None, text=""):
         rod = ea.CosseratRod.straight_rod(
             n_elements=4,
             start=np.array([-half[0], 0.0, 0.01]),
@@ -1045,6 +1215,10 @@ def pyelastica() -> Iterator[tuple[str, Mode]]:
         contact = ea.RodPlaneContactWithAnisotropicFriction(
             k=1e4, nu=0.0, slip_velocity_tol=1e-4, static_mu_array=three, kinetic_mu_array=three
         )
+        if text:
+            known = {**vars(ea), "np": np, "k": 1e4, "nu": 0.0}
+            exec(text, known)
+            contact = known["contact"]
         mass, place = rod.mass.sum(), np.zeros(3)
 
         def step(push):
@@ -1064,21 +1238,17 @@ def pyelastica() -> Iterator[tuple[str, Mode]]:
 
         return Body(step, launch, state)
 
-    def extras():
-        mode = Mode(functools.partial(make, sideways=0.3), settle=1e-3)
-        for angle in ANGLES:
-            found = friction(mode, angle, CUBE, (None, 0.9))
-            yield f"0.9, 0.3 along {angle}°, degrees", found[0]
-            yield f"0.9, 0.3 along {angle}°, over the weight", found[1]
-
-    yield "RodPlaneContactWithAnisotropicFriction", Mode(make, settle=1e-3, extras=extras)
+    yield "RodPlaneContactWithAnisotropicFriction", Mode(make, settle=1e-3, turning=())
+    unequal = functools.partial(make, mu=(None, 0.9), sideways=0.3)
+    yield "(0.9, 0.9, 0.3)", Mode(unequal, 1e-4, 1e-3, 0.9, 1e-3, turning=())
 
 
 def planar(body, speed="velocity"):
     """Return the state of a body in a plane as one in space."""
     x, z = body.position
     u, w = getattr(body, speed)
-    return np.array([x, 0.0, z]), np.array([u, 0.0, w]), np.array([0.0, 0.0, body.angular_velocity])
+    turn = np.array([0.0, -body.angular_velocity, 0.0])
+    return np.array([x, 0.0, z]), np.array([u, 0.0, w]), turn
 
 
 ENGINES: dict[str, tuple[Callable[[], Iterator[tuple[str, Mode]]], str]] = {
@@ -1116,9 +1286,12 @@ def main() -> None:
             found = [list(friction(mode, angle, half)) for angle in directions]
             print(f"{word} = {found}", flush=True)
         print(f"creep = {creep(mode)}")
-        print(f"two = {friction(mode, 0.0, CUBE, (0.2, 0.8))[1]}")
+        if mode.mu == MU:
+            print(f"two = {friction(mode, 0.0, CUBE, (0.2, 0.8))[1]}")
         heights = launched(mode, 1.52, 58.0, 0.3, CUBE)[:, 4]
         print(f"lift = {max(heights) - heights[0]:.2g}", flush=True)
+        for word, found in turning(mode):
+            print(f"{word} = {found if abs(found) >= 1e-4 else 0.0:.3g}", flush=True)
         if len(directions) > 1:
             path = launched(mode._replace(step=1e-4), 1.52, 58.0, 0.36, CUBE)
             print(f"end = {[round(float(one), 6) for one in path[-1, 2:4] - path[0, 2:4]]}")

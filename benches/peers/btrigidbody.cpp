@@ -20,8 +20,10 @@ struct World {
     btBoxShape ground_box{btVector3(20, 20, 1)}, box;
     btRigidBody floor{0, nullptr, &ground_box}, body;
 
-    World(btVector3 half, double ground, double own, btVector3 scale) : box(half), body(1, nullptr, &box, inertia(box)) {
+    World(btVector3 half, double ground, double own, btVector3 scale, int mode = 0) :
+        box(half), body(1, nullptr, &box, inertia(box)) {
         world.setGravity(btVector3(0, 0, -GRAVITY));
+        world.getSolverInfo().m_solverMode |= mode;
         floor.setFriction(ground);
         body.setFriction(own);
         body.setActivationState(DISABLE_DEACTIVATION);
@@ -57,10 +59,10 @@ struct World {
 
 const btVector3 CUBE(0.1, 0.1, 0.1), LONG(0.2, 0.1, 0.1), ONE(1, 1, 1);
 
-void friction(const char *name, btVector3 half, double ground, double own, btVector3 scale, double time) {
+void friction(const char *name, btVector3 half, double ground, double own, btVector3 scale, double time, int mode = 0) {
     std::printf("%s = [", name);
     for (int degrees = 15; degrees < 90; degrees += 15) {
-        World one(half, ground, own, scale);
+        World one(half, ground, own, scale, mode);
         btVector3 start(2 * std::cos(degrees * M_PI / 180), 2 * std::sin(degrees * M_PI / 180), 0);
         one.body.setLinearVelocity(start);
         one.body.setAngularVelocity(btVector3(0, 0, 0));
@@ -72,22 +74,44 @@ void friction(const char *name, btVector3 half, double ground, double own, btVec
     std::printf("]\n");
 }
 
+void creep(double own, btVector3 scale, int mode = 0) {
+    World creeping(CUBE, 1, own, scale, mode);
+    double push = 0.5 * own * scale.x() * GRAVITY;
+    creeping.run(1.5, push);
+    double from = creeping.body.getCenterOfMassPosition().x();
+    creeping.run(0.5, push);
+    std::printf("creep = %.3g\n", (creeping.body.getCenterOfMassPosition().x() - from) / 0.5);
+}
+
+void lift(double own, btVector3 scale, int mode = 0) {
+    World lifted(CUBE, 1, own, scale, mode);
+    double low = lifted.body.getCenterOfMassPosition().z();
+    lifted.body.setLinearVelocity(btVector3(1.52 * std::cos(1.0123), 1.52 * std::sin(1.0123), 0));
+    std::printf("lift = %.2g\n", lifted.run(0.3) - low);
+}
+
 int main() {
     std::printf("# Bullet %d\n", btGetVersion());
     friction("cube", CUBE, 1, 0.5, ONE, 0.05);
     friction("long", LONG, 1, 0.5, ONE, 0.05);
-    friction("unequal", CUBE, 1, 1, btVector3(0.9, 0.3, 1), 0.002);
-    World creeping(CUBE, 1, 0.5, ONE);
-    creeping.run(1.5, 0.25 * GRAVITY);
-    double from = creeping.body.getCenterOfMassPosition().x();
-    creeping.run(0.5, 0.25 * GRAVITY);
-    std::printf("creep = %.3g\n", (creeping.body.getCenterOfMassPosition().x() - from) / 0.5);
+    creep(0.5, ONE);
     World two(CUBE, 0.2, 0.8, ONE);
     two.body.setLinearVelocity(btVector3(2, 0, 0));
     two.run(0.05);
     std::printf("of_two = %.4f\n", (2 - two.body.getLinearVelocity().x()) / (0.05 * GRAVITY));
-    World lifted(CUBE, 1, 0.5, ONE);
-    double low = lifted.body.getCenterOfMassPosition().z();
-    lifted.body.setLinearVelocity(btVector3(1.52 * std::cos(1.0123), 1.52 * std::sin(1.0123), 0));
-    std::printf("lift = %.2g\n", lifted.run(0.3) - low);
+    lift(0.5, ONE);
+    World turning(CUBE, 1, 0.5, ONE);
+    turning.body.setAngularVelocity(btVector3(0, 0, 20));
+    turning.run(0.05);
+    double slowed = (20 - turning.body.getAngularVelocity().z()) / 0.05;
+    std::printf("spin = %.3g\n", 0.02 / 3 * slowed / (0.5 * GRAVITY));
+    const btVector3 scale(0.9, 0.3, 1);
+    for (int mode : {0, int(SOLVER_USE_2_FRICTION_DIRECTIONS)}) {
+        std::printf("setAnisotropicFriction (0.9, 0.3), solver mode %d\n", mode);
+        friction("cube", CUBE, 1, 1, scale, 0.002, mode);
+        friction("long", LONG, 1, 1, scale, 0.002, mode);
+        creep(1, scale, mode);
+        lift(1, scale, mode);
+    }
+    return 0;
 }

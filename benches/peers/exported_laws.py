@@ -11,12 +11,24 @@ itself, and forces within 5 % of the stated error or 1e-3.
 
 import functools
 import re
+import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import asperity as asp
 import atlas
 import numpy as np
-from sliding_body import GRAVITY, LAUNCH, MASS, STEP, box_of_dart, rolling_disc
+from sliding_body import (
+    GRAVITY,
+    LAUNCH,
+    MASS,
+    STEP,
+    box_of_dart,
+    point_of_pinocchio,
+    point_of_siconos,
+    rolling_disc,
+)
 
 LAWS = {
     "isotropic": asp.FrictionLaw.isotropic(0.5),
@@ -155,6 +167,84 @@ def ode(export, launch, time):
     return of_atlas(atlas.ode, launch, time, STEP, (None, 1.0), text=export.text)
 
 
+def opensim(export, launch, time):
+    """Run the calls of the text on every HuntCrossleyForce of the atlas's feet."""
+    return of_atlas(atlas.opensim, launch, time, STEP, (None, 1.0), text=export.text)
+
+
+def physx(export, launch, time):
+    """Give the material of the text to the atlas's cube and plane."""
+    from sapien import physx as px
+
+    known = {"physx": px}
+    exec(export.text, known)
+    mu = known["material"].dynamic_friction
+    assert known["material"].static_friction == mu
+    return of_atlas(atlas.physx, launch, time, STEP, (mu, mu))
+
+
+def pyelastica(export, launch, time):
+    """Give the contact of the text to the atlas's rod."""
+    return of_atlas(atlas.pyelastica, launch, time, STEP, (None, 1.0), text=export.text)
+
+
+def rapier(export, launch, time):
+    """Give the number of the text, which is in Rust, to the colliders of the atlas."""
+    mu = float(re.search(r"^let .*friction\((.*)\);", export.text, re.M)[1])
+    return of_atlas(atlas.rapier, launch, time, STEP, (mu, mu))
+
+
+def pinocchio(export, launch, time):
+    """Use the numbers of the text in a loop around PGS."""
+    known = {"np": np}
+    exec(export.text, known)
+    return point_of_pinocchio("PGS", known["friction"], known["S"], launch, time)
+
+
+def siconos(export, launch, time):
+    """Use the law of the text, and its factor of the tangential rows."""
+    from siconos import kernel as sk
+
+    known = {"np": np, "sk": sk, "e_n": 0.0, "e_t": 0.0}
+    exec(export.text, known)
+    return point_of_siconos(known["law"], known["factor_of_tangential_rows"], launch, time)
+
+
+@functools.cache
+def program_of_bullet(text):
+    """Compile the calls of the text with the cube of btrigidbody.cpp, which does not turn."""
+    folder = Path(tempfile.mkdtemp())
+    source = f"""
+#define main main_of_the_atlas
+#include "btrigidbody.cpp"
+#undef main
+#include <cstdlib>
+int main(int, char **given) {{
+    World one(CUBE, 1, 1, ONE);
+    btRigidBody *body = &one.body, *ground = &one.floor;
+    {text}
+    body->setAngularFactor(btVector3(0, 0, 0));
+    body->setLinearVelocity(btVector3(std::atof(given[1]), std::atof(given[2]), 0));
+    btVector3 start = body->getCenterOfMassPosition();
+    for (int k = std::atoi(given[3]); k > 0; --k) one.world.stepSimulation({STEP}, 0, {STEP});
+    btVector3 way = body->getCenterOfMassPosition() - start, v = body->getLinearVelocity();
+    std::printf("%.9g %.9g %.9g %.9g", way.x(), way.y(), v.x(), v.y());
+}}"""
+    (folder / "exported.cpp").write_text(source)
+    libraries = ("-lBulletDynamics", "-lBulletCollision", "-lLinearMath")
+    here = Path(__file__).parent
+    words = ["g++", "-O1", "exported.cpp", "-o", "exported", "-I/usr/include/bullet", f"-I{here}"]
+    subprocess.run([*words, *libraries], cwd=folder, check=True)
+    return folder / "exported"
+
+
+def btrigidbody(export, launch, time):
+    """Run the calls of the text, in C++."""
+    words = [program_of_bullet(export.text), *map(str, launch), str(round(time / STEP))]
+    found = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    return np.split(np.array(found.split(), dtype=float), 2)
+
+
 def yade(export, launch, time):
     """Run the material of the text with the clump of the atlas on a box of the same."""
     from yade import FrictMat, Omega
@@ -165,7 +255,26 @@ def yade(export, launch, time):
     return of_atlas(atlas.yade, launch, time, STEP, (mu, mu))
 
 
-ENGINES = {one.__name__: one for one in (bullet, dart, drake, exudyn, mujoco, newton, ode, yade)}
+ENGINES = {
+    one.__name__: one
+    for one in (
+        btrigidbody,
+        bullet,
+        dart,
+        drake,
+        exudyn,
+        mujoco,
+        newton,
+        ode,
+        opensim,
+        physx,
+        pinocchio,
+        pyelastica,
+        rapier,
+        siconos,
+        yade,
+    )
+}
 
 
 def main() -> None:

@@ -279,66 +279,75 @@ def dart() -> Iterator[Row]:
     yield "0.5 and 0.8: the smaller counts", *box_of_dart(LAUNCH, 0.5, 0.8)
 
 
-def pinocchio() -> Iterator[Row]:
-    """Run a loop of one's own around the two solvers; the tangential rows are scaled by hand."""
+def point_of_pinocchio(kind, friction, factor, launch, time=TIME):
+    """Run a loop of one's own around a solver; the tangential rows are multiplied by hand."""
     import pinocchio as pin
 
-    def run(kind, scale):
-        model = pin.Model()
-        joint = model.addJoint(0, pin.JointModelTranslation(), pin.SE3.Identity(), "slider")
-        inertia = pin.Inertia(MASS, np.zeros(3), np.zeros((3, 3)))
-        model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
-        one = pin.SE3.Identity()
-        contact = pin.PointContactConstraintModel(model, joint, one, 0, one)
-        contact.setFriction(0.5)
-        models, data = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        models.append(pin.ConstraintModel(contact))
-        data.append(models[0].createData())
-        settings = getattr(pin, f"{kind}SolverSettings")()
-        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-12
-        settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0
-        settings.max_iterations, settings.solve_ncp = 2000, True
-        solver = getattr(pin, f"{kind}ConstraintSolver")(3)
-        result = getattr(pin, f"{kind}SolverResult")()
-        rows = np.diag([*scale, 1.0])
-        delassus = pin.DelassusOperatorDense(rows @ rows.T / MASS)
-        q, u = np.zeros(3), np.array([*LAUNCH, 0.0])
-        for _ in range(round(TIME / STEP)):
-            free = u + STEP * np.array([0.0, 0.0, -GRAVITY])
-            solver.solve(delassus, rows @ free, models, data, settings, result)
-            after = free + rows.T @ np.array(result.retrieveConstraintImpulses()) / MASS
-            q, u = q + 0.5 * STEP * (u + after), after
-        return q[:2], u[:2]
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelTranslation(), pin.SE3.Identity(), "slider")
+    inertia = pin.Inertia(MASS, np.zeros(3), np.zeros((3, 3)))
+    model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+    one = pin.SE3.Identity()
+    contact = pin.PointContactConstraintModel(model, joint, one, 0, one)
+    contact.setFriction(friction)
+    models, data = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+    models.append(pin.ConstraintModel(contact))
+    data.append(models[0].createData())
+    settings = getattr(pin, f"{kind}SolverSettings")()
+    settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-12
+    settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0
+    settings.max_iterations, settings.solve_ncp = 2000, True
+    solver = getattr(pin, f"{kind}ConstraintSolver")(3)
+    result = getattr(pin, f"{kind}SolverResult")()
+    rows = np.eye(3)
+    rows[:2, :2] = factor
+    delassus = pin.DelassusOperatorDense(rows @ rows.T / MASS)
+    q, u = np.zeros(3), np.array([*launch, 0.0])
+    for _ in range(round(time / STEP)):
+        free = u + STEP * np.array([0.0, 0.0, -GRAVITY])
+        solver.solve(delassus, rows @ free, models, data, settings, result)
+        after = free + rows.T @ np.array(result.retrieveConstraintImpulses()) / MASS
+        q, u = q + 0.5 * STEP * (u + after), after
+    return q[:2], u[:2]
 
+
+def pinocchio() -> Iterator[Row]:
+    """Run the two solvers."""
     for kind in ("PGS", "ADMM"):
         for scale in ((1.0, 1.0), (M1 / 0.5, M2 / 0.5)):
-            yield f"{kind}, rows times {np.round(scale, 5)}", *run(kind, scale)
+            run = point_of_pinocchio(kind, 0.5, np.diag(scale), LAUNCH)
+            yield f"{kind}, rows times {np.round(scale, 5)}", *run
+
+
+def point_of_siconos(law, factor, launch, time=TIME):
+    """Run a point mass with Moreau and Jean's scheme; rows of H are multiplied by hand."""
+    from siconos import kernel as sk
+
+    body = sk.LagrangianLinearTIDS([0.0, 0.0, 0.0], [*launch, 0.0], MASS * np.eye(3))
+    body.setFExtPtr(np.array([0.0, 0.0, -MASS * GRAVITY]))
+    rows = np.zeros((3, 3))
+    rows[0, 2], rows[1:, :2] = 1.0, factor
+    contact = sk.Interaction(law, sk.LagrangianLinearTIR(rows))
+    model = sk.NonSmoothDynamicalSystem(0.0, time)
+    model.insertDynamicalSystem(body)
+    model.link(contact, body)
+    scheme, problem = sk.MoreauJeanOSI(0.5), sk.FrictionContact(3)
+    problem.numericsSolverOptions().dparam[0] = 1e-13
+    run = sk.TimeStepping(model, sk.TimeDiscretisation(0.0, STEP), scheme, problem)
+    for _ in range(round(time / STEP)):
+        run.computeOneStep()
+        run.nextStep()
+    return np.array(body.q())[:2], np.array(body.velocity())[:2]
 
 
 def siconos() -> Iterator[Row]:
-    """Run a point mass with Moreau and Jean's scheme; rows of H are scaled by hand."""
+    """Run both scalings."""
     from siconos import kernel as sk
 
-    def run(scale):
-        body = sk.LagrangianLinearTIDS([0.0, 0.0, 0.0], [*LAUNCH, 0.0], MASS * np.eye(3))
-        body.setFExtPtr(np.array([0.0, 0.0, -MASS * GRAVITY]))
-        rows = np.array([[0.0, 0.0, 1.0], [scale[0], 0.0, 0.0], [0.0, scale[1], 0.0]])
-        contact = sk.Interaction(
-            sk.NewtonImpactFrictionNSL(0.0, 0.0, 0.5, 3), sk.LagrangianLinearTIR(rows)
-        )
-        model = sk.NonSmoothDynamicalSystem(0.0, TIME)
-        model.insertDynamicalSystem(body)
-        model.link(contact, body)
-        scheme, problem = sk.MoreauJeanOSI(0.5), sk.FrictionContact(3)
-        problem.numericsSolverOptions().dparam[0] = 1e-13
-        run = sk.TimeStepping(model, sk.TimeDiscretisation(0.0, STEP), scheme, problem)
-        for _ in range(round(TIME / STEP)):
-            run.computeOneStep()
-            run.nextStep()
-        return np.array(body.q())[:2], np.array(body.velocity())[:2]
-
     for scale in ((1.0, 1.0), (M1 / 0.5, M2 / 0.5)):
-        yield f"rows times {np.round(scale, 5)}", *run(scale)
+        law = sk.NewtonImpactFrictionNSL(0.0, 0.0, 0.5, 3)
+        run = point_of_siconos(law, np.diag(scale), LAUNCH)
+        yield f"rows times {np.round(scale, 5)}", *run
 
 
 def solve_nivp() -> Iterator[Row]:

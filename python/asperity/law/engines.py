@@ -288,6 +288,18 @@ def _exudyn(
     return Translation(reservoir, direction, report)
 
 
+def _ipctk(*, mu: float, mu_aniso: ArrayLike | None = None) -> Translation:
+    plain = _of_table("ipctk", mu=mu)
+    if mu_aniso is None:
+        return plain
+    scale = _two(mu_aniso, "mu_aniso")
+    direction = plain.reservoir if scale[0] == scale[1] else Ellipse(*np.sqrt(scale).tolist())
+    # Below eps_v of 1 mm/s half of the largest force is that of s with s(2 − s) = ½.
+    creep = 1e-3 * (1.0 - math.sqrt(_HALF)) / float(scale[0])
+    report = _report("ipctk", "isotropic", "scaled", words={"creep": creep}, creep=creep)
+    return Translation(plain.reservoir, direction, report.replace(end_error=plain.report.end_error))
+
+
 def _mujoco(
     *,
     friction: ArrayLike | None = None,
@@ -501,7 +513,6 @@ _TABLED = (
     "box2d",
     "chipmunk",
     "dart",
-    "ipctk",
     "jaxsim",
     "motrix",
     "newton",
@@ -553,6 +564,7 @@ ENGINES: dict[str, Callable[..., Translation]] = {
     "cardillo": _cardillo,
     "drake": _drake,
     "exudyn": _exudyn,
+    "ipctk": _ipctk,
     "mujoco": _mujoco,
     "ode": _ode,
     "pinocchio": _pinocchio,

@@ -145,6 +145,10 @@ def _two(a: float, b: float, _: float) -> dict[str, Any]:
     return {"mu_1": a, "mu_2": b}
 
 
+def _btrigidbody(a: float, b: float, _: float) -> dict[str, Any]:
+    return {"friction": a, "anisotropicFriction": (1.0, b / a, 1.0)}
+
+
 def _bullet(cone: bool, a: float, b: float, _: float) -> dict[str, Any]:
     factors = 1.0, b / a, 1.0
     return {"lateralFriction": a, "anisotropicFriction": factors, "enableConeFriction": cone}
@@ -187,6 +191,10 @@ def _ode(a: float, b: float, _: float) -> dict[str, Any]:
     return {"mu": a, "mu2": b}
 
 
+def _pyelastica(a: float, b: float, _: float) -> dict[str, Any]:
+    return {"kinetic_mu_array": (a, a, b)}
+
+
 def _rows(name: str, a: float, b: float, angle: float) -> dict[str, Any]:
     """Return the factor of the tangential rows whose law is an associated ellipse."""
     c, s = math.cos(angle), math.sin(angle)
@@ -198,6 +206,7 @@ _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "abaqus": (_Family(_two, sets=_ellipse),),
     # Of two coefficients its manual states the axes only.
     "ansys": (_Family(partial(_one, "MU"), sizes=1, sets=_disk),),
+    "btrigidbody": (_Family(_btrigidbody),),
     "bullet": tuple(_Family(partial(_bullet, cone)) for cone in (True, False)),
     "cardillo": tuple(_Family(partial(_cardillo, one)) for one in ("Moreau", "BackwardEuler")),
     "dart": (_Family(_dart, sizes=1), _Family(partial(_one, "mu"), sizes=1)),
@@ -207,7 +216,10 @@ _FAMILIES: dict[str, tuple[_Family, ...]] = {
     "mujoco": tuple(_Family(partial(_mujoco, cone)) for cone in ("elliptic", "pyramidal")),
     "newton": (_Family(_newton, sizes=1),),
     "ode": (_Family(_ode),),
+    "opensim": (_Family(partial(_one, "dynamic_friction"), sizes=1),),
+    "physx": (_Family(partial(_one, "dynamic_friction"), sizes=1),),
     "pinocchio": (_Family(partial(_rows, "S"), turns=True),),
+    "pyelastica": (_Family(_pyelastica),),
     "rapier": (_Family(partial(_one, "friction"), sizes=1),),
     "siconos": (_Family(partial(_rows, "H"), turns=True),),
     "yade": (_Family(lambda a, *_: {"frictionAngle": math.atan(a)}, sizes=1),),

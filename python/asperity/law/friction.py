@@ -404,7 +404,7 @@ class FrictionLaw(Questions):
                         discrete_contact_approximation
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone,
                         useLinearProportionalZone
-        ``ipctk``       mu
+        ``ipctk``       mu, mu_aniso (two factors of the slip)
         ``jaxsim``      mu
         ``motrix``      friction
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
