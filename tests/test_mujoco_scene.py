@@ -1,6 +1,11 @@
 """Contacts of MuJoCo models against rigid bodies of the library, closed forms and MuJoCo."""
 
+import copy
 import itertools
+import multiprocessing
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import asperity as asp
 import mujoco
@@ -375,6 +380,74 @@ def test_the_model_of_the_user_stays_as_it_is():
     assert bytes_of(model) == before
 
 
+def pickled(scene):
+    return pickle.loads(pickle.dumps(scene))
+
+
+LIFT = (
+    '<body name="hand" mocap="true" pos="0 0 .1"><geom name="hand" type="box" size=".1 .1 .01"/>'
+    '</body><body name="load" pos="0 0 .13"><freejoint/>'
+    '<geom name="load" type="box" size=".02 .02 .02"/></body>'
+)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickled])
+def test_copies_do_what_the_original_does_with_other_data(copied):
+    """They have laws and options of their own, and forget the percussions and the mocap bodies."""
+    model = model_of(LIFT)
+    grooved = PairLaw(LAWS["ellipse"], axis=(0.0, 1.0, 0.0), carried_by="load")
+    options = {"normal_restitution": 0.3, "on_failure": "record", "tolerance": 1e-9}
+    scene = Scene(model, {("hand", "load"): grooved}, solver=asp.Exact(), **options)
+    data = mujoco.MjData(model)
+    data.qvel[:2] = 1.0, 0.5
+    scene.simulate(data, t_end=0.01)
+    again, own = copied(scene), copy.copy(data)
+    assert repr(again) == repr(scene)
+    assert again.problem(own).laws == scene.problem(copy.copy(data)).laws
+    theirs = copy.copy(data)
+    for _ in range(20):
+        again.step(own)
+        scene.step(theirs)
+        assert np.array_equal(own.qpos, theirs.qpos)
+        assert np.array_equal(own.efc_force, theirs.efc_force)
+    scene.simulate(data, t_end=0.02)
+    data.mocap_pos[0, 2] += 1e-4
+    own = copy.copy(data)
+    with pytest.raises(asp.ParameterError, match=r"contact of 'hand' and 'load' by 0\.0001"):
+        copied(scene).step(own)
+    assert scene.step(data).solution.converged
+    assert data.qvel[2] > 0.05
+
+
+def end_of(scene, speed, model):
+    data = mujoco.MjData(model)
+    data.qvel[0] = speed
+    return scene.simulate(data, t_end=0.02), scene.contacts(data)
+
+
+def test_scenes_and_their_runs_go_to_other_processes():
+    model = box()
+    scene, speeds = Scene(model, {("floor", "box"): HALF_LOAD}), (0.3, 1.0)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        there = list(pool.map(partial(end_of, scene, model=model), speeds))
+    for speed, (run, contacts) in zip(speeds, there, strict=True):
+        own, here = end_of(scene, speed, model)
+        assert np.array_equal(run.qpos, own.qpos)
+        assert [c.geoms for c in contacts] == [c.geoms for c in here]
+
+
+def test_changes_of_the_model_of_the_user_come_too_late():
+    """Also where the scene looks at it later, as for the dimension of a new contact."""
+    model, changed = box(height=0.03), box(height=0.03)
+    scenes = [Scene(m, normal_restitution=0.2) for m in (model, changed)]
+    changed.geom_condim[:], changed.geom_gap[:], changed.opt.gravity[2] = 1, 0.01, -1.0
+    ours, theirs = (mujoco.MjData(m) for m in (model, changed))
+    for scene, data in zip(scenes, (ours, theirs), strict=True):
+        data.qvel[0] = 1.0
+        scene.simulate(data, t_end=0.1)
+    assert np.array_equal(ours.qpos, theirs.qpos)
+
+
 GLUE = '<actuator><adhesion body="body" gain="1" ctrlrange="0 9"/></actuator>'
 
 
@@ -715,6 +788,20 @@ def test_inadmissible_starts_are_refused_or_projected_with_a_report():
     other = mujoco.MjData(model)
     Scene(model, starts="project").step(other)
     np.testing.assert_allclose(other.qpos, data.qpos, atol=1e-12)
+
+
+@pytest.mark.parametrize("degrees", [60.0, 89.0, 89.9])
+def test_projections_do_not_leap_where_a_small_change_helps(degrees):
+    """A pendulum that points into the floor: its tip hardly moves up, by the linearised gap."""
+    model = model_of(
+        '<geom type="plane" size="5 5 .1" pos="0 0 -.5"/><body>'
+        '<joint axis="0 -1 0" range="-100 100"/><geom size=".01" pos="1 0 0"/></body>'
+    )
+    data = mujoco.MjData(model)
+    data.qpos[0] = -np.deg2rad(degrees)
+    Scene(model).project(data)
+    assert -1.0 < data.qpos[0] < np.deg2rad(100.0) + 1e-9
+    assert np.sin(data.qpos[0]) > -0.49 - 1e-9
 
 
 def test_a_failure_leaves_the_state_as_it_was():

@@ -29,8 +29,10 @@ class RowsModel:
 
     def __init__(self, model: mujoco.MjModel, *, ignore_rolling: bool) -> None:
         self.mj = extras.library("mujoco")
-        self.user = arrays.of_kind(model, "model", self.mj.MjModel, "a mujoco.MjModel")
-        self.model = m = copy.copy(model)
+        self.given = arrays.of_kind(model, "model", self.mj.MjModel, "a mujoco.MjModel")
+        # As it is now: what the user changes later must not reach some parts and others not.
+        self.user, self.model = copy.copy(model), copy.copy(model)
+        m = self.model
         _refuse(self.mj, m, ignore_rolling)
         disable, enable = self.mj.mjtDisableBit, self.mj.mjtEnableBit
         m.opt.cone = self.mj.mjtCone.mjCONE_ELLIPTIC
@@ -126,7 +128,7 @@ class RowsModel:
         arrays.of_kind(data, "data", self.mj.MjData, "a mujoco.MjData")
         m = data.model
         is_same = data.nbuffer == self.buffer
-        if not (is_same and (m is self.user or self._saved(m) == self._saved(self.user))):
+        if not (is_same and (m is self.given or self._saved(m) == self._saved(self.user))):
             raise ParameterError("data", "must be that of the scene's model, not of another")
         if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
             raise ParameterError("data", "must have finite qpos and qvel")

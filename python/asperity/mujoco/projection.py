@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import mujoco
 
 _TOLERANCE = 1e-10
+# Of a change that are tried.
+_PARTS = 0.5 ** np.arange(10)
 _NONE = np.zeros(0)
 
 
@@ -76,7 +78,6 @@ class Projector:
         for _ in range(count):
             if self._worst <= self._exact or not self._move():
                 break
-            self._look()
         return first, self._worst
 
     def level(self, velocity: Array) -> Array:
@@ -150,14 +151,26 @@ class Projector:
             self._worst = max(self.depth, float(self._errors.max()))
 
     def _move(self) -> bool:
-        """Move to where the linearised rows hold; return whether there is such a place."""
-        ahead = self.data
+        """Move to where the linearised rows hold, or towards it; return whether less is violated.
+
+        Violations decrease along the change at first: of a change that is too large, a part helps.
+        """
+        ahead, worst, start = self.data, self._worst, self.data.qpos.copy()
         self._factor()
         # What is as near as the others are violated may close.
         equalities = ahead.efc_pos[: ahead.ne] if ahead.ne else _NONE
         change = self.reader.stepper.close(equalities, self._worst, _TOLERANCE)
-        self._mj.mj_integratePos(self._model.model, ahead.qpos, change, 1.0)
-        return bool(change.any())
+        if not change.any():
+            return False
+        for part in _PARTS:
+            ahead.qpos[:] = start
+            self._mj.mj_integratePos(self._model.model, ahead.qpos, change, part)
+            self._look()
+            if self._worst < worst:
+                return True
+        ahead.qpos[:] = start
+        self._look()
+        return False
 
     def _factor(self) -> None:
         m, ahead = self._model.model, self.data
