@@ -473,18 +473,53 @@ def test_adhesion_adds_to_the_friction_of_a_box():
     assert abs(data.qvel[0] - (1.0 - 0.02 * deceleration)) < 1e-8
 
 
+# Pulls at every contact: of geoms, which add up or have a priority, and of a pair.
+STICKY = [
+    ('adhesion="0.1"', 'adhesion="0.2"', "", 0.3),
+    ('adhesion="0.1" priority="1"', 'adhesion="0.2"', "", 0.1),
+    ("", 'adhesion="0.2"', '<pair geom1="floor" geom2="box" adhesion="0.4" condim="3"/>', 0.4),
+]
+
+
+@pytest.mark.parametrize(("floor", "geom", "pair", "pull"), STICKY)
+def test_adhesion_of_geoms_adds_to_the_friction_of_a_box(floor, geom, pair, pull):
+    more = f"<contact>{pair}</contact>"
+    model = box(floor=floor, geom=geom, more=more)
+    data, theirs = mujoco.MjData(model), mujoco.MjData(model)
+    law = asp.FrictionLaw.isotropic(0.5)
+    data.qvel[0], scene = 2.0, Scene(model, {("floor", "box"): law})
+    scene.simulate(data, t_end=0.02)
+    assert abs(data.qvel[0] - (2.0 - 0.02 * 0.5 * (GRAVITY + 4.0 * pull / 0.018))) < 1e-8
+    mujoco.mj_forward(model, theirs)
+    np.testing.assert_allclose(data.qfrc_passive, theirs.qfrc_passive, atol=1e-12)
+
+
+@pytest.mark.parametrize(("pull", "holds"), [(1.001, True), (0.999, False)])
+def test_adhesion_of_a_geom_holds_a_ball_below_a_ceiling(pull, holds):
+    model = model_of(
+        '<geom type="plane" size="1 1 .1" pos="0 0 1" zaxis="0 0 -1"/>'
+        '<body pos="0 0 .9"><freejoint/>'
+        f'<geom size=".1" mass="1" adhesion="{pull * GRAVITY}"/></body>'
+    )
+    data = mujoco.MjData(model)
+    Scene(model).simulate(data, t_end=0.2)
+    assert (abs(data.qvel[2]) < 1e-9) == holds
+
+
 @pytest.mark.parametrize("gaps", [(0.0, 0.001), (0.001, 0.001)])
 @pytest.mark.parametrize("margins", [(0.0, 0.0), (0.001, 0.002)])
 def test_adhesion_reaches_as_far_as_that_of_mujoco(gaps, margins):
     for part in (0.9, 1.1):
         floor, geom = (f'gap="{g}" margin="{m}"' for g, m in zip(gaps, margins, strict=True))
         height = DISK[2] + sum(margins) + part * sum(gaps)
-        model = box(floor=floor, geom=geom, more=GLUE, height=height)
+        model = box(floor=floor, geom=f'{geom} adhesion="0.2"', more=GLUE, height=height)
         ours, theirs = mujoco.MjData(model), mujoco.MjData(model)
         ours.ctrl[:] = theirs.ctrl[:] = 1.0
         mujoco.mj_forward(model, theirs)
         Scene(model).step(ours)
         np.testing.assert_allclose(ours.qfrc_actuator, theirs.qfrc_actuator, atol=1e-9)
+        np.testing.assert_allclose(ours.qfrc_passive, theirs.qfrc_passive, atol=1e-9)
+        assert theirs.qfrc_passive.any() == (part < 1.0)
 
 
 def test_what_has_no_rigid_rows_is_refused_by_name():
@@ -492,8 +527,6 @@ def test_what_has_no_rigid_rows_is_refused_by_name():
     with pytest.raises(asp.ParameterError, match=r"condim 6\) at geom 'box'"):
         Scene(rolling)
     assert Scene(rolling, rolling="ignore").step(mujoco.MjData(rolling)).solution.converged
-    with pytest.raises(asp.ParameterError, match="adhesion of geom 'box'"):
-        Scene(box(geom='adhesion="1"'))
     rolling.opt.timestep = 0.0
     with pytest.raises(asp.ParameterError, match="positive timestep, has 0"):
         Scene(rolling)

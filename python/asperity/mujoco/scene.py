@@ -86,8 +86,8 @@ class Scene:
         tolerance: largest relative defect of a contact.
 
     Raises:
-        ParameterError: naming the argument, the flex, adhesion or rolling friction of a model, or
-            the name that the model does not have.
+        ParameterError: naming the argument, the flex or rolling friction of a model, or the name
+            that the model does not have.
         ModuleNotFoundError: without mujoco.
 
     Reference: [WL19] (19), (55); J. J. Moreau (1988).
