@@ -1,6 +1,11 @@
 """Contacts of MuJoCo models against rigid bodies of the library, closed forms and MuJoCo."""
 
+import copy
 import itertools
+import multiprocessing
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import asperity as asp
 import mujoco
@@ -375,6 +380,74 @@ def test_the_model_of_the_user_stays_as_it_is():
     assert bytes_of(model) == before
 
 
+def pickled(scene):
+    return pickle.loads(pickle.dumps(scene))
+
+
+LIFT = (
+    '<body name="hand" mocap="true" pos="0 0 .1"><geom name="hand" type="box" size=".1 .1 .01"/>'
+    '</body><body name="load" pos="0 0 .13"><freejoint/>'
+    '<geom name="load" type="box" size=".02 .02 .02"/></body>'
+)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickled])
+def test_copies_do_what_the_original_does_with_other_data(copied):
+    """They have laws and options of their own, and forget the percussions and the mocap bodies."""
+    model = model_of(LIFT)
+    grooved = PairLaw(LAWS["ellipse"], axis=(0.0, 1.0, 0.0), carried_by="load")
+    options = {"normal_restitution": 0.3, "on_failure": "record", "tolerance": 1e-9}
+    scene = Scene(model, {("hand", "load"): grooved}, solver=asp.Exact(), **options)
+    data = mujoco.MjData(model)
+    data.qvel[:2] = 1.0, 0.5
+    scene.simulate(data, t_end=0.01)
+    again, own = copied(scene), copy.copy(data)
+    assert repr(again) == repr(scene)
+    assert again.problem(own).laws == scene.problem(copy.copy(data)).laws
+    theirs = copy.copy(data)
+    for _ in range(20):
+        again.step(own)
+        scene.step(theirs)
+        assert np.array_equal(own.qpos, theirs.qpos)
+        assert np.array_equal(own.efc_force, theirs.efc_force)
+    scene.simulate(data, t_end=0.02)
+    data.mocap_pos[0, 2] += 1e-4
+    own = copy.copy(data)
+    with pytest.raises(asp.ParameterError, match=r"contact of 'hand' and 'load' by 0\.0001"):
+        copied(scene).step(own)
+    assert scene.step(data).solution.converged
+    assert data.qvel[2] > 0.05
+
+
+def end_of(scene, speed, model):
+    data = mujoco.MjData(model)
+    data.qvel[0] = speed
+    return scene.simulate(data, t_end=0.02), scene.contacts(data)
+
+
+def test_scenes_and_their_runs_go_to_other_processes():
+    model = box()
+    scene, speeds = Scene(model, {("floor", "box"): HALF_LOAD}), (0.3, 1.0)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        there = list(pool.map(partial(end_of, scene, model=model), speeds))
+    for speed, (run, contacts) in zip(speeds, there, strict=True):
+        own, here = end_of(scene, speed, model)
+        assert np.array_equal(run.qpos, own.qpos)
+        assert [c.geoms for c in contacts] == [c.geoms for c in here]
+
+
+def test_changes_of_the_model_of_the_user_come_too_late():
+    """Also where the scene looks at it later, as for the dimension of a new contact."""
+    model, changed = box(height=0.03), box(height=0.03)
+    scenes = [Scene(m, normal_restitution=0.2) for m in (model, changed)]
+    changed.geom_condim[:], changed.geom_gap[:], changed.opt.gravity[2] = 1, 0.01, -1.0
+    ours, theirs = (mujoco.MjData(m) for m in (model, changed))
+    for scene, data in zip(scenes, (ours, theirs), strict=True):
+        data.qvel[0] = 1.0
+        scene.simulate(data, t_end=0.1)
+    assert np.array_equal(ours.qpos, theirs.qpos)
+
+
 GLUE = '<actuator><adhesion body="body" gain="1" ctrlrange="0 9"/></actuator>'
 
 
@@ -400,18 +473,53 @@ def test_adhesion_adds_to_the_friction_of_a_box():
     assert abs(data.qvel[0] - (1.0 - 0.02 * deceleration)) < 1e-8
 
 
+# Pulls at every contact: of geoms, which add up or have a priority, and of a pair.
+STICKY = [
+    ('adhesion="0.1"', 'adhesion="0.2"', "", 0.3),
+    ('adhesion="0.1" priority="1"', 'adhesion="0.2"', "", 0.1),
+    ("", 'adhesion="0.2"', '<pair geom1="floor" geom2="box" adhesion="0.4" condim="3"/>', 0.4),
+]
+
+
+@pytest.mark.parametrize(("floor", "geom", "pair", "pull"), STICKY)
+def test_adhesion_of_geoms_adds_to_the_friction_of_a_box(floor, geom, pair, pull):
+    more = f"<contact>{pair}</contact>"
+    model = box(floor=floor, geom=geom, more=more)
+    data, theirs = mujoco.MjData(model), mujoco.MjData(model)
+    law = asp.FrictionLaw.isotropic(0.5)
+    data.qvel[0], scene = 2.0, Scene(model, {("floor", "box"): law})
+    scene.simulate(data, t_end=0.02)
+    assert abs(data.qvel[0] - (2.0 - 0.02 * 0.5 * (GRAVITY + 4.0 * pull / 0.018))) < 1e-8
+    mujoco.mj_forward(model, theirs)
+    np.testing.assert_allclose(data.qfrc_passive, theirs.qfrc_passive, atol=1e-12)
+
+
+@pytest.mark.parametrize(("pull", "holds"), [(1.001, True), (0.999, False)])
+def test_adhesion_of_a_geom_holds_a_ball_below_a_ceiling(pull, holds):
+    model = model_of(
+        '<geom type="plane" size="1 1 .1" pos="0 0 1" zaxis="0 0 -1"/>'
+        '<body pos="0 0 .9"><freejoint/>'
+        f'<geom size=".1" mass="1" adhesion="{pull * GRAVITY}"/></body>'
+    )
+    data = mujoco.MjData(model)
+    Scene(model).simulate(data, t_end=0.2)
+    assert (abs(data.qvel[2]) < 1e-9) == holds
+
+
 @pytest.mark.parametrize("gaps", [(0.0, 0.001), (0.001, 0.001)])
 @pytest.mark.parametrize("margins", [(0.0, 0.0), (0.001, 0.002)])
 def test_adhesion_reaches_as_far_as_that_of_mujoco(gaps, margins):
     for part in (0.9, 1.1):
         floor, geom = (f'gap="{g}" margin="{m}"' for g, m in zip(gaps, margins, strict=True))
         height = DISK[2] + sum(margins) + part * sum(gaps)
-        model = box(floor=floor, geom=geom, more=GLUE, height=height)
+        model = box(floor=floor, geom=f'{geom} adhesion="0.2"', more=GLUE, height=height)
         ours, theirs = mujoco.MjData(model), mujoco.MjData(model)
         ours.ctrl[:] = theirs.ctrl[:] = 1.0
         mujoco.mj_forward(model, theirs)
         Scene(model).step(ours)
         np.testing.assert_allclose(ours.qfrc_actuator, theirs.qfrc_actuator, atol=1e-9)
+        np.testing.assert_allclose(ours.qfrc_passive, theirs.qfrc_passive, atol=1e-9)
+        assert theirs.qfrc_passive.any() == (part < 1.0)
 
 
 def test_what_has_no_rigid_rows_is_refused_by_name():
@@ -419,8 +527,6 @@ def test_what_has_no_rigid_rows_is_refused_by_name():
     with pytest.raises(asp.ParameterError, match=r"condim 6\) at geom 'box'"):
         Scene(rolling)
     assert Scene(rolling, rolling="ignore").step(mujoco.MjData(rolling)).solution.converged
-    with pytest.raises(asp.ParameterError, match="adhesion of geom 'box'"):
-        Scene(box(geom='adhesion="1"'))
     rolling.opt.timestep = 0.0
     with pytest.raises(asp.ParameterError, match="positive timestep, has 0"):
         Scene(rolling)
@@ -715,6 +821,21 @@ def test_inadmissible_starts_are_refused_or_projected_with_a_report():
     other = mujoco.MjData(model)
     Scene(model, starts="project").step(other)
     np.testing.assert_allclose(other.qpos, data.qpos, atol=1e-12)
+
+
+@pytest.mark.parametrize("degrees", [(-69.45, -0.51), (-76.14, 10.71), (-64.63, 2.12)])
+def test_projections_take_a_part_of_a_change_that_leads_nowhere(degrees):
+    """An arm that points into the floor, where gaps are far from linear."""
+    link = '<joint axis="0 -1 0" range="-100 100"/><geom type="capsule" fromto="0 0 0 .5 0 0"'
+    model = model_of(
+        f'<geom type="plane" size="5 5 .1" pos="0 0 -.5"/><body>{link} size=".01"/>'
+        f'<body pos=".5 0 0">{link} size=".01"/></body></body>'
+    )
+    data = mujoco.MjData(model)
+    data.qpos[:] = np.deg2rad(degrees)
+    assert Scene(model).project(data).moved < 2.0
+    first, second = data.qpos
+    assert 0.5 * min(np.sin(first), np.sin(first) + np.sin(first + second)) > -0.49 - 1e-6
 
 
 def test_a_failure_leaves_the_state_as_it_was():

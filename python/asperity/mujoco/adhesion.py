@@ -1,4 +1,4 @@
-"""Adhesion by actuators: the force of each is shared by what its body touches."""
+"""Adhesion: of geoms, a force at every contact; by actuators, shared by what their body touches."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ if TYPE_CHECKING:
 
 
 class Adhesion:
-    """Forces of adhesion actuators on a state.
+    """Forces of adhesion on a state.
 
     The force f of an actuator pulls along the mean of the normals of the contacts of its body,
-    −f/n Σ J_N. MuJoCo takes every contact that it has found, which are many more here.
+    −f/n Σ J_N, that of geoms and pairs at every contact, −f J_N. MuJoCo takes every contact that
+    it has found, which are many more here.
     """
 
     def __init__(self, rows: RowsModel, near: float) -> None:
@@ -32,9 +33,10 @@ class Adhesion:
             for actuator in np.flatnonzero(kinds).tolist()
         }
         self._moments = np.zeros((len(self._bodies), m.nv))
+        self._is_any = bool(self._bodies or m.flg_adhesion)
 
     def __bool__(self) -> bool:
-        return bool(self._bodies)
+        return self._is_any
 
     def look(self, data: mujoco.MjData) -> None:
         """Find what bodies touch, up to gaps within which the user's model pulls."""
@@ -46,6 +48,9 @@ class Adhesion:
             if contact.dist - contact.includemargin + self._rows.detection
             <= self._near + self._rows.gap(*contact.geom.tolist())
         ]
+        if m.flg_adhesion:
+            for contact, _ in touching:
+                contact.adhesion = self._rows.adhesion(*contact.geom.tolist())
         for moment, body in zip(self._moments, self._bodies.values(), strict=True):
             own = [(contact, bodies) for contact, bodies in touching if body in bodies]
             for contact, (first, second) in own:

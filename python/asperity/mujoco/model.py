@@ -29,8 +29,10 @@ class RowsModel:
 
     def __init__(self, model: mujoco.MjModel, *, ignore_rolling: bool) -> None:
         self.mj = extras.library("mujoco")
-        self.user = arrays.of_kind(model, "model", self.mj.MjModel, "a mujoco.MjModel")
-        self.model = m = copy.copy(model)
+        self.given = arrays.of_kind(model, "model", self.mj.MjModel, "a mujoco.MjModel")
+        # As it is now: what the user changes later must not reach some parts and others not.
+        self.user, self.model = copy.copy(model), copy.copy(model)
+        m = self.model
         _refuse(self.mj, m, ignore_rolling)
         disable, enable = self.mj.mjtDisableBit, self.mj.mjtEnableBit
         m.opt.cone = self.mj.mjtCone.mjCONE_ELLIPTIC
@@ -42,6 +44,9 @@ class RowsModel:
             m.opt.enableflags &= ~int(flag)
         m.geom_condim[m.geom_condim == _ROLLING] = 4
         m.pair_dim[m.pair_dim == _ROLLING] = 4
+        # Contacts in a gap would have one row for it.
+        m.geom_adhesion[:] = 0.0
+        m.pair_adhesion[:] = 0.0
         m.jnt_margin[:] = _FAR
         m.tendon_margin[:] = _FAR
         self.buffer = self.mj.MjData(m).nbuffer
@@ -104,13 +109,20 @@ class RowsModel:
         """Return the dimension of the contacts of two geoms in the user's model."""
         m, pair = self.user, self._pairs.get(frozenset((first, second)))
         if pair is not None:
-            dimension = m.pair_dim[pair]
-        elif m.geom_priority[first] != m.geom_priority[second]:
-            winner = first if m.geom_priority[first] > m.geom_priority[second] else second
-            dimension = m.geom_condim[winner]
-        else:
-            dimension = max(m.geom_condim[first], m.geom_condim[second])
-        return min(int(dimension), 4)
+            return min(int(m.pair_dim[pair]), 4)
+        return min(int(m.geom_condim[self._winners(first, second)].max()), 4)
+
+    def adhesion(self, first: int, second: int) -> float:
+        """Return the force in N with which two geoms attract each other at each contact."""
+        m, pair = self.user, self._pairs.get(frozenset((first, second)))
+        if pair is not None:
+            return float(m.pair_adhesion[pair])
+        return float(m.geom_adhesion[self._winners(first, second)].sum())
+
+    def _winners(self, first: int, second: int) -> list[int]:
+        """Return the geom of higher priority, or both."""
+        one, other = self.user.geom_priority[[first, second]]
+        return [first, second] if one == other else [first if one > other else second]
 
     def raise_condim(self, geoms: set[int], dimension: int) -> None:
         """Have MuJoCo make at least as many rows for contacts of these geoms."""
@@ -126,7 +138,7 @@ class RowsModel:
         arrays.of_kind(data, "data", self.mj.MjData, "a mujoco.MjData")
         m = data.model
         is_same = data.nbuffer == self.buffer
-        if not (is_same and (m is self.user or self._saved(m) == self._saved(self.user))):
+        if not (is_same and (m is self.given or self._saved(m) == self._saved(self.user))):
             raise ParameterError("data", "must be that of the scene's model, not of another")
         if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
             raise ParameterError("data", "must have finite qpos and qvel")
@@ -231,10 +243,6 @@ def _refuse(mj: ModuleType, m: mujoco.MjModel, ignore_rolling: bool) -> None:
         )
     if int(m.opt.enableflags) & int(mj.mjtEnableBit.mjENBL_OVERRIDE):
         raise ParameterError("model", "overrides the parameters of its contacts: turn override off")
-    if m.flg_adhesion:
-        geoms = np.flatnonzero(m.geom_adhesion).tolist()
-        of = f" of geom {_geom_name(m, geoms[0])!r}" if geoms else " of a pair"
-        raise ParameterError("model", f"has adhesion{of}: an adhesion actuator has it in a Scene")
     pairs = [frozenset(pair) for pair in zip(m.pair_geom1, m.pair_geom2, strict=True)]
     if len(set(pairs)) < len(pairs):
         twice = next(pair for pair in pairs if pairs.count(pair) > 1)

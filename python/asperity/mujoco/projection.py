@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import mujoco
 
 _TOLERANCE = 1e-10
+# Of a change that are tried; parts of it where the whole leads nowhere.
+_WHOLE, _PARTS = (1.0,), tuple(0.5**k for k in range(10))
 _NONE = np.zeros(0)
 
 
@@ -72,11 +74,16 @@ class Projector:
 
     def settle(self, count: int) -> tuple[float, float]:
         """Project up to `count` times; return the largest violation before and after."""
-        first = self._worst
-        for _ in range(count):
-            if self._worst <= self._exact or not self._move():
+        first, start = self._worst, self.data.qpos.copy()
+        for parts in (_WHOLE, _PARTS):
+            if parts is _PARTS and count:
+                self.data.qpos[:] = start
+                self._look()
+            for _ in range(count):
+                if self._worst <= self._exact or not self._move(parts):
+                    break
+            if self._worst <= self._exact:
                 break
-            self._look()
         return first, self._worst
 
     def level(self, velocity: Array) -> Array:
@@ -149,15 +156,25 @@ class Projector:
             self._errors = np.abs(ahead.efc_pos[: ahead.ne]) * self.reader.stepper.moves()
             self._worst = max(self.depth, float(self._errors.max()))
 
-    def _move(self) -> bool:
-        """Move to where the linearised rows hold; return whether there is such a place."""
-        ahead = self.data
+    def _move(self, parts: tuple[float, ...]) -> bool:
+        """Move towards where the linearised rows hold; return whether there is such a place.
+
+        Violations decrease along the change at first: of the parts, the first that helps is taken.
+        """
+        ahead, worst, start = self.data, self._worst, self.data.qpos.copy()
         self._factor()
         # What is as near as the others are violated may close.
         equalities = ahead.efc_pos[: ahead.ne] if ahead.ne else _NONE
         change = self.reader.stepper.close(equalities, self._worst, _TOLERANCE)
-        self._mj.mj_integratePos(self._model.model, ahead.qpos, change, 1.0)
-        return bool(change.any())
+        if not change.any():
+            return False
+        for part in parts:
+            ahead.qpos[:] = start
+            self._mj.mj_integratePos(self._model.model, ahead.qpos, change, part)
+            self._look()
+            if self._worst < worst:
+                break
+        return True
 
     def _factor(self) -> None:
         m, ahead = self._model.model, self.data

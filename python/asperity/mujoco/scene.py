@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,9 @@ class Scene:
     (``efc_force``, ``qacc``, ``cfrc_ext`` by ``mj_rnePostConstraint``, sensors) are those of its
     midpoint. Contacts nearby are listed, too.
 
+    Copies, by pickle too, do not remember the steps before: they begin as a scene does with other
+    data, with mocap bodies at rest.
+
     Args:
         model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
         laws: by pairs of names of geoms or bodies, and ``"default"``: a `FrictionLaw`, whose first
@@ -82,8 +86,8 @@ class Scene:
         tolerance: largest relative defect of a contact.
 
     Raises:
-        ParameterError: naming the argument, the flex, adhesion or rolling friction of a model, or
-            the name that the model does not have.
+        ParameterError: naming the argument, the flex or rolling friction of a model, or the name
+            that the model does not have.
         ModuleNotFoundError: without mujoco.
 
     Reference: [WL19] (19), (55); J. J. Moreau (1988).
@@ -123,6 +127,16 @@ class Scene:
         self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
         self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
         self._laws = PairLaws(rows, laws, arrays.fraction(normal_restitution, "normal_restitution"))
+        self._made = partial(
+            Scene,
+            laws=None if laws is None else dict(laws),
+            starts=starts,
+            normal_restitution=normal_restitution,
+            rolling=rolling,
+            on_failure=on_failure,
+            solver=solver,
+            tolerance=tolerance,
+        )
         self._reader = Reader(rows, self._laws, solver)
         self._tolerance = arrays.positive(tolerance, "tolerance")
         self._extent = float(model.stat.extent)
@@ -148,6 +162,9 @@ class Scene:
         self._cones = int(cones.mjCONE_PYRAMIDAL), int(cones.mjCONE_ELLIPTIC)
         self._is_pyramidal = model.opt.cone == cones.mjCONE_PYRAMIDAL
         self._has_energy = bool(m.opt.enableflags & int(enable.mjENBL_ENERGY))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._made, (self._rows.user,)
 
     @property
     def dt(self) -> float:
@@ -180,7 +197,7 @@ class Scene:
             start = self._guided(data, v, is_new=is_new)
             control = self._mj.get_mjcb_control()
             if control is not None:
-                control(self._rows.user, data)
+                control(data.model, data)
             found, solution = self._advance(data, q, v, start)
             guided = self._reader.guidance is not None
             # Where hands crush what is between them, the nearest place for it is far away.
