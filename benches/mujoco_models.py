@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from asperity import ParameterError
+from asperity import ConvergenceError, ParameterError
 from asperity.mujoco import Scene
 
 FOLDERS = {"gymnasium": "envs/mujoco/assets", "dm_control": "suite"}
@@ -150,14 +150,14 @@ def main():
         for path in files:
             if options.models and path.stem not in options.models:
                 continue
-            try:
-                runs = [
-                    run(path, seconds=options.seconds, seed=seed) for seed in range(options.seeds)
-                ]
-            except (ParameterError, ValueError) as error:
-                print(f"| {package} {path.stem} | {error} |", flush=True)
-                continue
-            print(_row(f"{package} {path.stem}", runs), flush=True)
+            name, runs = f"{package} {path.stem}", []
+            for seed in range(options.seeds):
+                try:
+                    runs.append(run(path, seconds=options.seconds, seed=seed))
+                except (ConvergenceError, ParameterError, ValueError) as error:
+                    print(f"| {name}, seed {seed} | {error} |", flush=True)
+            if runs:
+                print(_row(name, runs), flush=True)
     return 0
 
 
