@@ -77,13 +77,14 @@ impl Integration<'_> {
     }
 
     /// The time at which the gap itself closes, of an impact at `at`, to which the step has been made. Detection allows an
-    /// overlap that rounding explains: a body that rocks to rest would get back in every impact what it is worth.
+    /// overlap that rounding explains: a body that rocks to rest would get back in every impact what it is worth. Flights of
+    /// which the overlap is most are rounding themselves.
     fn at_zero_gap(&mut self, number: usize, at: f64) -> Result<f64, StateError> {
         let free = self.dynamics.contacts.get(number).filter(|contact| contact.is_free());
         let Some(overlap) = free.map(|contact| -contact.gap) else { return Ok(at) };
         let approach = -self.dynamics.velocity(ROWS * number, self.probe.end(&self.probe.u));
         let late = overlap / approach;
-        if overlap > 0.0 && late > UNRESOLVED_TIME * self.options.t_end && late < at {
+        if overlap > 0.0 && late > UNRESOLVED_TIME * self.options.t_end && late < 0.5 * at {
             self.solve_to(at - late)?;
             return Ok(at - late);
         }
