@@ -125,6 +125,9 @@ def test_a_file_whose_operator_is_another_one_is_refused(tmp_path):
         np.savez(tmp_path / "wrong.npz", **{**parts, name: 1.01 * parts[name]})
         with pytest.raises(ParameterError, match="must be what bilateral rows leave"):
             ContactProblem.load(tmp_path / "wrong.npz")
+    np.savez(tmp_path / "wrong.npz", **{k: v for k, v in parts.items() if not k.startswith("M_")})
+    with pytest.raises(ParameterError, match="must come with the bodies"):
+        ContactProblem.load(tmp_path / "wrong.npz")
 
 
 def test_joints_of_other_engines_are_read(tmp_path):
@@ -209,8 +212,13 @@ def test_islands_remain_islands():
         ({"bilateral": np.eye(2)}, "bilateral", r"\(3, n\)|shape"),
         ({"bilateral_velocity": [0.0]}, "bilateral_velocity", "shape"),
         ({"delassus": np.eye(3)}, "delassus", "left out with bilateral"),
-        ({"bilateral_velocity": [1.0, 2.1]}, "bilateral_velocity", r"0\.05 m/s of row 1"),
+        (
+            {"bilateral_velocity": [1.0, 2.1]},
+            "bilateral_velocity",
+            r"0\.05 \(m/s or rad/s\) of row 1",
+        ),
         ({"bilateral": np.eye(3)[:, :1]}, "directions", "bilateral rows hold row 0"),
+        ({"directions": np.diag([1.0, 0.0, 1.0])}, "directions", "row 1 moves nothing"),
         ({"bilateral": [[np.nan], [0.0], [1.0]]}, "bilateral", "finite"),
     ],
 )

@@ -525,6 +525,18 @@ def test_forces_of_no_constraints_and_of_other_systems():
         linear(LINE)[0].constraint_forces(motion)
     with pytest.raises(asp.ParameterError, match="trajectory: must be a Trajectory or a Motion"):
         Pendulum().constraint_forces(3)
+    held = asp.LinearSystem(np.ones(2), constraint_rows=[[1.0, 0.0]])
+    with pytest.raises(asp.ParameterError, match="trajectory: must be a Trajectory of simulate"):
+        held.constraint_forces(asp.integrate(free, t_end=1.0))
+
+
+def test_rows_of_a_copy_need_no_constants_where_there_were_none():
+    held = asp.LinearSystem(np.ones(3), constraint_rows=[[1.0, 0.0, 0.0]])
+    assert held.replace(constraint_rows=np.eye(3)[:2]).constraint.tolist() == [0.0, 0.0]
+    with pytest.raises(asp.ParameterError, match="constraint_rows: must be a rectangular array"):
+        held.replace(constraint_rows=[[1.0, 0.0], [1.0]])
+    with pytest.raises(asp.DimensionError, match="constraint_rows: must have 1 row, as constraint"):
+        held.replace(constraint=[0.5]).replace(constraint_rows=np.eye(3)[:2])
 
 
 @pytest.mark.parametrize(

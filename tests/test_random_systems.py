@@ -168,8 +168,8 @@ KNOWN = {
     # every step takes for one. 3622 meets four feet at once, which steps do one by one. 9850 and
     # 893 are not looked into.
     "apart": {893, 3622, 4041, 5900, 9835, 9850},
-    # 8660: sectors of slip are halved down to 1e-6. 6023 and 8277: steps of `integrate` fail however
-    # short they are. 7437 is not looked into.
+    # 8660: sectors of slip are halved down to 1e-6. 6023 and 8277: steps of `integrate` fail
+    # however short they are. 7437 is not looked into.
     "unsolved": {6023, 7437, 8277, 8660},
     # 5263: two hinges, 6051, 8502 and 8700: feet that repeat each other: `simulate` goes on and
     # marks its steps as ambiguous. 3033: steps of `integrate` fail however short they are.

@@ -92,8 +92,8 @@ def eliminated(
         if left[worst] > _DRIFT * reach[worst] + _ROUNDED * np.abs(velocity).max():
             raise ParameterError(
                 "bilateral_velocity",
-                f"must not contradict itself: {left[worst]:.3g} m/s of row {rows[worst]} are left, "
-                "whatever the percussions",
+                f"must not contradict itself: {left[worst]:.3g} (m/s or rad/s) of row {rows[worst]} "
+                "are left, whatever the percussions",
             )
         places = np.meshgrid(first + np.arange(len(values)), rows, indexing="ij")
         parts.append((values.ravel(), places[0].ravel(), places[1].ravel()))
@@ -106,6 +106,9 @@ def eliminated(
     whole = operator.assembled(mass.tocsr(), contacts)
     taken = coupling.T @ coupling
     delassus = sparse(whole - 0.5 * (taken + taken.T), "directions", (None, None))
+    idle = np.flatnonzero(whole.diagonal() <= 0.0)
+    if idle.size:
+        raise ParameterError("directions", f"must move in every row, row {idle[0]} moves nothing")
     dead = np.flatnonzero(delassus.diagonal() <= _ROUNDED * whole.diagonal())
     if dead.size:
         raise ParameterError(

@@ -358,10 +358,11 @@ class FrictionLaw(Questions):
         sliding, of all laws that the program was found to have, or that its manual states.
 
         Args:
-            to: ``"abaqus"``, ``"ansys"``, ``"bullet"``, ``"cardillo"``, ``"dart"``, ``"drake"``,
-                ``"exudyn"``, ``"lsdyna"``, ``"mujoco"``, ``"newton"``, ``"ode"``,
-                ``"pinocchio"``, ``"rapier"``, ``"siconos"`` or ``"yade"``, or the name of its
-                package, as `like` takes it.
+            to: ``"abaqus"``, ``"ansys"``, ``"btrigidbody"``, ``"bullet"``, ``"cardillo"``,
+                ``"dart"``, ``"drake"``, ``"exudyn"``, ``"lsdyna"``, ``"mujoco"``, ``"newton"``,
+                ``"ode"``, ``"opensim"``, ``"physx"``, ``"pinocchio"``, ``"pyelastica"``,
+                ``"rapier"``, ``"siconos"`` or ``"yade"``, or the name of its package, as `like`
+                takes it.
                 Abaqus, Ansys (Mechanical APDL, TB,FRIC) and LS-DYNA were not run: their laws are
                 those of their manuals. Two coefficients of Ansys have no errors: what the force is
                 between the axes, and where it points, was not found stated. LS-DYNA gets one.

@@ -129,7 +129,8 @@ class System:
     def constraint_rows(self, q: Array) -> Array:
         """Return J(q) with the rates J u of g, shape ``(m, n)``.
 
-        Where a run begins it is compared with differences of g.
+        Where a run begins it is compared with differences of g, which is evaluated beside that
+        state, up to 2e-6 max(1, |q|) away.
         """
         raise NotImplementedError
 
@@ -195,7 +196,8 @@ class System:
             trajectory: of this system.
 
         Returns:
-            Shape ``(n_t, m)``. NaN for the initial state if there are contacts.
+            Shape ``(n_t, m)``; for the initial state half a step before it, NaN if there are
+            contacts.
 
         Raises:
             DimensionError, ParameterError: naming the argument.

@@ -193,9 +193,11 @@ class LinearSystem(Value):
         """
         if "constraint_rows" in changes and "constraint" not in changes:
             rows = changes["constraint_rows"]
-            if rows is None:
+            if rows is not None:
+                rows = arrays.array(rows, "constraint_rows", (None, self.dof))
+            if rows is None or self.constraint is None or not self.constraint.any():
                 changes["constraint"] = None
-            elif self.constraint is not None and np.shape(rows)[:1] != self.constraint.shape:
+            elif len(rows) != len(self.constraint):
                 raise DimensionError(
                     "constraint_rows",
                     f"must have {counted(len(self.constraint), 'row')}, as constraint has entries, "
@@ -212,7 +214,8 @@ class LinearSystem(Value):
             trajectory: of this system.
 
         Returns:
-            Shape ``(n_t, m)``. NaN for the initial state if there are contacts.
+            Shape ``(n_t, m)``; for the initial state half a step before it, NaN if there are
+            contacts.
 
         >>> from asperity import LinearSystem, simulate
         >>> held = LinearSystem([2.0, 1.0], force=[3.0, 0.0], constraint_rows=[[1.0, 0.0]])

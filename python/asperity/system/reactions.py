@@ -57,7 +57,9 @@ def constraint_forces(system: System | LinearSystem, trajectory: Run) -> Array:
     q, u = states(trajectory, own)
     if not system.constraints:
         return np.zeros((len(q), 0))
-    core, dt = system._core, getattr(trajectory, "dt", 0.0)
+    core, dt = system._core, getattr(trajectory, "dt", None)
+    if dt is None:
+        raise ParameterError("trajectory", f"must be a Trajectory of simulate, got {trajectory!r}")
     samples = zip(trajectory.t, q, u, row_forces(trajectory, system.contacts), strict=True)
     forces = [_core.constraint_forces(core, (t, dt), *given) for t, *given in samples]
     return np.array(forces)

@@ -64,6 +64,8 @@ def load(path: Path) -> ContactProblem:
         else:
             options = contents.read_details(source)
         bodies = None
+        if "E_data" in source and "M_data" not in source:
+            raise ParameterError("E", "must come with the bodies that it holds, M, H and b")
         if "M_data" in source:
             mass = _read(source, "M", (None, None))
             bodies = contents.Bodies(mass, _read(source, "H", (mass.shape[0], free.size)))
