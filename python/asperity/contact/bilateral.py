@@ -92,8 +92,8 @@ def eliminated(
         if left[worst] > _DRIFT * reach[worst] + _ROUNDED * np.abs(velocity).max():
             raise ParameterError(
                 "bilateral_velocity",
-                f"must not contradict itself: {left[worst]:.3g} (m/s or rad/s) of row {rows[worst]} "
-                "are left, whatever the percussions",
+                f"must not contradict itself: {left[worst]:.3g} (m/s or rad/s) of row "
+                f"{rows[worst]} are left, whatever the percussions",
             )
         places = np.meshgrid(first + np.arange(len(values)), rows, indexing="ij")
         parts.append((values.ravel(), places[0].ravel(), places[1].ravel()))

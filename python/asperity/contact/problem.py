@@ -44,8 +44,8 @@ class ContactProblem(Value):
         delassus: G = [W_N W]ᵀ M⁻¹ [W_N W] in 1/kg, shape ``(rows, rows)``; need not be symmetric.
             Any sparse array or matrix of SciPy is kept as a ``csr_array`` with sorted columns.
             ``None`` if it follows from `mass` and `directions`.
-        free_velocity: b, the velocities without percussions in m/s, shape ``(rows,)``. As attribute,
-            what bilateral rows leave of it.
+        free_velocity: b, the velocities without percussions in m/s, shape ``(rows,)``; as an
+            attribute, what bilateral rows leave of it.
         laws: one law per contact, or one law for all, of dimension p = 1, 2 or 3.
         normal_force: prescribed normal percussions P_N ≥ 0 in N s: a number for all contacts, or
             one entry per contact, ``None`` meaning unilateral. Default: all unilateral.
@@ -169,9 +169,10 @@ class ContactProblem(Value):
         contacts: many contacts of few bodies are solved several times faster.
 
         Bilateral rows W_E hold the bodies, W_EᵀM⁻¹(W P + W_E P_E) + b_E = 0 with P_E of any sign,
-        as joints do: they are eliminated. `delassus` and `free_velocity` are those of the motion that
-        they let pass, for which solvers, measures, proofs and files take them. Rows may repeat each
-        other, as in loops: P_E has the least Σ G_ii P_i² then. `bilateral_percussion` returns it.
+        as joints do: they are eliminated. `delassus` and `free_velocity` are those of the motion
+        that they let pass, for which solvers, measures, proofs and files take them. Rows may repeat
+        each other, as in loops: P_E has the least Σ G_ii P_i² then. `bilateral_percussion` returns
+        it.
 
         Args:
             mass: M in kg and kg m², sparse, symmetric, positive definite, block-diagonal with
