@@ -15,22 +15,24 @@ from asperity.errors import ParameterError
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-# As in the core: part of a row's mobility that rounding may have made, and part of the velocities
-# which joints take out that may be left.
-_ROUNDED, _DRIFT = 1e-12, 1e-6
+# Part of a row's size that rounding may have made.
+_ROUNDED = 1e-13
+# As in the core: part of the velocities which joints take out that may be left, as drift.
+_DRIFT = 1e-6
 
 
 class Joints(NamedTuple):
     """What is left of a problem when its bilateral rows have been eliminated.
 
-    With S = diag(G_EE)^(−1/2) and S G_EE S = V Λ Vᵀ is B = Λ^(−1/2) Vᵀ S over the eigenvalues that
-    are not zero: P_E = −Bᵀ(B b_E + B G_EC P) has the least Σ G_ii P_i² among all that hold.
+    With M = LLᵀ and S = diag(G_EE)^(−1/2) is L⁻¹W_E S = U Σ Vᵀ, Σ without zeros. B = Σ⁻¹VᵀS and
+    P_E = −Bᵀ(B b_E + UᵀL⁻¹W P), which has the least Σ G_ii P_i² among all that hold. Singular
+    values are those of the rows, not of their square: light bodies between heavy ones are held.
 
     Attributes:
-        delassus: G_CC − (B G_EC)ᵀ(B G_EC).
-        free_velocity: b − (B G_EC)ᵀ B b_E.
+        delassus: CᵀC with C = (1 − UUᵀ) L⁻¹W.
+        free_velocity: b − (UᵀL⁻¹W)ᵀ B b_E.
         basis: B.
-        coupling: B G_EC.
+        coupling: UᵀL⁻¹W.
         load: B b_E.
     """
 
@@ -73,43 +75,51 @@ def eliminated(
 
     Rows that influence each other are eliminated by themselves: islands remain islands.
     """
-    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
     operator.check_mass(mass)
-    held, contacts = bilateral.tocsr(), directions.tocsr()
-    moved = operator.inverse(mass.tocsr()) @ held
-    own = (held.T @ moved).tocsr()
-    basis, first = csr_array((0, held.shape[1])), 0
-    parts: list[tuple[Any, Any, Any]] = []
+    root = operator.inverse_root(mass.tocsr())
+    held, moving = (root @ bilateral.tocsr()).tocsc(), (root @ directions.tocsr()).tocsr()
+    own = (held.T @ held).tocsr()
+    loads, entries, spans = [np.zeros(0)], _Entries(), _Entries()
     for rows in _groups(connected_components(own, directed=False)[1]):
-        block = own[rows][:, rows].toarray()
-        values = _basis(block)
-        left = np.abs(velocity[rows] - block @ (values.T @ (values @ velocity[rows])))
-        meet = np.abs(block) > _ROUNDED * np.sqrt(np.outer(block.diagonal(), block.diagonal()))
+        block = held[:, rows].tocsr()
+        bodies = np.flatnonzero(np.diff(block.indptr))
+        size = np.sqrt(own[rows][:, rows].diagonal())
+        scale = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+        left, values, right = np.linalg.svd(block[bodies].toarray() * scale, full_matrices=False)
+        kept = values > _ROUNDED * max(len(bodies), len(rows))
+        left, values, right = left[:, kept], values[kept], right[kept]
+        speeds = right @ (scale * velocity[rows])
+        meet = abs(own[rows][:, rows].toarray()) > 0.0
         reach = np.where(meet | np.eye(len(rows), dtype=bool), np.abs(velocity[rows]), 0.0).max(1)
-        worst = int(np.argmax(left - _DRIFT * reach))
-        if left[worst] > _DRIFT * reach[worst] + _ROUNDED * np.abs(velocity).max():
+        # Of rows that almost repeat each other, what drift makes them differ by is not taken out.
+        brings = np.abs(speeds[:, None] * right) * size
+        is_drift = (values < 0.1 * _DRIFT) & (brings <= _DRIFT * reach).all(axis=1)
+        speeds = np.where(is_drift, 0.0, speeds)
+        remains = np.abs(velocity[rows] - size * (right.T @ speeds))
+        worst = int(np.argmax(remains - _DRIFT * reach))
+        if remains[worst] > _DRIFT * reach[worst] + _ROUNDED * np.abs(velocity).max():
             raise ParameterError(
                 "bilateral_velocity",
-                f"must not contradict itself: {left[worst]:.3g} (m/s or rad/s) of row "
+                f"must not contradict itself: {remains[worst]:.3g} (m/s or rad/s) of row "
                 f"{rows[worst]} are left, whatever the percussions",
             )
-        places = np.meshgrid(first + np.arange(len(values)), rows, indexing="ij")
-        parts.append((values.ravel(), places[0].ravel(), places[1].ravel()))
-        first += len(values)
-    if parts:
-        entries, i, j = (np.concatenate(one) for one in zip(*parts, strict=True))
-        basis = csr_array((entries, (i, j)), shape=(first, held.shape[1]))
-    coupling = (basis @ (moved.T @ contacts)).tocsr()
-    load = np.asarray(basis @ velocity)
-    whole = operator.assembled(mass.tocsr(), contacts)
-    taken = coupling.T @ coupling
-    delassus = sparse(whole - 0.5 * (taken + taken.T), "directions", (None, None))
-    idle = np.flatnonzero(whole.diagonal() <= 0.0)
+        loads.append(speeds / values)
+        entries.add(right * scale / values[:, None], rows)
+        spans.add(left.T, bodies)
+    basis, span = (part.matrix(n) for part, n in ((entries, held.shape[1]), (spans, held.shape[0])))
+    coupling, load = (span @ moving).tocsr(), np.concatenate(loads)
+    whole = (moving.T @ moving).diagonal()
+    idle = np.flatnonzero(whole <= 0.0)
     if idle.size:
         raise ParameterError("directions", f"must move in every row, row {idle[0]} moves nothing")
-    dead = np.flatnonzero(delassus.diagonal() <= _ROUNDED * whole.diagonal())
+    # What rounding leaves of a projection is projected once more.
+    free = moving - span.T @ coupling
+    free = free - span.T @ (span @ free)
+    product = free.T @ free
+    delassus = sparse(0.5 * (product + product.T), "directions", (None, None))
+    dead = np.flatnonzero(delassus.diagonal() <= _ROUNDED * whole)
     if dead.size:
         raise ParameterError(
             "directions",
@@ -118,17 +128,30 @@ def eliminated(
     return Joints(delassus, free_velocity - coupling.T @ load, basis, coupling, load)
 
 
+class _Entries:
+    """Rows of a sparse matrix, some at a time."""
+
+    def __init__(self) -> None:
+        self._parts: list[tuple[Array, Any, Any]] = []
+        self._count = 0
+
+    def add(self, values: Array, columns: Any) -> None:
+        """Add rows with entries in these columns."""
+        numbers = self._count + np.arange(len(values))
+        i, j = np.meshgrid(numbers, columns, indexing="ij")
+        self._parts.append((values.ravel(), i.ravel(), j.ravel()))
+        self._count += len(values)
+
+    def matrix(self, width: int) -> csr_array:
+        """Return the matrix."""
+        from scipy.sparse import csr_array
+
+        if not self._parts:
+            return csr_array((0, width))
+        entries, i, j = (np.concatenate(one) for one in zip(*self._parts, strict=True))
+        return csr_array((entries, (i, j)), shape=(self._count, width))
+
+
 def _groups(labels: Any) -> list[Any]:
     order = np.argsort(labels, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1) if labels.size else []
-
-
-def _basis(block: Array) -> Array:
-    """Return B of rows that influence each other."""
-    diagonal = block.diagonal()
-    moves = diagonal > 0.0
-    scale = np.where(moves, 1.0 / np.sqrt(np.where(moves, diagonal, 1.0)), 0.0)
-    values, vectors = np.linalg.eigh(scale[:, None] * block * scale)
-    # What rows that almost repeat each other leave of velocities is their root.
-    kept = values > (0.1 * _DRIFT) ** 2 * len(block)
-    return np.asarray((vectors[:, kept] * scale[:, None] / np.sqrt(values[kept])).T)

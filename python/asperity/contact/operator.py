@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -112,7 +112,17 @@ def check_consistency(delassus: Array | csr_array, mass: csr_array, directions: 
 
 
 def inverse(mass: csr_array) -> csr_array:
-    """Return M⁻¹ of a block-diagonal matrix, all blocks of one size at once."""
+    """Return M⁻¹ of a block-diagonal matrix."""
+    return _by_blocks(mass, _inverted)
+
+
+def inverse_root(mass: csr_array) -> csr_array:
+    """Return L⁻¹ of a block-diagonal matrix M = LLᵀ, L lower triangular within its blocks."""
+    return _by_blocks(mass, lambda blocks: np.linalg.inv(_root(blocks)))
+
+
+def _by_blocks(mass: csr_array, function: Callable[[Array], Any]) -> csr_array:
+    """Return a function of the blocks of a block-diagonal matrix, all of one size at once."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -138,17 +148,20 @@ def inverse(mass: csr_array) -> csr_array:
         where = number[labels[row[inside]]], place[row[inside]], place[column[inside]]
         dense[where] = entries.data[inside]
         rows = order[first[blocks][:, None] + np.arange(width)]
-        parts.append((_inverted(dense), rows))
-    data = np.concatenate([inverse.ravel() for inverse, _ in parts])
+        parts.append((function(dense), rows))
+    data = np.concatenate([found.ravel() for found, _ in parts])
     i = np.concatenate([np.repeat(rows, rows.shape[1], axis=1).ravel() for _, rows in parts])
     j = np.concatenate([np.tile(rows, (1, rows.shape[1])).ravel() for _, rows in parts])
-    inverse = coo_array((data, (i, j)), shape=mass.shape)
-    return inverse.tocsr()
+    return coo_array((data, (i, j)), shape=mass.shape).tocsr()
 
 
 def _inverted(blocks: Array) -> Array:
+    _root(blocks)
+    return np.asarray(np.linalg.inv(blocks), dtype=np.float64)
+
+
+def _root(blocks: Array) -> Array:
     try:
-        np.linalg.cholesky(blocks)
+        return np.asarray(np.linalg.cholesky(blocks), dtype=np.float64)
     except np.linalg.LinAlgError:
         raise ParameterError("mass", "must be positive definite") from None
-    return np.asarray(np.linalg.inv(blocks), dtype=np.float64)
