@@ -470,6 +470,8 @@ REFUSED = [
         "discrete_contact_approximation: must be 'lagged'",
     ),
     ("dart", {"mu": 0.5, "mu2": 0.4}, "mu2: is not part of a law: dartpy takes one coefficient"),
+    ("jaxsim", {"mu": 0.5, "contact_model": "RigidContacts"}, "which stops a body in one step"),
+    ("newton", {"mu": 0.5, "solver": "SolverStyle3D"}, "solver: must be 'SolverXPBD' or"),
     ("physx", {}, "dynamic_friction: is missing: physx has dynamic_friction, solver"),
     ("cardillo", {"mu": 0.3, "solver": "Moreaux"}, "solver: must be 'Moreau' or"),
     ("exudyn", {"dryFriction": 0.3}, "dryFriction: must have shape"),
@@ -640,9 +642,9 @@ def rows_of_the_atlas():
                     "{:.1f}°, {:.3f}".format(*off_the_law(one, np.array(mode[body])))
                     for body in ("cube", "long")
                 ]
-            creep, lift = 1e3 * mode["creep"], 1e3 * mode["lift"]
-            shown = [f"{one:.2g}" if one >= 1e-3 else "0" for one in (creep, lift)]
-            # In mm.
+            # In mm/s and mm; what was not run has no number.
+            shown = [1e3 * mode[one] if one in mode else None for one in ("creep", "lift")]
+            shown = ["—" if one is None else f"{one:.2g}" if one >= 1e-3 else "0" for one in shown]
             turns = [f"{1e3 * mode[one]:.3g}" if one in mode else "—" for one in ("spin", "roll")]
             modes.append(f"| {' | '.join([name, law, *offs, *shown, *turns])} |")
         if "of_two" in known:

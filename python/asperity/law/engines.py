@@ -326,8 +326,7 @@ def _mujoco(
     elif shape == "elliptic":
         reservoir = _ellipse(mu[0], mu[1], angle)
     else:
-        corners = np.array([[mu[0], 0.0], [0.0, mu[1]], [-mu[0], 0.0], [0.0, -mu[1]]])
-        reservoir = Polygon(corners @ arrays.rotation(angle).T)
+        reservoir = _diamond(mu[0], mu[1], angle)
     creep = _MUJOCO_CREEP[shape] * _HALF * mu[0] * _GRAVITY / ratio
     error: float | None = 6.3e-3
     if shape == "elliptic":
@@ -526,6 +525,7 @@ _SHAPES: dict[str, Callable[[float], StarSet]] = {
     "isotropic": Disk,
     "square": lambda mu: Rectangle(mu, mu),
     "interval": lambda mu: Interval(-mu, mu),
+    "associated diamond": lambda mu: _diamond(mu, mu),
 }
 
 
@@ -635,6 +635,11 @@ def _of_tensor(mu: Array) -> tuple[StarSet, StarSet]:
 
 def _ellipse(a: float, b: float, angle: float = 0.0) -> StarSet:
     return Disk(float(a)) if a == b else Ellipse(float(a), float(b), angle=angle)
+
+
+def _diamond(a: float, b: float, angle: float = 0.0) -> StarSet:
+    corners = np.array([[a, 0.0], [0.0, b], [-a, 0.0], [0.0, -b]])
+    return Polygon(corners @ arrays.rotation(angle).T)
 
 
 def _scaled_disk(mu: float, rows: ArrayLike | None, argument: str) -> StarSet:

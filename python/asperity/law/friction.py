@@ -406,7 +406,7 @@ class FrictionLaw(Questions):
         ``exudyn``      dryFriction (two), dryFrictionAngle, dryFrictionProportionalZone,
                         useLinearProportionalZone
         ``ipctk``       mu, mu_aniso (two factors of the slip)
-        ``jaxsim``      mu
+        ``jaxsim``      mu, contact_model (``"SoftContacts"``)
         ``motrix``      friction
         ``mujoco``      friction (of a contact: five numbers or the first two) or geom_friction
                         (three, or of two geoms), condim, cone (``"pyramidal"`` or
