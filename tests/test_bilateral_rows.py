@@ -171,6 +171,42 @@ def test_bodies_that_bilateral_rows_squeeze_have_a_proof():
     assert proves_no_solution(problem, caught.value.infeasibility)
 
 
+@pytest.mark.parametrize("ratio", [1e-6, 1e-10, 1e-14])
+def test_light_links_hold(ratio):
+    """A link of any mass ties two bodies, of which a dry joint stops one."""
+    problem = ContactProblem.from_bodies(
+        np.diag([1.0, 1.0, ratio]),
+        directions=[[1.0], [0.0], [0.0]],
+        free_velocity=[1.0],
+        laws=FrictionLaw.isotropic(1.0, dimension=1),
+        normal_force=100.0,
+        bilateral=[[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]],
+        bilateral_velocity=[0.0, 0.0],
+    )
+    assert problem.solve().percussion == pytest.approx(-2.0 - ratio, rel=1e-7)
+
+
+def test_nearly_dependent_rows_hold():
+    rng = np.random.default_rng(5)
+    for angle in (1e-4, 1e-6):
+        directions, rows, beside = (
+            rng.normal(size=(6, 3)),
+            rng.normal(size=(6, 2)),
+            rng.normal(size=6),
+        )
+        free = np.eye(6) - (q := np.linalg.qr(np.column_stack([rows, beside]))[0]) @ q.T
+        problem = ContactProblem.from_bodies(
+            np.eye(6),
+            directions=directions,
+            free_velocity=np.zeros(3),
+            laws=LAWS[0],
+            bilateral=np.column_stack([rows, rows[:, 0] + angle * beside]),
+        )
+        expected = directions.T @ free @ directions
+        found = problem.delassus.toarray()
+        assert np.abs(found - expected).max() < 1e-8 * np.abs(expected).max()
+
+
 def test_copies_keep_what_fits():
     problem, (mass, directions, *_) = held(np.random.default_rng(3))
     one = problem.replace(bilateral=np.eye(12)[:, :1])

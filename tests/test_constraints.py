@@ -528,6 +528,10 @@ def test_forces_of_no_constraints_and_of_other_systems():
     held = asp.LinearSystem(np.ones(2), constraint_rows=[[1.0, 0.0]])
     with pytest.raises(asp.ParameterError, match="trajectory: must be a Trajectory of simulate"):
         held.constraint_forces(asp.integrate(free, t_end=1.0))
+    with pytest.raises(
+        asp.ParameterError, match="trajectory: must be of simulate without implicit"
+    ):
+        held.constraint_forces(asp.simulate(held, dt=0.1, t_end=1.0, implicit=0.5))
 
 
 def test_rows_of_a_copy_need_no_constants_where_there_were_none():

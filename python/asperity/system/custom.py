@@ -193,11 +193,10 @@ class System:
         transmit nothing here.
 
         Args:
-            trajectory: of this system.
+            trajectory: of this system, without ``implicit`` forces.
 
         Returns:
-            Shape ``(n_t, m)``; for the initial state half a step before it, NaN if there are
-            contacts.
+            Shape ``(n_t, m)``, NaN for the initial state.
 
         Raises:
             DimensionError, ParameterError: naming the argument.

@@ -214,8 +214,7 @@ class LinearSystem(Value):
             trajectory: of this system.
 
         Returns:
-            Shape ``(n_t, m)``; for the initial state half a step before it, NaN if there are
-            contacts.
+            Shape ``(n_t, m)``, NaN for the initial state.
 
         >>> from asperity import LinearSystem, simulate
         >>> held = LinearSystem([2.0, 1.0], force=[3.0, 0.0], constraint_rows=[[1.0, 0.0]])

@@ -60,6 +60,14 @@ def constraint_forces(system: System | LinearSystem, trajectory: Run) -> Array:
     core, dt = system._core, getattr(trajectory, "dt", None)
     if dt is None:
         raise ParameterError("trajectory", f"must be a Trajectory of simulate, got {trajectory!r}")
+    options = getattr(trajectory, "options", None)
+    if options is not None and options.implicit is not None:
+        raise ParameterError("trajectory", "must be of simulate without implicit")
+    # No step ends at the start.
+    start, none = None if options is None else options.start.t, np.full(system.constraints, np.nan)
     samples = zip(trajectory.t, q, u, row_forces(trajectory, system.contacts), strict=True)
-    forces = [_core.constraint_forces(core, (t, dt), *given) for t, *given in samples]
+    forces = [
+        none if t == start else _core.constraint_forces(core, (t, dt), *given)
+        for t, *given in samples
+    ]
     return np.array(forces)
