@@ -657,7 +657,6 @@ def newton() -> Iterator[tuple[str, Mode]]:
         ("SolverSteel", {}, 1e-3),
         ("SolverMuJoCo", {"use_mujoco_cpu": True}, 2e-3),
         ("SolverMuJoCo elliptic", {"use_mujoco_cpu": True, "cone": "elliptic"}, 2e-3),
-        ("SolverKamino", {}, 1e-3),
     ):
         yield name, Mode(functools.partial(make, solver=name.split()[0], **more), dt)
 
