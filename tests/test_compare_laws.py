@@ -11,6 +11,7 @@ from asperity import identify
 from asperity.commands.main import main
 from asperity.identify import IdentifiedLaw, compare_laws
 from asperity.identify.estimator.identified_law import recorded_under
+from asperity.identify.evidence.coefficient.turns import count_of_runs
 from asperity.predict.comparison_sheet import describe_comparison
 from scipy.stats import norm, t
 
@@ -236,7 +237,7 @@ def test_the_command_compares_with_the_first_law(tmp_path, capsys):
 def test_the_command_says_where_laws_are_not_independent_or_of_another_load(tmp_path, capsys):
     def saved(name, mu, run, load):
         files = [(f"{run}.csv", run), ("machine.toml", "same")]
-        origin = asp.Provenance(note=recorded_under(load), files=files)
+        origin = asp.Provenance(note=recorded_under(load, runs=len(load)), files=files)
         file = tmp_path / f"{name}.toml"
         specimen(mu, 0.002).replace(provenance=origin).save(file)
         return str(file)
@@ -260,6 +261,29 @@ def test_the_command_says_where_laws_are_not_independent_or_of_another_load(tmp_
     assert main(["compare", first, other, first, "--json"]) == 0
     said, _ = json.loads(capsys.readouterr().out)["warnings"]
     assert said.startswith("first.toml holds the same law as first.toml: ")
+
+
+def test_a_file_in_pieces_is_one_run(tmp_path):
+    """One with a gap, which is split there, against two files."""
+    law = asp.FrictionLaw.isotropic(0.3)
+    machine = identify.VirtualTribometer(
+        law, normal_force=10.0, turn_rate=1.0, sample_rate=200.0, turns=6, no_load_time=0.0
+    )
+    identify.write_raw(machine.record(), tmp_path)
+    first, config = tmp_path / "run_1.csv", tmp_path / "tribometer.toml"
+    config.write_text('[file]\non_defect = "split"\n\n' + config.read_text())
+    lines = first.read_text().splitlines(keepends=True)
+    second = tmp_path / "second.csv"
+    second.write_text("".join(lines))
+    middle = len(lines) // 2
+    first.write_text("".join(lines[:middle] + lines[middle + 20 :]))
+    for paths, runs in ([first], 1), ([first, second], 2):
+        data = identify.load(paths, config)
+        assert len(data.raw.recordings) == 1 + runs
+        assert count_of_runs(data) == runs
+        assert recorded_under(data.loads, runs=count_of_runs(data)).endswith("N by one run") == (
+            runs == 1
+        )
 
 
 def test_changes_of_angles_are_told_in_degrees():

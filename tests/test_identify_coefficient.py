@@ -20,7 +20,7 @@ from asperity.identify import (
     friction_coefficient,
     process,
 )
-from asperity.identify.campaigns.coefficient import OneChannel
+from asperity.identify.campaigns.coefficient import OneChannel, with_rate
 from asperity.identify.evidence.coefficient.turns import independent, interval
 from scipy.stats import binom
 
@@ -501,9 +501,31 @@ def test_a_running_in_that_mountings_share_is_no_scatter_of_turns():
     (group,) = coefficient_of(*runs).groups
     assert group.between == pytest.approx(own.std(ddof=1), rel=0.02)
     assert group.within < 0.005
+    shorter = turning(own[0] * fall[:7], rates=5.0, name="0.csv")
+    (unequal,) = coefficient_of(shorter, *runs[1:]).groups
+    assert unequal.within == pytest.approx(group.within, rel=0.1)
     found = coefficient_of(*runs[:6])
     drifts = [one for one in found.sentences() if "from the first to the last turn" in one]
     assert [one.partition(" the coefficient")[0] for one in drifts] == ["In 0.csv and 5 more runs"]
+
+
+def test_c_at_rest_is_that_of_all_directions_of_the_runs():
+    """As many samples in all over 3600 as in a turn; friction is that of an ellipse."""
+    law = asp.FrictionLaw.collinear(asp.Ellipse(0.5, 0.3))
+    curve = asp.Stribeck(0.1, ratio=0.7)
+    runs = []
+    for k, rate in enumerate(np.geomspace(0.05, 2.0, 8)):
+        angle = 2.0 * np.pi * np.arange(450 * 100 + 1) / 100.0
+        along, across = law.resistance(-angle)
+        force = np.stack([along, across, 0.0 * along + 1.0], axis=-1) * 10.0
+        force[:, :2] *= float(curve(2.0 * np.pi * rate * 0.05))
+        time = np.arange(angle.size) / (100.0 * rate)
+        runs.append(identify.Recording(time, angle=angle, readings=force, source=f"{k}.csv"))
+    found = friction_coefficient(process(identify.RawData(runs, radius=0.05), cut_off=None))
+    assert int(found.over_turns.kept.sum()) // 3600 == 100
+    rated = with_rate(found, law)
+    assert rated is not None
+    assert rated.reservoir.radius(0.0) == pytest.approx(0.5, rel=0.01)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
@@ -536,6 +558,8 @@ def test_names_of_many_runs_leave_room_for_the_curve():
     [
         ("Speed (mm/min)", 1e-3 / 60.0), ("Geschwindigkeit [m/min]", 1.0 / 60.0),
         ("Stroke (in)", 0.0254), ("Position_in", 0.0254), ("Velocity [in/s]", 0.0254),
+        ("Speed [inches/s]", 0.0254), ("Speed [inch/min]", 0.0254 / 60.0),
+        ("Speed [mm/minute]", 1e-3 / 60.0),
     ],
 )  # fmt: skip
 def test_motions_are_read_in_the_units_of_their_headings(name, unit, tmp_path):

@@ -185,6 +185,16 @@ def test_the_filter_only_smooths_the_normal_force():
     assert np.ptp(smooth.normal_force) < 0.07 * 9.3
 
 
+def test_a_cut_off_above_all_that_samples_show_is_refused_if_it_was_stated():
+    """Of 30 samples per turn; without a statement the filter is left out."""
+    machine = VirtualTribometer(LAW, normal_force=9.3, turns=4, turn_rate=1.0, sample_rate=30.0)
+    raw = machine.record()
+    assert process(raw).cut_off_frequency == (None,)
+    assert process(raw, cut_off=14.0).cut_off_frequency == pytest.approx((14.0,), rel=1e-3)
+    with pytest.raises(ParameterError, match="cut_off: must lie below half the samples per turn"):
+        process(raw, cut_off=25.0)
+
+
 def test_the_zero_is_interpolated_between_records_before_and_after():
     clock = np.arange(1000) / 100.0
     slope = np.array([0.01, -0.02, 0.03])

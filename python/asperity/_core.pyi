@@ -40,6 +40,7 @@ __all__ = [
     "TreeStepper",
     "__version__",
     "advance",
+    "constraint_forces",
     "build_profile",
     "calls_python",
     "cone_polar",

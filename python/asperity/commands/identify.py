@@ -46,7 +46,8 @@ def add(commands: Commands) -> argparse.ArgumentParser:
         "the scatter between mountings, the dependence on load, speed and time, and of strokes the "
         "static coefficient are said. Records with a friction force alone need one_channel = true "
         "in [file]: then there is the coefficient, and law.toml only with --reservoir circle "
-        "--direction circle, where friction is the same in all directions. "
+        "--direction circle, where friction is the same in all directions, or in its place "
+        "law_with_rate.toml where speeds tell a Stribeck factor. "
         "Exit code 1 if they are to be read with the warnings that are printed: records without "
         "load or a calibration are missing, the model does not fit, or the data have another "
         "defect. Exit code 2 if something is wrong with the files; then nothing is written.",

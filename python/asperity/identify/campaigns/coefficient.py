@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from asperity._base.report import Block, Grid, Picture, Section, Text
 from asperity._base.tables import write_columns, write_csv
 from asperity.errors import FitError, ParameterError
 from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.evidence.coefficient.result import FrictionCoefficient
+from asperity.identify.forces.turns import cells
 from asperity.identify.models.coordinates import Estimate
 from asperity.law import FrictionLaw, LawFile, Provenance
 
@@ -25,10 +28,10 @@ STROKES = ("breakaway.csv", "loop.csv", "loop.png")
 WITH_RATE = "law_with_rate.toml"
 """What results have besides whose speeds tell a Stribeck factor."""
 SAID_OF_RATE = (
-    f"{WITH_RATE} has C at rest and this Stribeck factor, for predictions over all speeds, without "
-    "an uncertainty."
+    f"{WITH_RATE} has C at rest and this Stribeck factor, for predictions over the speeds of "
+    "the runs, without an uncertainty."
 )
-_DIRECTIONS = 3600
+_BINS = 360
 
 
 def with_rate(found: FrictionCoefficient, law: FrictionLaw) -> FrictionLaw | None:
@@ -41,7 +44,12 @@ def with_rate(found: FrictionCoefficient, law: FrictionLaw) -> FrictionLaw | Non
     if isinstance(curve, str):
         return None
     phi = found.processed.phi[found.over_turns.kept]
-    mean = float(law.resistance(phi[:: max(phi.size // _DIRECTIONS, 1)])[0].mean())
+    cell, within = cells(phi, _BINS)
+    counts = np.bincount(cell, minlength=_BINS)
+    used = np.flatnonzero(counts)
+    # The mean direction of each bin: strokes have it exactly.
+    at = 2.0 * math.pi / _BINS * (used + 0.5) + np.bincount(cell, within)[used] / counts[used]
+    mean = float(np.average(law.resistance(at)[0], weights=counts[used]))
     return law.replace(reservoir=law.reservoir.scaled(curve.static.value / mean), rate=curve.rate)
 
 

@@ -34,6 +34,7 @@ from asperity.identify.evidence.coefficient.result import (
     friction_coefficient,
 )
 from asperity.identify.evidence.coefficient.static import sliding
+from asperity.identify.evidence.coefficient.turns import count_of_runs
 from asperity.identify.evidence.forces.diagnostics import SETS, UNITS_AND_SCALE
 from asperity.identify.evidence.forces.estimation import fit_law
 from asperity.identify.evidence.forces.report import cells, loads_of, write_report
@@ -304,7 +305,7 @@ def identify_campaign(
             [*paths, config, *loaded.files],
             made_by=f"asperity identify --reservoir {reservoir} --direction {direction} "
             f"--loss {loss} --confidence {confidence!r}",
-            note=recorded_under(data.loads),
+            note=recorded_under(data.loads, runs=count_of_runs(data)),
             configuration=loaded.sections,
         )
         begin("fitting")

@@ -44,9 +44,14 @@ _DRAWS, _FEWEST_DRAWS = 20, 200
 _BY_ONE = " by one run"
 
 
-def recorded_under(loads: Sequence[float]) -> str:
-    """Return the note of a law on the normal forces in N under which its runs were recorded."""
-    by = _BY_ONE * (len(loads) == 1)
+def recorded_under(loads: Sequence[float], *, runs: int) -> str:
+    """Return the note of a law on the normal forces in N under which its runs were recorded.
+
+    Args:
+        loads: of the runs, or of the pieces that they were cut into.
+        runs: how many there are.
+    """
+    by = _BY_ONE * (runs == 1)
     return f"recorded under {', '.join(dict.fromkeys(f'{load:.4g}' for load in loads))} N{by}"
 
 

@@ -31,7 +31,7 @@ from asperity.identify.forces.turns import (
     full_bins,
 )
 from asperity.identify.forces.zero import Zero, shared_covariance, zeros_of
-from asperity.identify.records.record import RawData, Recording
+from asperity.identify.records.record import Processing, RawData, Recording
 
 # Samples that are worked on at a time.
 _CHUNK = 1 << 15
@@ -437,8 +437,16 @@ class _Series:
 
 
 def _cut_off(turns: float | None, rate: float, sample_rate: float) -> float | None:
-    """Return a cut-off in Hz; None where there is nothing above it in the samples."""
-    return None if turns is None or turns * rate >= 0.5 * sample_rate else turns * rate
+    """Return a cut-off in Hz; None where the default has nothing above it in the samples."""
+    if turns is None or turns * rate < 0.5 * sample_rate:
+        return None if turns is None else turns * rate
+    if turns == Processing().cut_off:
+        return None
+    raise ParameterError(
+        "cut_off",
+        f"must lie below half the samples per turn, which are {sample_rate / rate:.4g}, got "
+        f"{turns:g}",
+    )
 
 
 def _refuse_rest(run: Recording) -> None:

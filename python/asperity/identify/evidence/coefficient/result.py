@@ -90,7 +90,8 @@ class Group:
         runs: their numbers.
         coefficient: mean of the runs. Its interval comes from the scatter of two runs or more, for
             each of which the pin was set down anew; of a single run from that of its turns.
-        within: standard deviation of turns or strokes within runs, relative.
+        within: standard deviation of turns or strokes within runs, relative. Of several runs it is
+            that of the first turns, as many as all have, without their common running-in.
         between: standard deviation of the runs, relative, beyond what turns explain; NaN for one.
         next: interval of the coefficient of one more mounting; NaN for one run.
     """
@@ -353,11 +354,15 @@ class FrictionCoefficient(TableResult):
 
     @property
     def _together(self) -> list[int]:
-        """How many turns count as one, by run."""
-        records = self.processed.raw.recordings
+        """How many turns count as one, by run: the most of its pieces, 1 where it turns back."""
+        data = self.processed
         known = {name: 1 for name in self.names}
-        for number, one in zip(runs_of(self.processed).tolist(), records, strict=True):
-            known[self.names[number]] = 1 if one.velocity is not None else turns_together(one)
+        for number, one, turned in zip(
+            runs_of(data).tolist(), data.raw.recordings, data._turned, strict=True
+        ):
+            if isinstance(turned, float):
+                name = self.names[number]
+                known[name] = max(known[name], turns_together(one))
         return [known[run.name] for run in self.runs]
 
     @property
@@ -669,11 +674,12 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     known = zero + gain
     held = np.isfinite(turns.coefficient)
     names = _names(data)
-    runs, values = [], []
+    runs, values, series = [], [], []
     for number in np.unique(turns.run[held]).tolist():
         at = held & (turns.run == number)
         own = turns.coefficient[at]
-        values.append(independent(own, turns.direction[at]))
+        series.append((own, turns.direction[at]))
+        values.append(independent(*series[-1]))
         if not values[-1].values.any():
             raise FitError(
                 f"data: {names[number]}: the force is zero, or does not turn with the sliding: is "
@@ -700,7 +706,7 @@ def friction_coefficient(data: ProcessedData, *, confidence: float = 0.95) -> Fr
     ]
     lines = np.nan_to_num([2.0 * run.line for run in runs])
     groups = tuple(
-        _group([part[k] for k in one], runs, values, level, known)
+        _group([part[k] for k in one], runs, values, series, level, known)
         for part in alike
         for one in by_direction(lines[part])
     )
@@ -741,6 +747,7 @@ def _group(
     part: list[int],
     runs: Sequence[Run],
     values: Sequence[Values],
+    series: Sequence[tuple[Array, Array]],
     level: float,
     known: float,
 ) -> Group:
@@ -749,22 +756,36 @@ def _group(
         float(np.mean([getattr(one, name) for one in own])) for name in ("load", "speed", "rate")
     )
     some = [values[k] for k in part]
-    degrees = sum(one.degrees for one in some)
     means = np.array([one.values.mean() for one in some])
-    left = [one.values - mean for one, mean in zip(some, means, strict=True)]
-    if len(some) > 1 and len({one.size for one in left}) == 1:
-        # The running-in that all mountings have in common is no scatter.
-        left = [one - np.mean(left, axis=0) for one in left]
-        degrees -= some[0].degrees
-    scatter = sum(float((one**2).sum()) for one in left) / degrees if degrees else math.nan
+    scatter = _scatter([series[k] for k in part if values[k].degrees])
     mean, between, ahead = own[0].coefficient, math.nan, (math.nan, math.nan)
     if len(part) > 1:
         mean = interval(means, level, known=known)
         variance = float(means.var(ddof=1))
         own_part = scatter * float(np.mean([1.0 / one.values.size for one in some]))
-        between = math.sqrt(max(variance - (own_part if degrees else 0.0), 0.0)) / mean.value
+        explained = 0.0 if math.isnan(own_part) else own_part
+        between = math.sqrt(max(variance - explained, 0.0)) / mean.value
         half = student(level, len(part) - 1) * math.sqrt(variance * (1.0 + 1.0 / len(part)) + known)
         ahead = mean.value - half, mean.value + half
     return Group(
         load, speed, rate, tuple(part), mean, math.sqrt(scatter) / abs(mean.value), between, ahead
     )
+
+
+def _scatter(series: Sequence[tuple[Array, Array]]) -> float:
+    """Return the variance of turns or strokes within runs, of coefficients and directions each."""
+    if not series:
+        return math.nan
+    count = min(own.size for own, _ in series)
+    some = [independent(own[:count], direction[:count]) for own, direction in series]
+    shared = len(some) > 1 and len({(one.values.size, one.degrees) for one in some}) == 1
+    if not shared or not some[0].degrees:
+        some = [independent(*one) for one in series]
+        shared = False
+    left = [one.values - one.values.mean() for one in some]
+    degrees = sum(one.degrees for one in some)
+    if shared:
+        # The running-in that all mountings have in common is no scatter.
+        left = [one - np.mean(left, axis=0) for one in left]
+        degrees -= some[0].degrees
+    return sum(float((one**2).sum()) for one in left) / degrees

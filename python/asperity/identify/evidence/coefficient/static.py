@@ -41,6 +41,8 @@ _GRID, _SMALLEST, _WIDEST, _NEGLIGIBLE = 100, 1e-3, 30.0, 1e-5
 _SURE, _LONGEST, _SMALL = 5.0, 2000, 0.5
 # Strokes swing alike whose speeds over loads differ by less than this factor.
 _ALIKE = 1.25
+# Sample rates that differ by less are one: clocks are not exact.
+_SAME_RATE = 0.01
 # A quarter of a period with fewer samples shows no swing.
 _UNRESOLVED = 1.5
 # Samples tell apart what differs by more than so many standard deviations of the noise.
@@ -68,6 +70,7 @@ class Segment:
         path: way of the stage or of the disk since then in m (in rad without a radius), ``(k,)``.
         force: −λ along the stroke over λ_N, ``(k,)``.
         load: mean λ_N in N.
+        sample_rate: in Hz.
     """
 
     number: int
@@ -76,6 +79,7 @@ class Segment:
     path: Array
     force: Array
     load: float
+    sample_rate: float
 
 
 def segments(data: ProcessedData) -> Iterator[Segment]:
@@ -112,6 +116,7 @@ def segments(data: ProcessedData) -> Iterator[Segment]:
                 (place[used] - place[start]) @ e,
                 along / np.where(normal[used] > 0.0, normal[used], np.inf),
                 float(normal[rows].mean()),
+                run.sample_rate,
             )
 
 
@@ -176,9 +181,10 @@ class Breakaway(TableResult):
         needed_rate: in Hz, without which most strokes have too few samples while the pin sticks;
             None where they have enough.
         inertia: what the mass of pin and holder adds to the largest force, over its excess, by how
-            the force swings after the slip; NaN where it does not swing.
-        unseen: largest excess over the kinetic force, relative to it, that may be inertia of a
-            mass whose swing the samples do not show.
+            the force swings after the slip: the largest over groups of strokes of like v/λ_N; NaN
+            where it does not swing.
+        unseen: excess over the kinetic force, relative to it, that may be inertia of a mass whose
+            swing the samples do not show: mean over the strokes that tell the ratio.
         has_zeros: whether the zeros of the sensor are known. If not, their error is in each of
             `directions`.
         confidence: of the intervals.
@@ -535,13 +541,17 @@ def _without_inertia(found: Starts, ends: Array, kinetic: Array) -> tuple[Array,
     """Return ends without what inertia adds; of each stroke its share of the excess, and `unseen`.
 
     Inertia adds v √(m/c) to a kinetic force of μ λ_N: strokes of like v/λ_N swing alike, and are
-    taken together. Ends that it does not leave, or too few strokes do not tell, are NaN.
+    taken together where they are sampled alike. Ends that it does not leave, or too few strokes
+    do not tell, are NaN.
     """
     ends, share, unseen = ends.copy(), np.full(len(ends), math.nan), np.zeros(len(ends))
-    pace = np.array([one.path.max() / one.path.size / one.load for one in found.strokes])
+    rate = np.array([one.sample_rate for one in found.strokes])
+    way = np.array([one.path.max() / one.path.size / one.load for one in found.strokes])
+    pace = way * rate
     rest = np.argsort(pace)
     while rest.size:
         alike = pace[rest] <= _ALIKE * pace[rest[0]]
+        alike &= np.isclose(rate[rest], rate[rest[0]], rtol=_SAME_RATE)
         at, rest = rest[alike], rest[~alike]
         some = found._replace(
             strokes=[found.strokes[k] for k in at], peaks=[found.peaks[k] for k in at]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -121,6 +122,12 @@ def runs_of(data: ProcessedData) -> NDArray[np.intp]:
         ],
         dtype=np.intp,
     )
+
+
+def count_of_runs(data: ProcessedData) -> int:
+    """Return how many runs have complete turns or strokes; pieces of a file are one."""
+    used = [bool((data.turn[slice(*ends)] >= 0).any()) for ends in pairwise(data.run)]
+    return len(set(runs_of(data)[used].tolist()))
 
 
 def _stick(y: Array, usual: float) -> int:

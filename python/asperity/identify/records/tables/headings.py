@@ -112,9 +112,10 @@ _UNITS = {
     "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um", "micron": "um", "microns": "um",
     "in": "in", "inch": "in", "inches": "in", "zoll": "in", '"': "in",
     "m/s": "m/s", "mm/s": "mm/s", "cm/s": "cm/s", "um/s": "um/s", "µm/s": "um/s", "in/s": "in/s",
-    "ips": "in/s", "inch/s": "in/s",
+    "ips": "in/s", "inch/s": "in/s", "inches/s": "in/s",
     "m/min": "m/min", "mm/min": "mm/min", "cm/min": "cm/min", "um/min": "um/min",
-    "µm/min": "um/min", "in/min": "in/min", "ipm": "in/min",
+    "µm/min": "um/min", "in/min": "in/min", "ipm": "in/min", "inch/min": "in/min",
+    "mm/minute": "mm/min",
     "1": COEFFICIENT, "-": COEFFICIENT, "--": COEFFICIENT, "–": COEFFICIENT,
 }  # fmt: skip
 """Spellings of units, in small letters; where these differ, kN from KN do not."""
