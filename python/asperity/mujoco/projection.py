@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import mujoco
 
 _TOLERANCE = 1e-10
-# Of a change that are tried; parts of it where the whole leads nowhere.
+# Parts of a change, tried where the whole leads nowhere: the least makes 6 mrad of half a turn.
 _WHOLE, _PARTS = (1.0,), tuple(0.5**k for k in range(10))
 _NONE = np.zeros(0)
 
