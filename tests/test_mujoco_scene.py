@@ -295,6 +295,51 @@ def test_points_are_found_in_time_where_others_of_the_pair_touch(shape):
         assert np.diff(energy).max() < 1e-5 * energy.max()
 
 
+@pytest.mark.parametrize("turned", [0, 7, 11.25])
+@pytest.mark.parametrize("degrees", [1, 4])
+def test_a_rod_rests_on_the_rim_of_a_disk_and_not_on_a_polygon(degrees, turned):
+    """Along a radius and tilted by t, its axis is ρ/cos t above the rim.
+
+    On a polygon of 16 corners it would be up to r (1 − cos π/16) tan t lower.
+    """
+    model = model_of(
+        f'<geom type="cylinder" size=".1 .004" euler="0 0 {turned}"/><body pos="-.1 0 .1">'
+        f'<joint type="slide" axis="0 0 1"/><geom type="capsule" size=".02 .08" '
+        f'euler="0 {90 - degrees} 0"/></body>'
+    )
+    model.opt.timestep = 0.002
+    data = mujoco.MjData(model)
+    Scene(model).simulate(data, t_end=0.3)
+    height = 0.004 + 0.02 / np.cos(np.deg2rad(degrees))
+    assert data.qpos[0] + 0.1 == pytest.approx(height, abs=10 * model.opt.ccd_tolerance)
+
+
+@pytest.mark.parametrize(
+    ("floor", "body", "seed"),
+    [
+        ('"box" size=".5 .5 .1" pos="0 0 -.1"', '"cylinder" size=".07 .1"', 10),
+        ('"box" size=".5 .5 .1" pos="0 0 -.1"', '"cylinder" size=".1 .01"', 6),
+        ('"cylinder" size=".06 .5" euler="90 0 0"', '"cylinder" size=".07 .1"', 6),
+        ('"cylinder" size=".06 .5" euler="90 0 0"', '"cylinder" size=".1 .01"', 9),
+    ],
+)
+def test_what_tumbles_over_faces_and_edges_does_not_go_into_them(floor, body, seed):
+    """Deeper than it rests, 1e-5 of its radius, and than distances are known."""
+    model = model_of(
+        f'<geom type={floor}/><body pos="0 0 .25"><freejoint/><geom type={body}/></body>'
+    )
+    model.opt.timestep = 0.002
+    data, at, scene = mujoco.MjData(model), mujoco.MjData(model), Scene(model)
+    data.qvel[:] = np.random.default_rng(seed).normal(size=6) * [0.4, 0.4, 1, 8, 8, 8]
+    deepest = 0.0
+    for _ in range(150):
+        scene.step(data)
+        at.qpos[:] = data.qpos
+        mujoco.mj_kinematics(model, at)
+        deepest = max(deepest, -mujoco.mj_geomDistance(model, at, 0, 1, 1.0, None))
+    assert 0.0 < deepest < 1e-5 * model.geom_rbound.min() + 11 * model.opt.ccd_tolerance
+
+
 @pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
 def test_forces_are_where_mujoco_has_them(cone):
     sensors = (

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 # Limits have rows at any distance: those that stay open are left out of the step.
 _FAR = 1e10
 _ROLLING = 6
+# Distances of a pair that differ by more than so many times MuJoCo's tolerance are not the same.
+_MISSED = 10.0
 
 
 class RowsModel:
@@ -68,7 +70,15 @@ class RowsModel:
         self.is_fixed = m.body_weldid[m.geom_bodyid] == 0
         # The mocap body that a geom is part of, or −1.
         self.hand = m.body_mocapid[m.body_weldid[m.geom_bodyid]]
-        self.is_plane = m.geom_type == self.mj.mjtGeom.mjGEOM_PLANE
+        types = self.mj.mjtGeom
+        self.is_plane = m.geom_type == types.mjGEOM_PLANE
+        # Capsules and boxes have formulas of their own with each other.
+        hulls = [types.mjGEOM_CYLINDER, types.mjGEOM_MESH]
+        self._is_hull = np.isin(m.geom_type, hulls)
+        self._has_edges = np.isin(m.geom_type, [types.mjGEOM_CAPSULE, types.mjGEOM_BOX, *hulls])
+        self._nearest_alone = int(disable.mjDSBL_MULTICCD)
+        finds_several = not int(m.opt.disableflags) & self._nearest_alone
+        self._may_miss = finds_several and bool(self._is_hull.any())
         self.depth = self._depths()
         self.have_margins = bool(model.jnt_margin.any() or model.tendon_margin.any())
         self.is_sparse = bool(self.mj.mj_isSparse(m))
@@ -82,6 +92,40 @@ class RowsModel:
         # Without it the bounding volumes of bodies with several geoms would hide contacts.
         m.body_margin += more / 2
         m.pair_margin += more
+
+    def complete(self, data: mujoco.MjData) -> bool:
+        """Add contacts at the nearest points of pairs where MuJoCo misses them; whether it does.
+
+        Where edges or faces nearly lie on each other it takes rims as polygons of 16 corners, and
+        no more than four points.
+        """
+        if not self._may_miss:
+            return False
+        mj, m, contacts = self.mj, self.model, data.contact
+        geoms = contacts.geom
+        several = self._has_edges[geoms].all(axis=1) & self._is_hull[geoms].any(axis=1)
+        if not several.any():
+            return False
+        found: dict[tuple[int, ...], float] = {}
+        own = zip(geoms[several].tolist(), contacts.dist[several].tolist(), strict=True)
+        for geom, distance in own:
+            found[tuple(geom)] = min(distance, found.get(tuple(geom), _FAR))
+        most = _MISSED * m.opt.ccd_tolerance
+        missed = {
+            pair
+            for pair, distance in found.items()
+            if abs(mj.mj_geomDistance(m, data, *pair, _FAR, None) - distance) > most
+        }
+        if not missed:
+            return False
+        m.opt.disableflags |= self._nearest_alone
+        mj.mj_collision(m, data)
+        nearest = [copy.copy(c) for c in data.contact if tuple(c.geom.tolist()) in missed]
+        m.opt.disableflags &= ~self._nearest_alone
+        mj.mj_collision(m, data)
+        for contact in nearest:
+            mj.mj_addContact(m, data, contact)
+        return True
 
     def may_touch(self, first: int, second: int) -> bool:
         """Whether MuJoCo makes contacts of two geoms."""

@@ -124,6 +124,7 @@ class Projector:
         m, ahead = self._model.model, self.data
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
+        self._model.complete(ahead)
         self._read()
 
     def _look(self) -> None:
@@ -131,6 +132,7 @@ class Projector:
         m, ahead = self._model.model, self.data
         self._mj.mj_fwdKinematics(m, ahead)
         self._mj.mj_collision(m, ahead)
+        self._model.complete(ahead)
         if self._is_plain and self._holds():
             self.depth = self._worst = 0.0
             self._has_rows = False

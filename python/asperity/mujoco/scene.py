@@ -431,6 +431,8 @@ class Scene:
             data.mocap_pos[:], data.mocap_quat[:] = reader.guidance.middle
             mj.mj_fwdPosition(m, data)
             data.mocap_pos[:], data.mocap_quat[:] = places
+        if self._rows.complete(data):
+            mj.mj_makeConstraint(m, data)
         if self._rows.is_damped:
             self._rows.factor(data)
         reader.read(data)
