@@ -72,13 +72,13 @@ class RowsModel:
         self.hand = m.body_mocapid[m.body_weldid[m.geom_bodyid]]
         types = self.mj.mjtGeom
         self.is_plane = m.geom_type == types.mjGEOM_PLANE
-        # Capsules and boxes have formulas of their own with each other.
-        hulls = [types.mjGEOM_CYLINDER, types.mjGEOM_MESH]
-        self._is_hull = np.isin(m.geom_type, hulls)
-        self._has_edges = np.isin(m.geom_type, [types.mjGEOM_CAPSULE, types.mjGEOM_BOX, *hulls])
+        # Products of a pair beyond 1 have edges and faces clipped: capsules and boxes have formulas.
+        edges = {types.mjGEOM_CAPSULE: 1, types.mjGEOM_BOX: 1}
+        edges |= {types.mjGEOM_CYLINDER: 2, types.mjGEOM_MESH: 2}
+        self._edges = [edges.get(kind, 0) for kind in m.geom_type.tolist()]
         self._nearest_alone = int(disable.mjDSBL_MULTICCD)
         finds_several = not int(m.opt.disableflags) & self._nearest_alone
-        self._may_miss = finds_several and bool(self._is_hull.any())
+        self._may_miss = finds_several and 2 in self._edges
         self.depth = self._depths()
         self.have_margins = bool(model.jnt_margin.any() or model.tendon_margin.any())
         self.is_sparse = bool(self.mj.mj_isSparse(m))
@@ -96,20 +96,18 @@ class RowsModel:
     def complete(self, data: mujoco.MjData) -> bool:
         """Add contacts at the nearest points of pairs where MuJoCo misses them; whether it does.
 
-        Where edges or faces nearly lie on each other it takes rims as polygons of 16 corners, and
+        Where edges or faces nearly lie on each other, it takes rims as polygons of 16 corners and
         no more than four points.
         """
         if not self._may_miss:
             return False
-        mj, m, contacts = self.mj, self.model, data.contact
-        geoms = contacts.geom
-        several = self._has_edges[geoms].all(axis=1) & self._is_hull[geoms].any(axis=1)
-        if not several.any():
+        mj, m, contacts, edges = self.mj, self.model, data.contact, self._edges
+        found: dict[tuple[int, int], float] = {}
+        for (a, b), distance in zip(contacts.geom.tolist(), contacts.dist.tolist(), strict=True):
+            if edges[a] * edges[b] > 1:
+                found[a, b] = min(distance, found.get((a, b), _FAR))
+        if not found:
             return False
-        found: dict[tuple[int, ...], float] = {}
-        own = zip(geoms[several].tolist(), contacts.dist[several].tolist(), strict=True)
-        for geom, distance in own:
-            found[tuple(geom)] = min(distance, found.get(tuple(geom), _FAR))
         most = _MISSED * m.opt.ccd_tolerance
         missed = {
             pair
