@@ -72,7 +72,7 @@ class RowsModel:
         self.hand = m.body_mocapid[m.body_weldid[m.geom_bodyid]]
         types = self.mj.mjtGeom
         self.is_plane = m.geom_type == types.mjGEOM_PLANE
-        # Products of a pair beyond 1 have edges and faces clipped: capsules and boxes have formulas.
+        # Pairs whose product is 1 have formulas, edges and faces of the others are clipped.
         edges = {types.mjGEOM_CAPSULE: 1, types.mjGEOM_BOX: 1}
         edges |= {types.mjGEOM_CYLINDER: 2, types.mjGEOM_MESH: 2}
         self._edges = [edges.get(kind, 0) for kind in m.geom_type.tolist()]
