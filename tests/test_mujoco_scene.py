@@ -132,6 +132,28 @@ def test_the_order_of_geoms_has_no_effect(count):
     assert np.hypot(*ends[0][:2]) > 0.1
 
 
+def test_the_order_of_boxes_that_fall_on_each_other_has_no_effect():
+    """Percussions of two bodies that turn on each other are not unique where these hit."""
+    rng = np.random.default_rng(4)
+    boxes = []
+    for k in range(3):
+        turn, place = 0.2 * rng.normal(size=3), rng.uniform(-0.02, 0.02, 2)
+        boxes.append(
+            f'<body pos="{place[0]:g} {place[1]:g} {0.15 + 0.2 * k:g}"'
+            f' quat="1 {turn[0]:g} {turn[1]:g} {turn[2]:g}"><joint name="{k}" type="free"/>'
+            f'<geom type="box" size=".08 .08 .05" mass="{rng.uniform(0.5, 2.0):g}"/></body>'
+        )
+    ends = []
+    for order in [(0, 1, 2), (2, 1, 0), (1, 0, 2), (2, 0, 1)]:
+        inside = '<geom type="plane" size="5 5 .1"/>' + "".join(boxes[k] for k in order)
+        model = model_of(inside)
+        data = mujoco.MjData(model)
+        Scene(model, starts="project").simulate(data, t_end=0.3)
+        ends.append(np.concatenate([data.joint(str(k)).qpos for k in range(3)]))
+    assert np.ptp(ends, axis=0).max() < 1e-9
+    assert ends[0][9] < 0.25  # the second one lies on the first
+
+
 @pytest.mark.parametrize("foot", ["<geom {}/>", "<body {}><geom {}/></body>"])
 def test_forces_of_feet_without_names_do_not_depend_on_their_order(foot):
     """Of feet that hold, whose forces are not unique."""

@@ -37,6 +37,10 @@ pub(crate) const DEPENDENT: f64 = 1e-10;
 pub(crate) const LIGHT: f64 = 1e-10;
 /// Difference of the friction of contacts per unit normal force that counts as none: feet that slip in one direction.
 const SAME: f64 = 1e-9;
+/// Most contacts of an island whose shares are looked for: its equations are dense.
+const MOST_CONTACTS: usize = 64;
+/// Compliance over the mean normal mobility that is as good as ε → 0 for which contacts carry load.
+const STIFF: f64 = 1e-6;
 /// How often contacts exchange load at most, besides once for each of them.
 const MORE_EXCHANGES: usize = 4;
 /// Residual that counts as solved; what it is in the whole is looked at afterwards.
@@ -56,7 +60,8 @@ pub(crate) struct Given<'a> {
 /// What shares are found with, kept from one step to the next as long as contacts and laws stay.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shares {
-    /// Normal mobilities of contacts that may share.
+    /// Contacts that may share, and their normal mobilities.
+    closed: Vec<usize>,
     normals: BlockLu,
     before: Memory,
     /// Of the islands that have shared, at their numbers.
@@ -64,9 +69,8 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// Puts the percussions of equal compliance in place of those of a solution, in every island whose contacts all meet each
-    /// other, as those of one body do, and whose motion depends on their shares; the new report, if there is such an island.
-    /// Islands of piles would have to be solved once more.
+    /// Puts the percussions of equal compliance in place of those of a solution, in every island of few contacts whose motion
+    /// depends on their shares; the new report, if there is such an island.
     pub(crate) fn find(
         &mut self,
         problem: &ContactProblem,
@@ -82,7 +86,8 @@ impl Shares {
         for number in 0..workspace.members().count() {
             let contacts = workspace.members().of(number);
             let feet = Feet { problem, contacts, velocity: workspace.velocity(), by_place };
-            if feet.meet_each_other() && feet.motion_depends_on_shares(memory, &mut self.normals) {
+            let Self { closed, normals, .. } = self;
+            if feet.are_few() && feet.motion_depends_on_shares(memory, closed, normals) {
                 if !shared {
                     self.before.copy_from(memory);
                 }
@@ -110,7 +115,7 @@ impl Shares {
     }
 }
 
-/// An island whose contacts all meet each other.
+/// The contacts of an island.
 struct Feet<'p> {
     problem: &'p ContactProblem,
     contacts: &'p [usize],
@@ -119,10 +124,8 @@ struct Feet<'p> {
 }
 
 impl Feet<'_> {
-    fn meet_each_other(&self) -> bool {
-        let blocks = self.problem.delassus().blocks();
-        let count = self.contacts.len();
-        count > 1 && self.contacts.iter().all(|&i| blocks.neighbours(i).len() == count)
+    fn are_few(&self) -> bool {
+        (2..=MOST_CONTACTS).contains(&self.contacts.len())
     }
 
     fn rows(&self) -> impl Iterator<Item = &ContactRows> {
@@ -148,7 +151,12 @@ impl Feet<'_> {
     }
 
     /// Whether contacts that are closed can share their load in many ways, and their friction tells them apart.
-    fn motion_depends_on_shares(&self, memory: &Memory, normals: &mut BlockLu) -> bool {
+    fn motion_depends_on_shares(
+        &self,
+        memory: &Memory,
+        carrying: &mut Vec<usize>,
+        normals: &mut BlockLu,
+    ) -> bool {
         let percussion = &memory.percussion;
         let fastest = self.rows().flat_map(ContactRows::rows).map(|row| self.load(row).abs());
         let rounding = ROUNDING * fastest.fold(0.0, f64::max);
@@ -159,13 +167,14 @@ impl Feet<'_> {
             rows.normal == NormalForce::Unilateral
                 && (percussion[rows.offset] > 0.0 || xi(rows.offset) <= at_rest)
         };
-        let (mut first, mut sticks, mut differ, mut count) = (None, false, false, 0);
+        let (mut first, mut sticks, mut differ) = (None, false, false);
+        carrying.clear();
         for &i in self.contacts {
             let rows = &self.problem.contacts()[i];
             if !closed(rows) {
                 continue;
             }
-            count += 1;
+            carrying.push(i);
             let normal = percussion[rows.offset];
             let mut friction = [0.0; 3];
             if normal > LIGHT * most {
@@ -188,20 +197,18 @@ impl Feet<'_> {
             let first = *first.get_or_insert(friction);
             differ |= friction.iter().zip(&first).any(|(a, b)| (a - b).abs() > SAME);
         }
+        let count = carrying.len();
         if count < 2 || !(differ || sticks && first.is_some()) {
             return false;
         }
         let entries = normals.begin(count);
-        for (k, &i) in
-            self.contacts.iter().filter(|&&i| closed(&self.problem.contacts()[i])).enumerate()
-        {
+        entries.fill(0.0);
+        for (k, &i) in carrying.iter().enumerate() {
             let offset = self.problem.contacts()[i].offset;
-            let mut place = k * count;
             self.problem.each_entry(i, offset, |j, column, entry| {
-                let other = &self.problem.contacts()[j];
-                if column == other.offset && closed(other) {
-                    entries[place] = entry;
-                    place += 1;
+                let place = carrying.binary_search(&j);
+                if let (true, Ok(l)) = (column == self.problem.contacts()[j].offset, place) {
+                    entries[k * count + l] = entry;
                 }
             });
         }
@@ -269,11 +276,41 @@ impl Equations {
             !own.unilateral || force > 0.0 || xi <= may_carry
         }));
         let at_rest = f64::max(AT_REST * speed, rounding);
+        if self.exchange(feet, stop, at_rest).is_none() {
+            self.take(feet, history, memory);
+            self.load_springs(feet, stop)?;
+            self.exchange(feet, stop, at_rest)?;
+        }
+        self.put(feet, memory);
+        Some(())
+    }
+
+    /// Finds the contacts that carry load if all are on stiff springs, as exchange from others may go round in circles.
+    fn load_springs(&mut self, feet: &Feet<'_>, stop: Stop<'_>) -> Option<()> {
+        self.carries.fill(true);
+        let compliance = STIFF * self.take_normals();
+        self.projection.iter_mut().for_each(|entry| *entry *= compliance);
+        self.solve(feet, stop)?;
+        let none = self.light();
+        for (carries, own) in self.carries.iter_mut().zip(&self.contacts) {
+            *carries = !own.unilateral || self.percussion[own.offset] > none;
+        }
+        Some(())
+    }
+
+    /// The normal percussion that counts as none.
+    fn light(&self) -> f64 {
+        let forces = self.normals.iter().map(|&row| self.percussion[row]);
+        LIGHT * forces.fold(0.0, f64::max)
+    }
+
+    /// Lets contacts take up and give up load until all have the right sign.
+    fn exchange(&mut self, feet: &Feet<'_>, stop: Stop<'_>, at_rest: f64) -> Option<()> {
         for _ in 0..=self.carries.len() + MORE_EXCHANGES {
+            self.factor_normals();
             self.solve(feet, stop)?;
             self.find_wrong_signs(at_rest);
             if self.wrong.is_empty() {
-                self.put(feet, memory);
                 return Some(());
             }
             self.wrong.iter().for_each(|&k| self.carries[k] = !self.carries[k]);
@@ -286,13 +323,26 @@ impl Equations {
             list.clear();
         }
         self.contacts.clear();
-        for (&i, own) in feet.contacts.iter().zip(feet.rows()) {
+        for own in feet.rows() {
             let unilateral = own.normal == NormalForce::Unilateral;
             self.contacts.push(Rows { offset: self.load.len(), len: own.len(), unilateral });
             for row in own.rows() {
-                feet.problem.each_entry(i, row, |_, _, entry| self.effects.push(entry));
                 self.load.push(feet.load(row));
                 self.percussion.push(memory.percussion[row]);
+            }
+        }
+        let n = self.load.len();
+        self.effects.resize(n * n, 0.0);
+        let Self { effects, contacts, .. } = self;
+        let mut effects = effects.chunks_exact_mut(n);
+        for (&i, own) in feet.contacts.iter().zip(feet.rows()) {
+            for (row, effects) in own.rows().zip(&mut effects) {
+                feet.problem.each_entry(i, row, |j, column, entry| {
+                    if let Ok(place) = feet.contacts.binary_search(&j) {
+                        let first = feet.problem.contacts()[j].offset;
+                        effects[contacts[place].offset + column - first] = entry;
+                    }
+                });
             }
         }
         self.history.clear();
@@ -322,9 +372,8 @@ impl Equations {
         self.velocity.extend(rows.map(|(row, load)| dot(row, &self.percussion) + load));
     }
 
-    /// The projection `ρP` onto the null space of the normal rows of the contacts that carry load, by Gram and Schmidt's
-    /// method with the largest column first, ρ the mean of the diagonal of `N`; and the factors of `N + ρP`.
-    fn factor_normals(&mut self) {
+    /// Takes the normal rows of the contacts that carry load, `N` and the unit matrix; the mean of the diagonal of `N`.
+    fn take_normals(&mut self) -> f64 {
         self.normals.clear();
         let with = self.contacts.iter().zip(&self.carries);
         let with = with.filter(|(own, carries)| own.unilateral && **carries);
@@ -338,10 +387,17 @@ impl Equations {
                 self.projection.push(if k == l { 1.0 } else { 0.0 });
             }
         }
+        (0..n).map(|k| self.rest[k * n + k]).sum::<f64>() / n.max(1) as f64
+    }
+
+    /// The projection `ρP` onto the null space of the normal rows of the contacts that carry load, by Gram and Schmidt's
+    /// method with the largest column first, ρ the mean of the diagonal of `N`; and the factors of `N + ρP`.
+    fn factor_normals(&mut self) {
+        let scale = self.take_normals();
+        let n = self.normals.len();
         if n == 0 {
             return;
         }
-        let scale = (0..n).map(|k| self.rest[k * n + k]).sum::<f64>() / n as f64;
         let entries = self.factors.begin(n);
         entries.copy_from_slice(&self.rest);
         let mut first = 0.0;
@@ -378,7 +434,6 @@ impl Equations {
 
     /// Finds the shares of the contacts that carry load.
     fn solve(&mut self, feet: &Feet<'_>, stop: Stop<'_>) -> Option<()> {
-        self.factor_normals();
         let stays = self.problem.is_some()
             && self.with.iter().copied().eq((0..self.carries.len()).filter(|&k| self.carries[k]));
         if !stays {
@@ -447,8 +502,7 @@ impl Equations {
     /// Finds the contacts that carry load and would pull; else those that part, and only then others that approach or would
     /// press.
     fn find_wrong_signs(&mut self, at_rest: f64) {
-        let forces = self.normals.iter().map(|&row| self.percussion[row]);
-        let none = LIGHT * forces.fold(0.0, f64::max);
+        let none = self.light();
         let mut wrong = std::mem::take(&mut self.wrong);
         wrong.clear();
         let (contacts, carries) = (&self.contacts, &self.carries);
