@@ -260,8 +260,8 @@ class ContactStepper:
         """Return the contacts of the last step as a problem of their own.
 
         Joints are eliminated, so that files, proofs, `natural_map` and every solver take it. Its
-        contacts are the items that are no joints and that anything moves; contacts without friction
-        have a row besides that nothing moves, under a law on a line.
+        contacts are the items that are no joints and that anything moves; those that move in their
+        normal row alone are without friction.
 
         Returns:
             The problem, with dense G, and the item that each of its contacts is.
@@ -276,14 +276,15 @@ class ContactStepper:
         >>> kinds = [ContactStepper.BILATERAL, ContactStepper.FRICTIONLESS]
         >>> step = stepper.solve(bar, free_velocity=[0.0, -1.0], items=kinds)
         >>> problem, items = stepper.contact_problem()
-        >>> items.tolist(), problem.solve().percussion[0].round(12) == step.percussion[1].round(12)
-        ([1], np.True_)
+        >>> items.tolist(), problem.laws, problem.solve().percussion.round(12).tolist()
+        ([1], (None,), [1.333333333333])
         """
         found = self._stepper.contact_problem()
         if not found["laws"]:
             raise ParameterError("items", "must have had a contact that moves in the last step")
+        known: dict[int | None, FrictionLaw | None] = {None: None, **dict(enumerate(self._laws))}
         laws = [
-            self._laws[number] if ends is None else FrictionLaw.associated(Interval(*ends))
+            FrictionLaw.associated(Interval(*ends)) if ends else known[number]
             for number, ends in zip(found["laws"], found["ends"], strict=True)
         ]
         problem = ContactProblem(

@@ -6,7 +6,7 @@ use std::mem;
 use super::arranged::{Arranged, Rows, StepRows};
 use super::freedom::{self, Freedom};
 use super::joints::{Joints, Mismatch};
-use super::layout::{Friction, Layout, Member, Row};
+use super::layout::{Friction, Layout, Member};
 use super::{DRIFT, ROUNDED};
 use crate::argument::{ArgumentError, refuse};
 use crate::contact::{
@@ -68,8 +68,9 @@ struct Found {
 #[derive(Debug, Clone)]
 pub struct ContactStepper {
     laws: Vec<Law>,
-    /// Of the row that every contact of a problem has beside its normal one, and of dry friction.
+    /// Of dry friction, and of contacts that only their normal row moves.
     line: Law,
+    frictionless: Law,
     solver: Solver,
     problem: ContactProblem,
     workspace: Workspace,
@@ -107,6 +108,7 @@ impl ContactStepper {
         Ok(Self {
             laws,
             line: line.into(),
+            frictionless: Law::frictionless(),
             solver,
             problem: ContactProblem::assemble([], Delassus::Blocks(BlockMatrix::default())),
             workspace: Workspace::default(),
@@ -249,8 +251,6 @@ impl ContactStepper {
     }
 
     /// The contacts of the last step as a problem of their own, in which joints have been eliminated.
-    ///
-    /// Contacts without friction have a row besides that nothing moves, under a law on a line.
     pub fn contact_problem(&self) -> &ContactProblem {
         &self.problem
     }
@@ -302,7 +302,7 @@ impl ContactStepper {
 
     /// Brings the problem up to date: its contacts where they are others than before, its entries and velocities.
     fn fill(&mut self) {
-        let Self { laws, line, problem, workspace, shares, arranged, .. } = self;
+        let Self { laws, line, frictionless, problem, workspace, shares, arranged, .. } = self;
         let Self { joints, layout, earlier, .. } = self;
         let is_new = !layout.fits(earlier) || problem.contacts().len() != layout.members.len();
         if is_new {
@@ -316,7 +316,8 @@ impl ContactStepper {
                     (Friction::Law(law), Freedom::Line(along)) => {
                         freedom::along(&laws[law], along).unwrap_or_else(|| line.clone())
                     }
-                    _ => line.clone(),
+                    (Friction::Dry, _) => line.clone(),
+                    _ => frictionless.clone(),
                 };
                 (law, normal)
             });
@@ -370,8 +371,7 @@ impl ContactStepper {
         percussion.clear();
         percussion.resize(arranged.len(), 0.0);
         for (row, p) in layout.rows.iter().zip(&memory.percussion) {
-            let Row::Of { first, weights } = *row else { continue };
-            for (i, weight) in (first..).zip(weights).filter(|(_, weight)| *weight != 0.0) {
+            for (i, weight) in (row.first..).zip(row.weights).filter(|(_, weight)| *weight != 0.0) {
                 percussion[i] = weight * p;
             }
         }
