@@ -646,6 +646,23 @@ def test_what_a_method_returns_is_checked(method, value, message):
         asp.simulate(changed(), dt=1e-3, t_end=0.1, q0=at(1.0))
 
 
+def test_steps_so_long_that_coordinates_grow_without_bound_are_too_long():
+    """Of a method that is asked there, its numbers are not to blame."""
+
+    class Squared(Pendulum):
+        def constraint(self, q):
+            assert np.isfinite(q).all()
+            return [0.5 * (q @ q - 1.0)]
+
+        def constraint_rows(self, q):
+            return [q]
+
+    for dt in (10.0, 1e3, 1e200, 1e305):
+        with pytest.raises(asp.ParameterError, match=r"dt: is too long.* at t = 5") as caught:
+            asp.simulate(Squared(), dt=dt, t_end=20.0 * dt, q0=[1.0, 0.0], u0=[0.0, 1.0])
+        assert caught.value.argument == "dt"
+
+
 def test_what_does_not_hold_constraints_refuses_them():
     held, *_ = linear(LINE)
     for system in (Pendulum(), held):
