@@ -40,8 +40,9 @@ struct Found {
 /// Percussions and phases start from those that the item with the same key had in the step before. Items are solved in the
 /// order of their keys: percussions do not depend on the order in which an engine lists the contacts, unique or not. Contacts of one
 /// body that slide in different directions share what they carry as if of equal compliance. Percussions of joints that loops repeat
-/// are those of least weighted squares. Where the bodies of a contact cannot move in some direction, they stick
-/// up to the friction of sliding in the direction that is left, and what is transmitted across it is that of sliding, too.
+/// are those of least weighted squares; of links 10⁹ times as light as what they join `G` does not tell whether they do. Where the
+/// bodies of a contact cannot move in some direction, they stick up to the friction of sliding in the direction that is left, and
+/// what is transmitted across it is that of sliding, too.
 ///
 /// ```
 /// use asperity::law::FrictionLaw;
@@ -131,8 +132,8 @@ impl ContactStepper {
     /// Solves a step.
     ///
     /// A status other than converged says that percussions are no solution: [`Status::NoSolution`] also where joints contradict each
-    /// other by more than drift, [`Status::Unbounded`] where percussions have grown so far that they hide it, with one of them as the
-    /// worst contact of the report. Contacts in it are items.
+    /// other by more than drift or links are so light that they look like it, [`Status::Unbounded`] where percussions have grown so far
+    /// that they hide it, with one of them as the worst contact of the report. Contacts in it are items.
     ///
     /// # Errors
     ///
