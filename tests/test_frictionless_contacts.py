@@ -229,3 +229,17 @@ def test_a_stepper_has_contacts_of_their_normal_row_alone():
     assert items.tolist() == [0]
     assert problem.laws == (None,)
     assert problem.solve().percussion.tolist() == [1.5] == step.percussion[:1].tolist()
+
+
+def test_a_stepper_shares_the_load_with_them():
+    """Feet of equal compliance carry a quarter each, and two of them rub: 0.3 of the half."""
+    foot = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    rows = np.hstack([foot[:, :1], foot, foot[:, :1], foot])
+    free = ContactStepper.FRICTIONLESS
+    step = ContactStepper(FrictionLaw.isotropic(0.3)).solve(
+        rows.T @ rows / 2.0, free_velocity=rows.T @ [0.5, 0.0, -0.1], items=[free, 0, free, 0]
+    )
+    quarter = 0.05
+    own = [quarter, -0.3 * quarter, 0.0]
+    np.testing.assert_allclose(step.percussion, [quarter, *own, quarter, *own], atol=1e-12)
+    assert step.velocity[2] == pytest.approx(0.5 - 0.3 * 0.1 / 2.0)
