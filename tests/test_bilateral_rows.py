@@ -16,6 +16,7 @@ from asperity import (
     Interval,
     NoSolutionError,
     ParameterError,
+    Phase,
     ProximalPoint,
 )
 from asperity.contact.grading import natural_map, proves_no_solution
@@ -241,6 +242,73 @@ def test_islands_remain_islands():
     assert len(problem.solve().islands) == 5
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+@pytest.mark.parametrize("column", [1.0, 0.0])
+def test_held_tangential_rows_are_let_be(angle, column):
+    """A block slides along rails: with γ along e, friction is λ(e), across them too, by hand.
+
+    The row across is either held by the rails or moves nothing at all.
+    """
+    law = FrictionLaw(Ellipse(0.6, 0.2), Ellipse(0.3, 0.5))
+    law = law.rotated(angle)
+    slide, push = 4.0, 10.0
+    options = {
+        "directions": np.diag([1.0, 1.0, column]),
+        "laws": law,
+        "bilateral": [[0.0], [0.0], [1.0]],
+        "bilateral_velocity": [0.0],
+    }
+    block = ContactProblem.from_bodies(
+        2.0 * np.eye(3), free_velocity=[-push / 2.0, slide, 0.0], **options
+    )
+    normal, along = push, law.force([1.0, 0.0], normal_force=push)
+    for solver in SOLVERS:
+        found = block.solve(solver)
+        assert found.percussion == pytest.approx([normal, *along], rel=1e-7), solver
+        assert found.velocity == pytest.approx([0.0, slide + along[0] / 2.0, 0.0], abs=1e-8)
+        reaction = block.bilateral_percussion(found.percussion)
+        assert reaction == pytest.approx([-column * along[1]], rel=1e-7)
+    rest = block.replace(free_velocity=[-push / 2.0, 0.1, 0.0]).solve()
+    assert rest.percussion == pytest.approx([push, -0.2, 0.0], abs=1e-12)
+    assert rest.phase.tolist() == [Phase.STICK]
+
+
+@counts(20, 1000)
+def test_held_rows_are_those_of_the_stepper(count):
+    """Feet of bodies in a plane, with laws across it, against the stepper's own treatment."""
+    rng = np.random.default_rng(6)
+    for seed in range(count):
+        bodies, laws = 3, [LAWS[k] for k in rng.integers(0, 2, 2)]
+        across = np.kron(np.eye(bodies), [[0.0], [0.0], [1.0]])
+        turned = rng.uniform(0.0, 2.0 * np.pi)
+        turn = np.array([[np.cos(turned), -np.sin(turned)], [np.sin(turned), np.cos(turned)]])
+        foot = np.zeros((3, 3))
+        foot[0, 0], foot[1:, 1:] = 1.0, turn if seed % 2 else np.eye(2)
+        directions = np.hstack(
+            [
+                np.kron(rng.normal(size=(bodies, 1)), foot),
+                np.kron(rng.normal(size=(bodies, 1)), foot),
+            ]
+        )
+        speed = rng.normal(size=9) * np.tile([1.0, 1.0, 0.0], 3)
+        problem = ContactProblem.from_bodies(
+            np.eye(9),
+            directions=directions,
+            free_velocity=directions.T @ speed,
+            laws=laws,
+            bilateral=across,
+        )
+        rows = np.hstack([directions, across])
+        items = [*(LAWS.index(law) for law in laws), *[ContactStepper.BILATERAL] * bodies]
+        step = ContactStepper(LAWS).solve(rows.T @ rows, free_velocity=rows.T @ speed, items=items)
+        # Two contacts may have several solutions, each of which is one of the problem.
+        assert problem.natural_map(step.percussion[:6]) < 1e-9, seed
+        found = problem.solve().percussion
+        moved = speed + rows @ np.append(found, problem.bilateral_percussion(found))
+        np.testing.assert_allclose(moved[2::3], 0.0, atol=1e-12)
+        assert natural_map(problem, found) < 1e-9, seed
+
+
 @pytest.mark.parametrize(
     ("changes", "argument", "message"),
     [
@@ -253,8 +321,8 @@ def test_islands_remain_islands():
             "bilateral_velocity",
             r"0\.05 \(m/s or rad/s\) of row 1",
         ),
-        ({"bilateral": np.eye(3)[:, :1]}, "directions", "bilateral rows hold row 0"),
-        ({"directions": np.diag([1.0, 0.0, 1.0])}, "directions", "row 1 moves nothing"),
+        ({"bilateral": np.eye(3)[:, :1]}, "directions", "must move contact 0, nothing does"),
+        ({"directions": np.diag([0.0, 1.0, 1.0])}, "directions", "must move contact 0"),
         ({"bilateral": [[np.nan], [0.0], [1.0]]}, "bilateral", "finite"),
     ],
 )

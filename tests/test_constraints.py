@@ -517,6 +517,94 @@ def test_forces_of_constraints_and_contacts_balance():
     np.testing.assert_allclose(pushed, expected, atol=2e-3 * np.abs(expected).max())
 
 
+LINK = {"mass": [2.0, 1.0], "constraint_rows": [[1.0, -1.0]]}
+
+
+def link(run, system):
+    """What the link transmits, and the middles of the steps."""
+    return system.constraint_forces(run)[1:, 0], run.t[1:] - 0.5 * run.dt
+
+
+@pytest.mark.parametrize(("theta", "order"), [(0.5, 2), (1.0, 1)])
+def test_forces_of_implicit_steps_converge(theta, order):
+    """Two masses on a link, one on a spring and a damper: m₂ ẍ in closed form."""
+    k, c, m = 300.0, 12.0, 3.0
+    system = asp.LinearSystem(stiffness=np.diag([k, 0.0]), damping=np.diag([c, 0.0]), **LINK)
+    fade, omega = c / (2.0 * m), np.sqrt(k / m - (c / (2.0 * m)) ** 2)
+    rate = complex(-fade, omega)
+    # x = Re(A e^{rt}) with x(0) = 1 and ẋ(0) = 0.
+    amplitude = complex(1.0, fade / omega).conjugate()
+    errors = []
+    for dt in (4e-3, 2e-3, 1e-3):
+        run = asp.simulate(system, dt=dt, t_end=0.4, implicit=theta, q0=[1.0, 1.0])
+        found, t = link(run, system)
+        # J = (1, −1) pushes the second mass by −Λ.
+        expected = -1.0 * (amplitude * rate**2 * np.exp(rate * t)).real
+        errors.append(np.abs(found - expected).max() / np.abs(expected).max())
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert errors[-1] < (1e-3 if order == 2 else 5e-2)
+    np.testing.assert_allclose(orders, order, atol=0.1)
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
+@pytest.mark.parametrize("stiff", [1.0, 1e6])
+def test_forces_of_implicit_steps_are_their_percussions(theta, stiff):
+    """M (u_E − u_B) = Δt (f − B u_θ − K q_θ + W λ + JᵀΛ), of stiff springs and contacts, too."""
+    rng = np.random.default_rng(8)
+    n, dt, law = 5, 1e-2, asp.FrictionLaw.isotropic(0.4)
+    root = rng.normal(size=(3, n, n))
+    mass, stiffness, damping = root @ root.transpose(0, 2, 1)
+    rows = rng.normal(size=(2, n))
+    rows = np.vstack([rows, rows[0] - rows[1]])
+    tangent, normal = rng.normal(size=(2, n, 2))
+    system = asp.LinearSystem(
+        mass + np.eye(n),
+        stiffness=stiff * stiffness,
+        damping=stiff * damping,
+        force=rng.normal(size=n),
+        contacts=[
+            asp.Contact(law, direction=tangent, normal_force=2.0),
+            asp.Contact(law, direction=normal, normal=tangent[:, 0] + normal[:, 0]),
+        ],
+        constraint_rows=rows,
+    )
+    free = np.linalg.svd(rows[:2])[2][2:].T
+    start = {"q0": free @ rng.normal(size=3), "u0": free @ rng.normal(size=3)}
+    run = asp.simulate(system, dt=dt, t_end=0.5, implicit=theta, **start)
+    forces = system.constraint_forces(run)
+    assert np.isnan(forces[0]).all()
+    assert ((forces[1:] == 0.0).sum(axis=1) >= 1).all()  # a row repeats the others
+
+    def mean(values):
+        return theta * values[1:] + (1.0 - theta) * values[:-1]
+
+    pushed = system.force - mean(run.u) @ system.damping.T - mean(run.q) @ system.stiffness.T
+    pushed += forces[1:] @ rows
+    for number, contact in enumerate(system.contacts):
+        pushed += run.force[1:, number] @ contact.direction.T
+        if contact.normal is not None:
+            pushed += run.normal_force[1:, [number]] * contact.normal
+    change = np.diff(run.u, axis=0) @ system.mass.T / dt
+    size = np.abs(mean(run.q) @ system.stiffness.T).max() + np.abs(forces[1:]).max()
+    np.testing.assert_allclose(pushed, change, atol=1e-8 * size)
+    fewer = asp.simulate(system, dt=dt, t_end=0.5, implicit=theta, sample_every=10 * dt, **start)
+    np.testing.assert_allclose(
+        system.constraint_forces(fewer)[1:], forces[10::10], atol=1e-9 * np.abs(forces[1:]).max()
+    )
+
+
+def test_a_step_that_ends_at_rest_wherever_it_began_has_no_known_forces():
+    """With θ = ½ and Δt B = 2 M a damper ends each motion in a step."""
+    system = asp.LinearSystem(damping=np.diag([30.0, 0.0]), **LINK)
+    run = asp.simulate(system, dt=0.2, t_end=1.0, implicit=0.5, u0=[1.0, 1.0])
+    assert np.abs(run.u[1:]).max() < 1e-15
+    with pytest.raises(asp.ParameterError, match="ends tell their beginnings"):
+        system.constraint_forces(run)
+    run = asp.simulate(system, dt=0.2, t_end=1.0, implicit=1.0, u0=[1.0, 1.0])
+    found, _ = link(run, system)
+    np.testing.assert_allclose(found, -np.diff(run.u[:, 1]) / 0.2, rtol=1e-9)
+
+
 def test_forces_of_no_constraints_and_of_other_systems():
     free = asp.LinearSystem(np.ones(2))
     motion = asp.simulate(free, dt=0.1, t_end=1.0)
@@ -528,10 +616,9 @@ def test_forces_of_no_constraints_and_of_other_systems():
     held = asp.LinearSystem(np.ones(2), constraint_rows=[[1.0, 0.0]])
     with pytest.raises(asp.ParameterError, match="trajectory: must be a Trajectory of simulate"):
         held.constraint_forces(asp.integrate(free, t_end=1.0))
-    with pytest.raises(
-        asp.ParameterError, match="trajectory: must be of simulate without implicit"
-    ):
-        held.constraint_forces(asp.simulate(held, dt=0.1, t_end=1.0, implicit=0.5))
+    other = asp.simulate(held, dt=0.1, t_end=1.0, implicit=0.5)
+    with pytest.raises(asp.ParameterError, match="trajectory: must be of this system"):
+        Pendulum().constraint_forces(other)
 
 
 def test_rows_of_a_copy_need_no_constants_where_there_were_none():
@@ -557,6 +644,23 @@ def test_what_a_method_returns_is_checked(method, value, message):
     changed = type("Changed", (Pendulum,), {method: lambda self, q: value})
     with pytest.raises((asp.ParameterError, asp.DimensionError), match=message):
         asp.simulate(changed(), dt=1e-3, t_end=0.1, q0=at(1.0))
+
+
+def test_steps_so_long_that_coordinates_grow_without_bound_are_too_long():
+    """Of a method that is asked there, its numbers are not to blame."""
+
+    class Squared(Pendulum):
+        def constraint(self, q):
+            assert np.isfinite(q).all()
+            return [0.5 * (q @ q - 1.0)]
+
+        def constraint_rows(self, q):
+            return [q]
+
+    for dt in (10.0, 1e3, 1e200, 1e305):
+        with pytest.raises(asp.ParameterError, match=r"dt: is too long.* at t = 5") as caught:
+            asp.simulate(Squared(), dt=dt, t_end=20.0 * dt, q0=[1.0, 0.0], u0=[0.0, 1.0])
+        assert caught.value.argument == "dt"
 
 
 def test_what_does_not_hold_constraints_refuses_them():

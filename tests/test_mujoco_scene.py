@@ -486,6 +486,53 @@ def test_copies_do_what_the_original_does_with_other_data(copied):
     assert data.qvel[2] > 0.05
 
 
+class Watched(Scene):
+    """A scene of its own arguments, which counts its steps."""
+
+    def __init__(self, name, model):
+        self.name, self.passed = name, []
+        super().__init__(model, {("floor", "box"): HALF_LOAD}, tolerance=1e-9)
+        self.view = self
+
+    def step(self, data):
+        self.passed.append(data.time)
+        return super().step(data)
+
+
+class Counted(Watched):
+    """Says itself what its copies know."""
+
+    def __getstate__(self):
+        return len(self.passed)
+
+    def __setstate__(self, state):
+        self.passed = [None] * state
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickled])
+def test_copies_of_a_subclass_are_of_it(copied):
+    model = box()
+    scene, data = Watched("desk", model), mujoco.MjData(model)
+    scene.note = "of the user"
+    scene.step(data)
+    again, own = copied(scene), copy.copy(data)
+    assert type(again) is Watched
+    assert (again.name, again.note, again.passed) == ("desk", "of the user", [0.0])
+    assert again.view is (scene if copied is copy.copy else again)
+    assert (again.passed is scene.passed) == (copied is copy.copy)
+    assert set(vars(again)) == set(vars(scene))
+    theirs = copy.copy(data)
+    scene.step(theirs)
+    again.step(own)
+    assert np.array_equal(own.qpos, theirs.qpos)
+    assert repr(again) == repr(scene) == "<Watched: 2 geoms, 6 velocities, dt 0.001 s>"
+    counted = Counted("desk", model)
+    counted.step(mujoco.MjData(model))
+    assert copied(counted).passed == [None]
+    assert copied(copied(scene)).name == "desk"
+    assert "note" not in vars(copied(Scene(model)))
+
+
 def end_of(scene, speed, model):
     data = mujoco.MjData(model)
     data.qvel[0] = speed

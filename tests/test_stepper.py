@@ -207,6 +207,33 @@ def test_conic_methods_solve_dry_joints_beside_contacts(count):
                 np.testing.assert_allclose(step.percussion, one.percussion, atol=1e-6 * size)
 
 
+@pytest.mark.parametrize("ratio", [1e-12, 1e-15])
+def test_light_links_are_no_contradiction(ratio):
+    """A bar strikes a stop, tied to a second one by a light link: masses tell, G does not."""
+    mass = np.diag([1.0, 1.0, ratio])
+    joints, stop = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]]), np.array([[0.0], [1.0], [0.0]])
+    rows, speed = np.hstack([joints, stop]), np.array([-1.0, 0.0, 0.0])
+    step = {"free_velocity": rows.T @ speed, "items": [JOINT, JOINT, FREE]}
+    with pytest.raises(NoSolutionError, match="a link is so light that G") as caught:
+        ContactStepper(LAWS).solve(rows.T @ np.linalg.solve(mass, rows), **step)
+    assert "contradict each other, or" in str(caught.value)
+    assert "no percussion" not in str(caught.value)
+    problem = ContactProblem.from_bodies(
+        mass,
+        directions=stop,
+        free_velocity=stop.T @ speed,
+        laws=None,
+        bilateral=joints,
+        bilateral_velocity=joints.T @ speed,
+    )
+    found = problem.solve().percussion
+    reaction = problem.bilateral_percussion(found)
+    np.testing.assert_allclose([*reaction, *found], [1.0, -1.0, 1.0], rtol=1e-6)
+    heavier = np.diag([1.0, 1.0, 1e-8])
+    held = ContactStepper(LAWS).solve(rows.T @ np.linalg.solve(heavier, rows), **step)
+    np.testing.assert_allclose(held.percussion, [1.0, -1.0, 1.0], rtol=1e-6)
+
+
 def test_a_step_without_a_solution_hands_over_its_proof():
     stepper = ContactStepper(FrictionLaw.isotropic(1.0, dimension=1))
     delassus = np.array([[1.0, 2.0, 0.0], [2.0, 3.0, 0.0], [0.0, 0.0, 1.0]])

@@ -50,6 +50,7 @@ const SLENDER: f64 = 1e5;
 /// Whether the sets are of ordinary size and not very slender: what is promised of solvers is promised for these.
 pub fn is_ordinary(law: &Law) -> bool {
     match law {
+        Law::Zero(_) => unreachable!(),
         Law::One(law) => ordinary(law),
         Law::Two(law) => ordinary(law),
         Law::Three(law) => ordinary(law),
@@ -73,6 +74,7 @@ fn ordinary<const P: usize>(law: &FrictionLaw<P>) -> bool {
 /// The sets of a law, without the tables that solvers keep with it.
 pub fn describe(law: &Law) -> String {
     match law {
+        Law::Zero(_) => unreachable!(),
         Law::One(law) => {
             format!("C {:?} D {:?} {:?}", law.reservoir(), law.direction(), law.rate())
         }
@@ -92,6 +94,7 @@ pub fn least_radius(law: &Law) -> f64 {
         radii.fold(f64::INFINITY, f64::min)
     }
     match law {
+        Law::Zero(_) => unreachable!(),
         Law::One(law) => of(law),
         Law::Two(law) => of(law),
         Law::Three(law) => of(law),

@@ -274,6 +274,7 @@ fn gauge(law: &Law, force: &[f64]) -> (f64, f64) {
         return (0.0, 0.0);
     }
     match law {
+        Law::Zero(_) => unreachable!(),
         Law::One(law) => of(law, force),
         Law::Two(law) => of(law, force),
         Law::Three(law) => of(law, force),

@@ -67,6 +67,7 @@ impl Scene {
             };
             let at = (first + normal_rows, normal, phase == 2);
             match &self.contacts[i].0 {
+                Law::Zero(_) => unreachable!(),
                 Law::One(law) => tangent(law, at, source, &mut percussion, &mut velocity),
                 Law::Two(law) => tangent(law, at, source, &mut percussion, &mut velocity),
                 Law::Three(law) => tangent(law, at, source, &mut percussion, &mut velocity),
@@ -98,6 +99,7 @@ impl Scene {
             };
             let at = (first + normal_rows, normal, rho);
             defect += match &self.contacts[i].0 {
+                Law::Zero(_) => unreachable!(),
                 Law::One(law) => inclusion(law, at, &p, &velocity),
                 Law::Two(law) => inclusion(law, at, &p, &velocity),
                 Law::Three(law) => inclusion(law, at, &p, &velocity),
@@ -130,6 +132,7 @@ impl Scene {
             return true;
         }
         let coupling = match law {
+            Law::Zero(_) => unreachable!(),
             Law::One(law) => strongest(law, &self.delassus),
             Law::Two(law) => strongest(law, &self.delassus),
             Law::Three(law) => strongest(law, &self.delassus),
@@ -145,6 +148,7 @@ impl Scene {
         let normal = self.contacts[0].1.prescribed().unwrap_or(percussion[first]);
         let tangent = &percussion.as_slice()[first + normal_rows..];
         match &self.contacts[0].0 {
+            Law::Zero(_) => unreachable!(),
             Law::One(law) => is_on_a_cusp(law, tangent, normal),
             Law::Two(law) => is_on_a_cusp(law, tangent, normal),
             Law::Three(law) => is_on_a_cusp(law, tangent, normal),

@@ -183,7 +183,7 @@ class Problem:
         cls,
         delassus: _Array | _Sparse | _Factored,
         free_velocity: _Array,
-        laws: Sequence[Law],
+        laws: Sequence[Law | None],
         normal_force: Sequence[float | None],
         normal_restitution: _Array,
         tangential_restitution: _Array,

@@ -19,6 +19,7 @@ pub struct Law(pub CoreLaw);
 macro_rules! each {
     ($any:expr, $law:ident => $call:expr) => {
         match $any {
+            CoreLaw::Zero($law) => $call,
             CoreLaw::One($law) => $call,
             CoreLaw::Two($law) => $call,
             CoreLaw::Three($law) => $call,
@@ -183,6 +184,7 @@ impl Law {
     ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         // Row by row, as NumPy reads it.
         let out = match &self.0 {
+            CoreLaw::Zero(_) => Ok(Vec::new()),
             CoreLaw::One(law) => each_loaded::<1, 1>(py, "slip", &slip, &normal_force, |v, n| {
                 law.jacobian(v, n).map(|j| [j[0]])
             }),

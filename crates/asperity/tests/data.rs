@@ -194,6 +194,10 @@ fn problems_come_back_to_the_bit() {
     let directions = Csr::new(7, 2, starts, [0, 1].repeat(7), values).unwrap();
     let factored = Factored::new(mass, directions, &sizes).unwrap();
     check(&ContactProblem::new(factored, free, contacts.clone()).unwrap());
+    let mixed = [(Law::frictionless(), NormalForce::Unilateral), contacts[0].clone()];
+    let problem = ContactProblem::new(DMatrix::identity(4, 4), vec![-1.0; 4], mixed).unwrap();
+    let text = check(&problem);
+    assert_eq!(text.matches("\"law\"").count(), 1, "{text}");
     let free = MatrixFree::new(Arc::new(Products), &[3]).unwrap();
     let problem = ContactProblem::new(free, vec![-1.0; 3], contacts[..1].to_vec()).unwrap();
     let error = serde_json::to_string(&problem).unwrap_err().to_string();
@@ -214,6 +218,7 @@ fn what_is_no_problem_is_refused() {
         ("[1.0,0.0,0.0]", "[1.0,0.0]", "delassus: must have as many columns as rows"),
         ("\"type\":\"Dense\"", "\"type\":\"Sparse\"", "unknown variant `Sparse`"),
         ("\"law\":0", "\"law\":0,\"normal_force\":1.0", "free_velocity: must have 2 entries"),
+        ("\"law\":0", "\"normal_force\":1.0", "free_velocity: must have 0 entries"),
         ("\"law\":0", "\"law\":0,\"friction\":1.0", "unknown field `friction`"),
         ("\"radius\":0.4", "\"radius\":-0.4", "radius: must be"),
     ] {
@@ -271,6 +276,7 @@ fn force(law: &Law, slip: &[f64]) -> Vec<f64> {
         law.force(&Vector::from_column_slice(slip), 2.0).unwrap().as_slice().to_vec()
     }
     match law {
+        Law::Zero(_) => unreachable!(),
         Law::One(law) => of(law, slip),
         Law::Two(law) => of(law, slip),
         Law::Three(law) => of(law, slip),

@@ -118,6 +118,10 @@ fn problems_are_checked_where_they_are_made() {
         });
         refused("initial_velocity", || whole().with_restitution(&[1.0], &[1.0], &[wrong; 3]));
     }
+    refused("normal_force", || {
+        let contact = (Law::frictionless(), NormalForce::Prescribed(1.0));
+        ContactProblem::new(DMatrix::<f64>::zeros(0, 0), vec![], [contact])
+    });
     let whole = || problem(&[None]);
     refused("normal_restitution", || whole().with_restitution(&[], &[0.0], &[0.0; 3]));
     refused("tangential_restitution", || whole().with_restitution(&[0.0], &[], &[0.0; 3]));
@@ -608,6 +612,7 @@ fn linear_systems_are_checked_where_they_are_made() {
     refused("stiffness", || system([2, 1, 2, 2], vec![]));
     refused("damping", || system([2, 2, 0, 2], vec![]));
     refused("force", || system([2, 2, 2, 3], vec![]));
+    refused("law", || ContactLaw::new(Law::frictionless(), NormalForce::Unilateral));
     calm("no velocities", || system([0, 0, 0, 0], vec![])).ok();
     let uneven = DMatrix::zeros(2, 3);
     refused("mass", || LinearSystem::new(uneven, square(2), square(2), vec![0.0; 2], vec![]));

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 # Part of a row's size that rounding may have made.
 _ROUNDED = 1e-13
+# Mobility lent to a tangential row that nothing moves, relative to that without bilateral rows.
+_LENT = 1e-11
 # As in the core: part of the velocities which joints take out that may be left, as drift.
 _DRIFT = 1e-6
 
@@ -29,7 +32,7 @@ class Joints(NamedTuple):
     values are those of the rows, not of their square: light bodies between heavy ones are held.
 
     Attributes:
-        delassus: CᵀC with C = (1 − UUᵀ) L⁻¹W.
+        delassus: CᵀC with C = (1 − UUᵀ) L⁻¹W; on the diagonal of rows that nothing moves `_LENT`.
         free_velocity: b − (UᵀL⁻¹W)ᵀ B b_E.
         basis: B.
         coupling: UᵀL⁻¹W.
@@ -70,11 +73,17 @@ def eliminated(
     free_velocity: Array,
     bilateral: CompressedRows,
     velocity: Array,
+    *,
+    contacts: Iterable[tuple[slice, float | None]],
 ) -> Joints:
-    """Eliminate the rows; refuse what they contradict or leave nothing to move.
+    """Eliminate the rows; refuse what they contradict, and contacts that nothing moves.
+
+    Along a tangential row that nothing moves friction is what sliding along the others brings, and
+    undetermined at rest. As in the core, a mobility is lent to it, which turns slip by `_LENT`.
 
     Rows that influence each other are eliminated by themselves: islands remain islands.
     """
+    from scipy.sparse import diags_array
     from scipy.sparse.csgraph import connected_components
 
     operator.check_mass(mass)
@@ -111,21 +120,26 @@ def eliminated(
     basis, span = (part.matrix(n) for part, n in ((entries, held.shape[1]), (spans, held.shape[0])))
     coupling, load = (span @ moving).tocsr(), np.concatenate(loads)
     whole = (moving.T @ moving).diagonal()
-    idle = np.flatnonzero(whole <= 0.0)
-    if idle.size:
-        raise ParameterError("directions", f"must move in every row, row {idle[0]} moves nothing")
     # What rounding leaves of a projection is projected once more.
     free = moving - span.T @ coupling
     free = free - span.T @ (span @ free)
     product = free.T @ free
     delassus = sparse(0.5 * (product + product.T), "directions", (None, None))
-    dead = np.flatnonzero(delassus.diagonal() <= _ROUNDED * whole)
-    if dead.size:
-        raise ParameterError(
-            "directions",
-            f"must move in every row, bilateral rows hold row {dead[0]}: leave it out",
-        )
-    return Joints(delassus, free_velocity - coupling.T @ load, basis, coupling, load)
+    free_velocity = free_velocity - coupling.T @ load
+    dead = delassus.diagonal() <= _ROUNDED * whole
+    if dead.any():
+        lent = np.zeros(len(dead))
+        for number, (rows, force) in enumerate(contacts):
+            if dead[rows].all() or (force is None and dead[rows.start]):
+                raise ParameterError(
+                    "directions", f"must move contact {number}, nothing does: leave it out"
+                )
+            before = np.where(whole[rows] > 0.0, whole[rows], whole[rows].max())
+            lent[rows] = np.where(dead[rows], _LENT * before, 0.0)
+        delassus = sparse(delassus + diags_array(lent), "directions", (None, None))
+        is_rounding = dead & (abs(free_velocity) <= _ROUNDED * abs(free_velocity).max())
+        free_velocity = np.where(is_rounding, 0.0, free_velocity)
+    return Joints(delassus, free_velocity, basis, coupling, load)
 
 
 class _Entries:

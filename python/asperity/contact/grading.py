@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.contact import ContactProblem, Infeasibility
+from asperity.contact.arguments import dimension
 from asperity.law import FrictionLaw
 from asperity.sets import Ball, Disk
 
@@ -65,7 +66,7 @@ def natural_map(problem: ContactProblem, percussion: ArrayLike) -> float:
     squares = 0.0
     for contacts in alike.values():
         (law, *_), first, forces = zip(*contacts, strict=True)
-        at = np.array(first)[:, None] + np.arange(law.dimension + (forces[0] is None))
+        at = np.array(first)[:, None] + np.arange(dimension(law) + (forces[0] is None))
         squares += float((_defects(law, forces, given[at], xi[at]) ** 2).sum())
     scale = float(max(_norm(given), rho * _norm(free), np.finfo(float).tiny))
     return math.sqrt(squares) / scale
@@ -176,7 +177,7 @@ def _has_none(problem: ContactProblem, contact: int, free: Array) -> bool:
     block, b = dense[:, rows], free[rows]
     alone = np.delete(dense, np.r_[rows], axis=1)
     unilateral = problem.normal_force[contact] is None
-    if alone.any() or not unilateral or law.dimension > 2 or b[0] >= 0.0:
+    if law is None or alone.any() or not unilateral or law.dimension > 2 or b[0] >= 0.0:
         return False
     if np.linalg.cond(block) > 1e8:
         return False
@@ -214,23 +215,23 @@ def _covers(problem: ContactProblem, cases: Sequence[int | Array], free: Array) 
         if not isinstance(case, int):
             if not _is_empty(problem, states, case, free):
                 return False
-        elif case < len(states) and (parts := _parts(states[case], problem.laws[case].dimension)):
+        elif case < len(states) and (parts := _parts(states[case], dimension(problem.laws[case]))):
             left += [(*states[:case], part, *states[case + 1 :]) for part in reversed(parts)]
         else:
             return False
     return not left
 
 
-def _parts(state: State, dimension: int) -> list[State]:
+def _parts(state: State, p: int) -> list[State]:
     """Return the states that a state is divided into; none if it is not."""
     if isinstance(state, tuple):
         middle = 0.5 * (state[0] + state[1])
         return [(state[0], middle), (middle, state[1])] if state[0] < state[1] else []
     if state == "any":
         return ["open", "closed"]
-    if state != "closed" or dimension > 2:
+    if state != "closed" or p not in (1, 2):
         return []
-    if dimension == 1:
+    if p == 1:
         return ["stick", (0.0, 0.0), (math.pi, math.pi)]
     return ["stick", *((0.5 * math.pi * k, 0.5 * math.pi * (k + 1)) for k in range(4))]
 
@@ -256,15 +257,15 @@ def _is_empty(problem: ContactProblem, states: tuple[State, ...], z: Array, free
         if state in ("any", "open"):
             left = max(left, z[rows.start] * scale[rows.start])
         if isinstance(state, tuple):
-            ends = arrays.unit_vectors(np.array(state))[:, : law.dimension]
+            ends = arrays.unit_vectors(np.array(state))[:, : dimension(law)]
             left = max(left, (ends @ z[tangent] / (np.abs(ends) @ (1.0 / scale[tangent]))).max())
         elif state != "stick" and z[tangent].any():
             return False
         if state == "open":
             continue
-        if law.dimension > 2 or not law.reservoir.is_convex:
+        if law is not None and (law.dimension > 2 or not law.reservoir.is_convex):
             return False
-        friction = _friction_of(law, state)
+        friction = np.zeros((1, 0)) if law is None else _friction_of(law, state)
         if friction is None:
             return False
         pulled, pulling = friction @ y[tangent], np.abs(friction) @ scale[tangent]
@@ -339,8 +340,10 @@ def _free_velocity(problem: ContactProblem) -> Array:
     return free
 
 
-def _defects(law: FrictionLaw, forces: Sequence[float | None], p: Array, v: Array) -> Array:
+def _defects(law: FrictionLaw | None, forces: Sequence[float | None], p: Array, v: Array) -> Array:
     """Return the defects of contacts with v = ρξ and the normal forces that are given, if any."""
+    if law is None:
+        return p[:, 0] - np.maximum(0.0, p[:, 0] - v[:, 0])
     if forces[0] is not None:
         return _friction(law, np.array(forces), p, v)
     if isinstance(law.reservoir, Ball | Disk) and law.reservoir == law.direction:

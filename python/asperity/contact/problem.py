@@ -16,7 +16,7 @@ from asperity._base.arrays import Array
 from asperity._base.value import Value
 from asperity.contact import bilateral as joints
 from asperity.contact import operator
-from asperity.contact.arguments import fractions, listed_laws, normal_forces, sizes
+from asperity.contact.arguments import dimension, fractions, listed_laws, normal_forces, sizes
 from asperity.contact.certificate import Certificate
 from asperity.contact.compressed import compressed
 from asperity.contact.solution import ContactSolution, LocalSolution, starting
@@ -38,7 +38,7 @@ class ContactProblem(Value):
     """Find percussions P with ξ = G P + b + e∘γ_B, ξ_N ∈ N_{R₀⁻}(−P_N), ξ_T ∈ N_D(−αP_T).
 
     Rows come contact by contact: the normal row first where the contact is unilateral, then the p
-    tangential rows. The problem is independent of the mechanical system.
+    tangential rows, none without friction. The problem is independent of the mechanical system.
 
     Args:
         delassus: G = [W_N W]ᵀ M⁻¹ [W_N W] in 1/kg, shape ``(rows, rows)``; need not be symmetric.
@@ -46,7 +46,8 @@ class ContactProblem(Value):
             ``None`` if it follows from `mass` and `directions`.
         free_velocity: b, the velocities without percussions in m/s, shape ``(rows,)``; as an
             attribute, what bilateral rows leave of it.
-        laws: one law per contact, or one law for all, of dimension p = 1, 2 or 3.
+        laws: one law per contact, or one law for all, of dimension p = 1, 2 or 3; ``None`` of a
+            contact without friction, p = 0, of which 0 ≤ P_N ⊥ ξ_N ≥ 0 is all.
         normal_force: prescribed normal percussions P_N ≥ 0 in N s: a number for all contacts, or
             one entry per contact, ``None`` meaning unilateral. Default: all unilateral.
         normal_restitution: e_N in [0, 1], a number or shape ``(contacts,)``.
@@ -62,6 +63,7 @@ class ContactProblem(Value):
 
     Reference: [WL19] (19), (55).
 
+    >>> import numpy as np
     >>> from asperity import ContactProblem, FrictionLaw
     >>> problem = ContactProblem(
     ...     [[1.0, 0.0], [0.0, 1.0]],
@@ -72,10 +74,20 @@ class ContactProblem(Value):
     >>> solution = problem.solve()
     >>> solution.status, solution.percussion.round(12).tolist()
     (Status.CONVERGED, [-0.3, -0.4])
+
+    Contacts with one tangential row, and with none:
+
+    >>> feet = ContactProblem(
+    ...     np.eye(3),
+    ...     free_velocity=[-1.0, 2.0, -3.0],
+    ...     laws=[FrictionLaw.isotropic(0.5, dimension=1), None],
+    ... )
+    >>> feet.solve().percussion.round(12).tolist()
+    [1.0, -0.5, 3.0]
     """
 
     free_velocity: Array
-    laws: tuple[FrictionLaw, ...]
+    laws: tuple[FrictionLaw | None, ...]
     normal_force: tuple[float | None, ...]
     normal_restitution: Array
     tangential_restitution: Array
@@ -88,7 +100,7 @@ class ContactProblem(Value):
         delassus: ArrayLike | sparray | spmatrix | None,
         *,
         free_velocity: ArrayLike,
-        laws: FrictionLaw | Sequence[FrictionLaw],
+        laws: FrictionLaw | Sequence[FrictionLaw | None] | None,
         normal_force: float | Sequence[float | None] | None = None,
         normal_restitution: ArrayLike = 0.0,
         tangential_restitution: ArrayLike = 0.0,
@@ -101,7 +113,7 @@ class ContactProblem(Value):
         free = arrays.array(free_velocity, "free_velocity", (None,))
         chosen_laws = listed_laws(laws, free.size, normal_force)
         contacts = len(chosen_laws)
-        normal = normal_forces(normal_force, contacts)
+        normal = normal_forces(normal_force, chosen_laws)
         rows = sum(sizes(chosen_laws, normal))
         arrays.check_shape(free, "free_velocity", (rows,))
         initial = np.zeros(rows)
@@ -129,7 +141,7 @@ class ContactProblem(Value):
             core = _core.Problem(
                 given,
                 self.free_velocity,
-                [law._core for law in chosen_laws],
+                [None if law is None else law._core for law in chosen_laws],
                 list(normal),
                 self.normal_restitution,
                 self.tangential_restitution,
@@ -157,7 +169,7 @@ class ContactProblem(Value):
         *,
         directions: ArrayLike | sparray | spmatrix,
         free_velocity: ArrayLike,
-        laws: FrictionLaw | Sequence[FrictionLaw],
+        laws: FrictionLaw | Sequence[FrictionLaw | None] | None,
         delassus: ArrayLike | sparray | spmatrix | None = None,
         bilateral: ArrayLike | sparray | spmatrix | None = None,
         bilateral_velocity: ArrayLike | None = None,
@@ -172,7 +184,8 @@ class ContactProblem(Value):
         as joints do: they are eliminated. `delassus` and `free_velocity` are those of the motion
         that they let pass, for which solvers, measures, proofs and files take them. Rows may repeat
         each other, as in loops: P_E has the least Σ G_ii P_i² then. `bilateral_percussion` returns
-        it.
+        it. They may hold tangential rows of a contact, as in planar models: at rest friction is
+        undetermined there, sliding brings about what belongs to it.
 
         Args:
             mass: M in kg and kg m², sparse, symmetric, positive definite, block-diagonal with
@@ -287,7 +300,8 @@ class ContactProblem(Value):
         if given["bilateral"] is None:
             return None
         names = ("mass", "directions", "free_velocity", "bilateral", "bilateral_velocity")
-        return joints.eliminated(*(given[name] for name in names))
+        contacts = zip(self.row_slices, self.normal_force, strict=True)
+        return joints.eliminated(*(given[name] for name in names), contacts=contacts)
 
     @property
     def row_slices(self) -> tuple[slice, ...]:
@@ -432,7 +446,7 @@ class ContactProblem(Value):
         """Return all solutions of one contact, the percussions of the others held.
 
         Args:
-            contact: its number, from 0; the plane (p = 2) or the line (p = 1).
+            contact: its number, from 0; p = 2, 1 or 0.
             percussion: held percussions in N s, shape ``(rows,)``; default zeros. The rows of
                 `contact` itself do not matter.
 
@@ -452,10 +466,8 @@ class ContactProblem(Value):
         number = arrays.count(contact, "contact", 0)
         if number >= len(self.laws):
             raise ParameterError("contact", f"must be below {len(self.laws)}, got {number}")
-        if self.laws[number].dimension > 2:
-            raise ParameterError(
-                "contact", "must have p = 1 or 2: solutions with p = 3 are not listed"
-            )
+        if dimension(self.laws[number]) > 2:
+            raise ParameterError("contact", "must have p ≤ 2: solutions with p = 3 are not listed")
         held = np.zeros(self.free_velocity.size) if percussion is None else percussion
         found = self._core.solutions(number, self._percussion(held))
         return [LocalSolution(**solution) for solution in found]

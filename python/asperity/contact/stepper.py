@@ -133,10 +133,11 @@ class ContactStepper:
     slide in different directions share its load as if of equal compliance. Bilateral rows may
     repeat each other, as in loops: their percussions have the least Σ G_ii P_i² among all that
     leave the least velocities. They may not contradict each other by more than 1e-6 of the
-    velocities that they take out. Where the bodies of a contact cannot move in some of its rows, as
-    in planar models, they stick up to the friction of sliding in the direction that is left; at
-    rest what is transmitted across it is undetermined, and goes with the force along it as in
-    sliding.
+    velocities that they take out. Links 1e9 times as light as what they join look like repeated
+    rows in G, and joints that need them do not hold; `ContactProblem.from_bodies` takes masses.
+    Where the bodies of a contact cannot move in some of its rows, as in planar models, they stick
+    up to the friction of sliding in the direction that is left; at rest what is transmitted across
+    it is undetermined, and goes with the force along it as in sliding.
 
     A stepper changes with every step: one per simulation, and per thread. Copies, by pickle too, do
     not remember the steps before.
@@ -227,7 +228,8 @@ class ContactStepper:
             on_failure: ``"raise"`` or ``"record"``: return the best percussions with their status.
 
         Raises:
-            NoSolutionError: if bodies are squeezed, or joints contradict each other.
+            NoSolutionError: if bodies are squeezed, or joints contradict each other or do not hold
+                light links.
             ConvergenceError: if the tolerance is not reached.
             DimensionError, ParameterError: naming the argument.
         """
@@ -245,7 +247,7 @@ class ContactStepper:
         )
         solution = StepSolution(step)
         if on_failure == "raise" and not solution.converged:
-            raise self._failure(solution)
+            raise self._failure(solution, kinds)
         return solution
 
     def forget(self) -> None:
@@ -260,8 +262,8 @@ class ContactStepper:
         """Return the contacts of the last step as a problem of their own.
 
         Joints are eliminated, so that files, proofs, `natural_map` and every solver take it. Its
-        contacts are the items that are no joints and that anything moves; contacts without friction
-        have a row besides that nothing moves, under a law on a line.
+        contacts are the items that are no joints and that anything moves; those that move in their
+        normal row alone are without friction.
 
         Returns:
             The problem, with dense G, and the item that each of its contacts is.
@@ -276,14 +278,15 @@ class ContactStepper:
         >>> kinds = [ContactStepper.BILATERAL, ContactStepper.FRICTIONLESS]
         >>> step = stepper.solve(bar, free_velocity=[0.0, -1.0], items=kinds)
         >>> problem, items = stepper.contact_problem()
-        >>> items.tolist(), problem.solve().percussion[0].round(12) == step.percussion[1].round(12)
-        ([1], np.True_)
+        >>> items.tolist(), problem.laws, problem.solve().percussion.round(12).tolist()
+        ([1], (None,), [1.333333333333])
         """
         found = self._stepper.contact_problem()
         if not found["laws"]:
             raise ParameterError("items", "must have had a contact that moves in the last step")
+        known: dict[int | None, FrictionLaw | None] = {None: None, **dict(enumerate(self._laws))}
         laws = [
-            self._laws[number] if ends is None else FrictionLaw.associated(Interval(*ends))
+            FrictionLaw.associated(Interval(*ends)) if ends else known[number]
             for number, ends in zip(found["laws"], found["ends"], strict=True)
         ]
         problem = ContactProblem(
@@ -294,7 +297,9 @@ class ContactStepper:
         )
         return problem, found["items"]
 
-    def _failure(self, step: StepSolution) -> ConvergenceError | ParameterError:
+    def _failure(
+        self, step: StepSolution, kinds: NDArray[np.int64]
+    ) -> ConvergenceError | ParameterError:
         status = step.status
         if status is Status.NOT_APPLICABLE:
             return ParameterError("solver", f"{status.message}. {status.advice}")
@@ -302,7 +307,14 @@ class ContactStepper:
             message = f"{status.message} at item {step.worst_item}"
             moved = self._stepper.contact_problem()["items"]
             if step.worst_item not in moved:
-                message += f", where {step.mismatch:.3g} m/s are left"
+                left = f", where {step.mismatch:.3g} m/s are left"
+                message += left
+                if kinds[step.worst_item] == self.BILATERAL:
+                    message = (
+                        f"joints do not hold at item {step.worst_item}{left}: they contradict each "
+                        "other, or a link is so light that G does not tell it from none, as from "
+                        "ratios of masses of 1e9 on; ContactProblem.from_bodies takes its mass"
+                    )
                 return NoSolutionError(message, residual=step.residual)
             problem, _ = self.contact_problem()
             proof = problem.solve(on_failure="record").infeasibility

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -67,7 +66,7 @@ class Scene:
     midpoint. Contacts nearby are listed, too.
 
     Copies, by pickle too, do not remember the steps before: they begin as a scene does with other
-    data, with mocap bodies at rest.
+    data, with mocap bodies at rest. Those of a subclass are of it, with its attributes.
 
     Args:
         model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
@@ -121,14 +120,14 @@ class Scene:
         solver: Solver | None = None,
         tolerance: float = 1e-10,
     ) -> None:
+        before = set(vars(self))
         self._starts = arrays.choice(starts, "starts", ("refuse", "project"))
         self._on_failure = arrays.choice(on_failure, "on_failure", ("raise", "record"))
         arrays.choice(rolling, "rolling", ("refuse", "ignore"))
         self._rows = rows = RowsModel(model, ignore_rolling=rolling == "ignore")
         self._mj, self._model, self._dt = rows.mj, rows.model, rows.dt
         self._laws = PairLaws(rows, laws, arrays.fraction(normal_restitution, "normal_restitution"))
-        self._made = partial(
-            Scene,
+        self._given: dict[str, Any] = dict(
             laws=None if laws is None else dict(laws),
             starts=starts,
             normal_restitution=normal_restitution,
@@ -162,9 +161,15 @@ class Scene:
         self._cones = int(cones.mjCONE_PYRAMIDAL), int(cones.mjCONE_ELLIPTIC)
         self._is_pyramidal = model.opt.cone == cones.mjCONE_PYRAMIDAL
         self._has_energy = bool(m.opt.enableflags & int(enable.mjENBL_ENERGY))
+        # All but what subclasses and users have set.
+        self._own = {"_own", *vars(self)} - before
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return self._made, (self._rows.user,)
+        # A subclass may be made of other arguments.
+        return _again, (type(self), self._rows.user, self._given), self.__getstate__()
+
+    def __getstate__(self) -> Any:
+        return {name: value for name, value in vars(self).items() if name not in self._own}
 
     @property
     def dt(self) -> float:
@@ -172,7 +177,8 @@ class Scene:
         return self._dt
 
     def __repr__(self) -> str:
-        return f"<Scene: {self._model.ngeom} geoms, {self._model.nv} velocities, dt {self._dt:g} s>"
+        of, name = self._model, type(self).__name__
+        return f"<{name}: {of.ngeom} geoms, {of.nv} velocities, dt {self._dt:g} s>"
 
     def step(self, data: mujoco.MjData) -> SceneStep:
         """Take one step.
@@ -570,6 +576,13 @@ class Scene:
         if solution.status is Status.NO_SOLUTION:
             return NoSolutionError(message, residual=solution.residual)
         return ConvergenceError(message, residual=solution.residual, advice=solution.status.advice)
+
+
+def _again(kind: type[Scene], model: mujoco.MjModel, given: dict[str, Any]) -> Scene:
+    """Return a scene of this class that has taken no step."""
+    scene = Scene.__new__(kind)
+    Scene.__init__(scene, model, **given)
+    return scene
 
 
 def _listed(violations: dict[str, float]) -> str:

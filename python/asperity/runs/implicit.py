@@ -38,6 +38,8 @@ _BATCH = 64
 _HELD = 25_000_000
 # Sine of the angle between directions of contacts, in the metric of M̂⁻¹, that is rounding.
 _DEPENDENT = 1e-7
+# Part of M̂ below which the beginning of a step has less than six digits from its end.
+_ROUNDED = 1e-10
 
 
 class ImplicitSteps:
@@ -240,6 +242,47 @@ def implicit_steps(
     if until_rest:
         raise ParameterError("until_rest", "has no effect on a system with sparse matrices")
     return SparseSteps(linear, dt, theta, state, stride)
+
+
+def loads(
+    system: LinearSystem, dt: float, theta: float, samples: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
+    """Return M̂ and what constraints bear in the steps that end at samples q, u, λ, −JᵀΛ.
+
+    With a = (u_E − u_B)/Δt and the step above, of which B̃ and q̃ are the damping and coordinates,
+
+        (M̂ − Δt B̃) a = f − B̃ u_E − K (q_E − Δt θ u_E) + W λ + JᵀΛ,    J a = 0:
+
+    the end of a step tells Λ wherever it tells the beginning.
+
+    Raises:
+        ParameterError: where it does not, as M̂ − Δt B̃ is singular among motions with J a = 0.
+    """
+    mass = _effective(system.mass, system.damping, system.stiffness, dt * theta)
+    damping = system.damping + dt * (2.0 * theta - 1.0) * system.stiffness
+    q, u, force = samples
+    load = system.force - u @ damping.T - (q - dt * theta * u) @ system.stiffness.T
+    first = 0
+    for contact in system.contacts:
+        for columns in (contact.normal, contact.direction):
+            if columns is not None:
+                part = columns.reshape(len(mass), -1)
+                load += force[:, first : first + part.shape[1]] @ part.T
+                first += part.shape[1]
+    rows = system.constraint_rows
+    assert rows is not None
+    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+    _, values, right = np.linalg.svd(rows / np.where(sizes > 0.0, sizes, 1.0))
+    free = right[np.count_nonzero(values > _DEPENDENT) :].T
+    back = mass - dt * damping
+    among = free.T @ back @ free
+    if np.linalg.matrix_rank(among, _ROUNDED * np.linalg.norm(mass)) < len(among):
+        raise ParameterError(
+            "trajectory",
+            "must have steps whose ends tell their beginnings: M − dt (1 − implicit) B + "
+            "dt² (1 − implicit)² K is singular; take another dt",
+        )
+    return mass, load - load @ free @ np.linalg.solve(among.T, free.T) @ back.T
 
 
 def _effective(mass: _Matrix, damping: _Matrix, stiffness: _Matrix, h: float) -> _Matrix:

@@ -193,7 +193,7 @@ class System:
         transmit nothing here.
 
         Args:
-            trajectory: of this system, without ``implicit`` forces.
+            trajectory: of this system.
 
         Returns:
             Shape ``(n_t, m)``, NaN for the initial state.

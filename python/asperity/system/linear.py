@@ -208,13 +208,18 @@ class LinearSystem(Value):
     def constraint_forces(self, trajectory: Run) -> Array:
         """Return Λ of the constraints in N or N m, M q̈ + B q̇ + K q = f + W λ + JᵀΛ.
 
-        In the middle of the step that ends at a sample, as `System.constraint_forces`.
+        In the middle of the step that ends at a sample, as `System.constraint_forces`. In runs with
+        ``implicit`` they are the percussions of that step over Δt, of second order for ½.
 
         Args:
             trajectory: of this system.
 
         Returns:
             Shape ``(n_t, m)``, NaN for the initial state.
+
+        Raises:
+            DimensionError, ParameterError: naming the argument; also where ``implicit`` below 1
+                maps several beginnings of a step to one end.
 
         >>> from asperity import LinearSystem, simulate
         >>> held = LinearSystem([2.0, 1.0], force=[3.0, 0.0], constraint_rows=[[1.0, 0.0]])

@@ -61,11 +61,21 @@ def constraint_forces(system: System | LinearSystem, trajectory: Run) -> Array:
     if dt is None:
         raise ParameterError("trajectory", f"must be a Trajectory of simulate, got {trajectory!r}")
     options = getattr(trajectory, "options", None)
-    if options is not None and options.implicit is not None:
-        raise ParameterError("trajectory", "must be of simulate without implicit")
     # No step ends at the start.
     start, none = None if options is None else options.start.t, np.full(system.constraints, np.nan)
-    samples = zip(trajectory.t, q, u, row_forces(trajectory, system.contacts), strict=True)
+    rows = row_forces(trajectory, system.contacts)
+    if options is not None and options.implicit is not None:
+        from asperity.runs.implicit import loads
+        from asperity.system.linear import LinearSystem
+
+        if not isinstance(system, LinearSystem):
+            raise ParameterError("trajectory", "must be of this system, which takes no implicit")
+        mass, q = loads(system, dt, options.implicit, (q, u, rows))
+        # A system whose forces at q are q itself, at rest.
+        still, u = np.zeros_like(mass), np.zeros_like(q)
+        core = _core.LinearSystem(mass, -np.eye(len(mass)), still, u[0], [], system._constraints)
+        rows = rows[:, :0]
+    samples = zip(trajectory.t, q, u, rows, strict=True)
     forces = [
         none if t == start else _core.constraint_forces(core, (t, dt), *given)
         for t, *given in samples

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use asperity::contact::{ContactProblem, Memory, NormalForce, Phase};
+use asperity::law::Law as CoreLaw;
 use asperity::solver::{self, Certificate, Measure, Solution, Stop, Workspace};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -30,7 +31,7 @@ impl Problem {
     fn new(
         delassus: Operator<'_>,
         free_velocity: Numbers<'_>,
-        laws: Vec<Bound<'_, Law>>,
+        laws: Vec<Option<Bound<'_, Law>>>,
         normal_force: Vec<Option<f64>>,
         normal_restitution: Numbers<'_>,
         tangential_restitution: Numbers<'_>,
@@ -39,15 +40,19 @@ impl Problem {
         if normal_force.len() != laws.len() {
             return Err(dimension("normal_force", "must have one entry per law").into());
         }
-        let sizes: Vec<usize> = laws
+        let frictionless = CoreLaw::frictionless();
+        let contacts: Vec<_> = laws
             .iter()
             .zip(&normal_force)
-            .map(|(law, force)| law.get().0.dimension() + usize::from(force.is_none()))
+            .map(|(law, &force)| {
+                let law = law.as_ref().map_or(&frictionless, |law| &law.get().0);
+                (law.clone(), NormalForce::from(force))
+            })
             .collect();
-        let contacts = laws.iter().zip(&normal_force).map(|(law, force)| {
-            let normal = force.map_or(NormalForce::Unilateral, NormalForce::Prescribed);
-            (law.get().0.clone(), normal)
-        });
+        let rows = |(law, normal): &(CoreLaw, NormalForce)| {
+            law.dimension() + usize::from(normal.is_unilateral())
+        };
+        let sizes: Vec<usize> = contacts.iter().map(rows).collect();
         let free = numbers(&free_velocity, "free_velocity")?.to_vec();
         let problem = ContactProblem::new(delassus.into_delassus(&sizes)?, free, contacts)?;
         let problem = problem.with_restitution(

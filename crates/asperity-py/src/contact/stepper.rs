@@ -138,7 +138,7 @@ impl Stepper {
     }
 
     /// The contacts of the last step with joints eliminated: numbers, items, and laws by their number or, on a line, by the
-    /// largest friction to both sides.
+    /// largest friction to both sides, or neither without friction.
     fn contact_problem<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
         let guard =
             self.0.lock_py_attached(py).map_err(|_| parameter("stepper", "has failed before"))?;
@@ -147,7 +147,11 @@ impl Stepper {
         let (mut items, mut laws, mut ends) = (Vec::new(), Vec::new(), Vec::new());
         for ((item, kind), rows) in guard.0.contact_items().zip(problem.contacts()) {
             items.push(item);
-            laws.push(if let Rows::Contact(law) = kind { Some(law) } else { None });
+            laws.push(match (&rows.law, kind) {
+                (law::Law::Zero(_), _) => None,
+                (_, Rows::Contact(law)) => Some(law),
+                _ => None,
+            });
             ends.push(match &rows.law {
                 law::Law::One(law) => {
                     Some([-1.0, 1.0].map(|x| x / law.reservoir().gauge(&[x].into())))

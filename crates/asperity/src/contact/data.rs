@@ -1,6 +1,6 @@
 //! Contact problems as data that are written and read with serde.
 //!
-//! A problem is a table with its different `laws`, its `contacts` (the number of the `law` and the `normal_force` where
+//! A problem is a table with its different `laws`, its `contacts` (the number of the `law`, if there is friction, and the `normal_force` where
 //! that is given), `free_velocity` b, `restitution` e γ_B, and the `delassus` operator: a table with the `type`
 //! `Dense` (`rows`), `Blocks` (`sizes`, `neighbours`, `values`: block after block, row by row) or `Factored` (`mass` and
 //! `directions` as compressed rows, and the `blocks`). What is read goes through the checked constructors. An operator
@@ -28,7 +28,8 @@ struct ProblemData {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ContactData {
-    law: usize,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    law: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     normal_force: Option<f64>,
 }
@@ -146,12 +147,17 @@ impl TryFrom<&ContactProblem> for ProblemData {
     fn try_from(problem: &ContactProblem) -> Result<Self, ArgumentError> {
         let (mut laws, mut contacts) = (Vec::<Law>::new(), Vec::new());
         for rows in problem.contacts() {
+            let normal_force = rows.normal.prescribed();
+            if let Law::Zero(_) = rows.law {
+                contacts.push(ContactData { law: None, normal_force });
+                continue;
+            }
             let known = laws.iter().rposition(|law| law.is_the_same(&rows.law));
             let law = known.unwrap_or_else(|| {
                 laws.push(rows.law.clone());
                 laws.len() - 1
             });
-            contacts.push(ContactData { law, normal_force: rows.normal.prescribed() });
+            contacts.push(ContactData { law: Some(law), normal_force });
         }
         Ok(Self {
             free_velocity: problem.free_velocity().to_vec(),
@@ -170,7 +176,11 @@ impl TryFrom<ProblemData> for ContactProblem {
         let ProblemData { free_velocity, restitution, contacts, laws, delassus } = data;
         let contacts: Option<Vec<_>> = contacts
             .iter()
-            .map(|contact| Some((laws.get(contact.law)?.clone(), contact.normal_force.into())))
+            .map(|contact| {
+                let law =
+                    contact.law.map_or_else(|| Some(Law::frictionless()), |k| laws.get(k).cloned());
+                Some((law?, contact.normal_force.into()))
+            })
             .collect();
         let Some(contacts) = contacts else {
             return refuse("contacts", "must have the numbers of laws that there are");

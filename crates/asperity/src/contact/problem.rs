@@ -69,9 +69,9 @@ impl ContactRows {
         self.normal_rows() + self.law.dimension()
     }
 
-    /// Whether the contact has no rows, which never happens.
+    /// Whether the contact has no rows: problems refuse those without friction and with a prescribed normal force.
     pub fn is_empty(&self) -> bool {
-        false
+        self.len() == 0
     }
 
     /// First tangential row.
@@ -152,8 +152,8 @@ impl ContactProblem {
     /// # Errors
     ///
     /// [`ArgumentError`] if `free_velocity` or the operator has not one row per row of the contacts, if a number is not
-    /// finite, a prescribed normal percussion is negative or the diagonal of the operator is not positive, if numbers
-    /// are so large that their squares are none, or if a law depends on the sliding speed.
+    /// finite, a prescribed normal percussion is negative or that of a contact without friction, or the diagonal
+    /// of the operator is not positive, if numbers are so large that their squares are none, or if a law depends on the sliding speed.
     pub fn new(
         delassus: impl IntoDelassus,
         free_velocity: Vec<f64>,
@@ -161,6 +161,9 @@ impl ContactProblem {
     ) -> Result<Self, ArgumentError> {
         let (contacts, offset) = number_rows(contacts);
         length("free_velocity", offset, free_velocity.len())?;
+        if contacts.iter().any(ContactRows::is_empty) {
+            return refuse("normal_force", "must be left out of a contact without friction");
+        }
         let sizes: Vec<usize> = contacts.iter().map(ContactRows::len).collect();
         let delassus = delassus.into_delassus(&sizes)?;
         finite("delassus", delassus.blocks().values())?;

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use asperity_set::{Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
+use asperity_set::{Ball, Convex, ConvexSet, Matrix, Star, StarSet, Vector, strict_convexity};
 
 use super::Bounds;
 use super::contact_equation::inclusion;
@@ -16,6 +16,8 @@ use super::rate::Stribeck;
 /// A shared friction law of any dimension.
 #[derive(Debug, Clone)]
 pub enum Law {
+    /// Of a contact without friction, which has a normal row alone.
+    Zero(Arc<FrictionLaw<0>>),
     /// On a line.
     One(Arc<FrictionLaw<1>>),
     /// In the contact plane.
@@ -28,6 +30,7 @@ pub enum Law {
 macro_rules! answer {
     ($of:expr, $law:ident => $answer:expr) => {
         match $of {
+            Law::Zero($law) => $answer,
             Law::One($law) => $answer,
             Law::Two($law) => $answer,
             Law::Three($law) => $answer,
@@ -101,10 +104,16 @@ pub(crate) struct AtPoint {
 }
 
 impl Law {
+    /// That of a contact without friction.
+    pub fn frictionless() -> Self {
+        FrictionLaw::<0>::associated(Ball::UNIT.into()).into()
+    }
+
     /// Whether both are the same object, so that nobody has to compare their sets.
     #[cfg(feature = "serde")]
     pub(crate) fn is_the_same(&self, other: &Self) -> bool {
         match (self, other) {
+            (Self::Zero(_), Self::Zero(_)) => true,
             (Self::One(a), Self::One(b)) => Arc::ptr_eq(a, b),
             (Self::Two(a), Self::Two(b)) => Arc::ptr_eq(a, b),
             (Self::Three(a), Self::Three(b)) => Arc::ptr_eq(a, b),
@@ -116,6 +125,7 @@ impl Law {
     #[inline]
     pub fn dimension(&self) -> usize {
         match self {
+            Self::Zero(_) => 0,
             Self::One(_) => 1,
             Self::Two(_) => 2,
             Self::Three(_) => 3,
@@ -213,7 +223,7 @@ impl Law {
         match self {
             Self::One(law) => Some(Bounds::on_a_line(law.largest_radius())),
             Self::Two(law) => Some(law.bounds()),
-            Self::Three(_) => None,
+            Self::Zero(_) | Self::Three(_) => None,
         }
     }
 
@@ -269,11 +279,18 @@ impl Law {
 impl PartialEq for Law {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
+            (Self::Zero(_), Self::Zero(_)) => true,
             (Self::One(a), Self::One(b)) => a == b,
             (Self::Two(a), Self::Two(b)) => a == b,
             (Self::Three(a), Self::Three(b)) => a == b,
             _ => false,
         }
+    }
+}
+
+impl From<FrictionLaw<0>> for Law {
+    fn from(law: FrictionLaw<0>) -> Self {
+        Self::Zero(Arc::new(law))
     }
 }
 

@@ -77,6 +77,7 @@ impl<'de, const P: usize> Deserialize<'de> for FrictionLaw<P> {
 impl Serialize for Law {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
+            Self::Zero(_) => Err(S::Error::custom("no friction is no law to be written")),
             Self::One(law) => law.as_ref().serialize(serializer),
             Self::Two(law) => law.as_ref().serialize(serializer),
             Self::Three(law) => law.as_ref().serialize(serializer),

@@ -44,12 +44,11 @@ impl Member {
     }
 }
 
-/// A row of the problem: the sum of a row of the mechanism and the next one with these weights, or the row that a contact without
-/// friction has to have, which nothing moves.
+/// A row of the problem: the sum of a row of the mechanism and the next one with these weights.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Row {
-    Of { first: usize, weights: [f64; 2] },
-    Idle { beside: usize },
+pub(super) struct Row {
+    pub(super) first: usize,
+    pub(super) weights: [f64; 2],
 }
 
 /// Contacts, rows and blocks of the problem.
@@ -78,15 +77,14 @@ impl Layout {
     pub(super) fn add(&mut self, member: Member) {
         let Member { first, dimension, friction, freedom, .. } = member;
         let before = self.rows.len();
-        let row = |first| Row::Of { first, weights: [1.0, 0.0] };
+        let row = |first| Row { first, weights: [1.0, 0.0] };
         match (friction, freedom) {
             (_, Freedom::None) => return,
-            (Friction::Dry, _) => self.rows.push(row(first)),
-            (Friction::Frictionless, _) | (_, Freedom::Normal) => {
-                self.rows.extend([row(first), Row::Idle { beside: first }]);
+            (Friction::Dry | Friction::Frictionless, _) | (_, Freedom::Normal) => {
+                self.rows.push(row(first));
             }
             (_, Freedom::Line(weights)) => {
-                self.rows.extend([row(first), Row::Of { first: first + 1, weights }]);
+                self.rows.extend([row(first), Row { first: first + 1, weights }]);
             }
             (_, Freedom::All | Freedom::Across(_)) => {
                 self.rows.extend((first..=first + dimension).map(row))
@@ -167,11 +165,7 @@ impl Layout {
                 let entry = entries(step, joints, member, &self.members[j]);
                 for (at, value) in block.iter_mut().enumerate() {
                     let (a, b) = (row + at / width, column + at % width);
-                    *value = match (self.rows[a], self.rows[b]) {
-                        // Any mobility will do for a row that nothing moves.
-                        (Row::Idle { beside }, Row::Idle { .. }) if a == b => entry(beside, beside),
-                        (a, b) => combined(a, b, &entry),
-                    };
+                    *value = combined(self.rows[a], self.rows[b], &entry);
                 }
                 if let (true, Freedom::Across([x, y])) = (i == j, member.freedom) {
                     let lent = LENT * (block[4] + block[8]);
@@ -187,10 +181,7 @@ impl Layout {
 
 /// The block of the mechanism between two contacts, where it is that of the problem, too.
 fn unchanged<'a>(step: &'a Arranged, one: &Member, other: &Member) -> Option<&'a [f64]> {
-    let keeps = |member: &Member| {
-        let is_plain = member.friction != Friction::Frictionless && member.freedom == Freedom::All;
-        is_plain && !member.is_held
-    };
+    let keeps = |member: &Member| member.freedom == Freedom::All && !member.is_held;
     if keeps(one) && keeps(other) { step.mobility.between(one.place, other.place) } else { None }
 }
 
@@ -211,12 +202,9 @@ fn entries<'a>(
 
 /// The entry of two rows.
 fn combined(a: Row, b: Row, entry: impl Fn(usize, usize) -> f64) -> f64 {
-    let (Row::Of { first: i, weights: v }, Row::Of { first: j, weights: w }) = (a, b) else {
-        return 0.0;
-    };
     let mut sum = 0.0;
-    for (i, v) in (i..).zip(v).filter(|(_, v)| *v != 0.0) {
-        for (j, w) in (j..).zip(w).filter(|(_, w)| *w != 0.0) {
+    for (i, v) in (a.first..).zip(a.weights).filter(|(_, v)| *v != 0.0) {
+        for (j, w) in (b.first..).zip(b.weights).filter(|(_, w)| *w != 0.0) {
             sum += v * w * entry(i, j);
         }
     }
@@ -226,11 +214,7 @@ fn combined(a: Row, b: Row, entry: impl Fn(usize, usize) -> f64) -> f64 {
 impl Row {
     /// The value of the row from those of the mechanism.
     pub(super) fn of(self, values: impl Fn(usize) -> f64) -> f64 {
-        match self {
-            Self::Idle { .. } => 0.0,
-            Self::Of { first, weights: [one, next] } => {
-                one * values(first) + if next == 0.0 { 0.0 } else { next * values(first + 1) }
-            }
-        }
+        let Self { first, weights: [one, next] } = self;
+        one * values(first) + if next == 0.0 { 0.0 } else { next * values(first + 1) }
     }
 }

@@ -6,7 +6,7 @@ use std::mem;
 use super::arranged::{Arranged, Rows, StepRows};
 use super::freedom::{self, Freedom};
 use super::joints::{Joints, Mismatch};
-use super::layout::{Friction, Layout, Member, Row};
+use super::layout::{Friction, Layout, Member};
 use super::{DRIFT, ROUNDED};
 use crate::argument::{ArgumentError, refuse};
 use crate::contact::{
@@ -40,8 +40,9 @@ struct Found {
 /// Percussions and phases start from those that the item with the same key had in the step before. Items are solved in the
 /// order of their keys: percussions do not depend on the order in which an engine lists the contacts, unique or not. Up to 64 contacts
 /// that slide in different directions share what they carry as if of equal compliance. Percussions of joints that loops repeat
-/// are those of least weighted squares. Where the bodies of a contact cannot move in some direction, they stick
-/// up to the friction of sliding in the direction that is left, and what is transmitted across it is that of sliding, too.
+/// are those of least weighted squares; of links 10⁹ times as light as what they join `G` does not tell whether they do. Where the
+/// bodies of a contact cannot move in some direction, they stick up to the friction of sliding in the direction that is left, and
+/// what is transmitted across it is that of sliding, too.
 ///
 /// ```
 /// use asperity::law::FrictionLaw;
@@ -68,8 +69,9 @@ struct Found {
 #[derive(Debug, Clone)]
 pub struct ContactStepper {
     laws: Vec<Law>,
-    /// Of the row that every contact of a problem has beside its normal one, and of dry friction.
+    /// Of dry friction, and of contacts that only their normal row moves.
     line: Law,
+    frictionless: Law,
     solver: Solver,
     problem: ContactProblem,
     workspace: Workspace,
@@ -107,6 +109,7 @@ impl ContactStepper {
         Ok(Self {
             laws,
             line: line.into(),
+            frictionless: Law::frictionless(),
             solver,
             problem: ContactProblem::assemble([], Delassus::Blocks(BlockMatrix::default())),
             workspace: Workspace::default(),
@@ -129,8 +132,8 @@ impl ContactStepper {
     /// Solves a step.
     ///
     /// A status other than converged says that percussions are no solution: [`Status::NoSolution`] also where joints contradict each
-    /// other by more than drift, [`Status::Unbounded`] where percussions have grown so far that they hide it, with one of them as the
-    /// worst contact of the report. Contacts in it are items.
+    /// other by more than drift or links are so light that they look like it, [`Status::Unbounded`] where percussions have grown so far
+    /// that they hide it, with one of them as the worst contact of the report. Contacts in it are items.
     ///
     /// # Errors
     ///
@@ -249,8 +252,6 @@ impl ContactStepper {
     }
 
     /// The contacts of the last step as a problem of their own, in which joints have been eliminated.
-    ///
-    /// Contacts without friction have a row besides that nothing moves, under a law on a line.
     pub fn contact_problem(&self) -> &ContactProblem {
         &self.problem
     }
@@ -302,7 +303,7 @@ impl ContactStepper {
 
     /// Brings the problem up to date: its contacts where they are others than before, its entries and velocities.
     fn fill(&mut self) {
-        let Self { laws, line, problem, workspace, shares, arranged, .. } = self;
+        let Self { laws, line, frictionless, problem, workspace, shares, arranged, .. } = self;
         let Self { joints, layout, earlier, .. } = self;
         let is_new = !layout.fits(earlier) || problem.contacts().len() != layout.members.len();
         if is_new {
@@ -316,7 +317,8 @@ impl ContactStepper {
                     (Friction::Law(law), Freedom::Line(along)) => {
                         freedom::along(&laws[law], along).unwrap_or_else(|| line.clone())
                     }
-                    _ => line.clone(),
+                    (Friction::Dry, _) => line.clone(),
+                    _ => frictionless.clone(),
                 };
                 (law, normal)
             });
@@ -370,8 +372,7 @@ impl ContactStepper {
         percussion.clear();
         percussion.resize(arranged.len(), 0.0);
         for (row, p) in layout.rows.iter().zip(&memory.percussion) {
-            let Row::Of { first, weights } = *row else { continue };
-            for (i, weight) in (first..).zip(weights).filter(|(_, weight)| *weight != 0.0) {
+            for (i, weight) in (row.first..).zip(row.weights).filter(|(_, weight)| *weight != 0.0) {
                 percussion[i] = weight * p;
             }
         }

@@ -15,6 +15,7 @@ use super::held::Held;
 use super::mass::MassFactors;
 use super::{Configuration, Midpoint, Step, System, SystemError, full_rows};
 use crate::argument::{entries, refuse};
+use crate::contact::LARGEST;
 
 /// Relative defect up to which a start meets the constraints, and up to which a row all but repeats others.
 const MET: f64 = 1e-9;
@@ -253,6 +254,10 @@ pub(super) fn arrive(
     settle(constraints, (t, half), held, &mut aside, |aside| {
         let way: Vec<f64> = aside.iter().zip(&*u).map(|(aside, u)| aside + u).collect();
         constraints.system().advance(q, &way, half, out);
+        // The comparison also turns away NaN. What constraints are off there would be none.
+        if !out.iter().all(|q| q.abs() <= LARGEST) {
+            return Err(constraints.lost(t));
+        }
         follow(out, u);
         let mut off = constraints.defects(out)?;
         off.iter_mut().for_each(|off| *off /= half);

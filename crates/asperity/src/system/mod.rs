@@ -59,11 +59,15 @@ impl ContactLaw {
     ///
     /// # Errors
     ///
-    /// [`ArgumentError`] if a prescribed normal force is not finite or negative.
+    /// [`ArgumentError`] if a prescribed normal force is not finite or negative, or if the law is of no friction.
     pub fn new(law: impl Into<Law>, normal_force: NormalForce) -> Result<Self, ArgumentError> {
         not_negative("normal_force", normal_force.prescribed().unwrap_or(0.0))?;
+        let law = law.into();
+        if law.dimension() == 0 {
+            return refuse("law", "must have friction: contacts of systems have tangential rows");
+        }
         let (normal_restitution, tangential_restitution) = (0.0, 0.0);
-        Ok(Self { law: law.into(), normal_force, normal_restitution, tangential_restitution })
+        Ok(Self { law, normal_force, normal_restitution, tangential_restitution })
     }
 
     /// The same contact with Newton's coefficients of restitution `e_N` and `e_T`.

@@ -24,10 +24,10 @@ none, and the HDF5 library itself may fail on damaged ones.
 
 **Other problems** have no ``mu`` (and no ``spacedim``), so that nobody takes them for plain ones.
 They hold besides, in HDF5 within the group ``data``: ``laws``, the different laws as JSON of the
-tables that `FrictionLaw.save` writes, ``law``, the number of each contact's law therein,
-``normal_force`` (NaN where unilateral), ``normal_restitution``, ``tangential_restitution`` and
-``initial_velocity``; in HDF5 texts are bytes of UTF-8. Nothing is pickled: reading a file cannot
-run code.
+tables that `FrictionLaw.save` writes, ``law``, the number of each contact's law therein, −1 of a
+contact without friction, ``normal_force`` (NaN where unilateral), ``normal_restitution``,
+``tangential_restitution`` and ``initial_velocity``; in HDF5 texts are bytes of UTF-8. Nothing is
+pickled: reading a file cannot run code.
 
 A coefficient μ = 0 is read as a disk of radius `FRICTIONLESS`, and that is written as 0.
 

@@ -30,6 +30,9 @@ Shape = tuple[int | None, int | None]
 FRICTIONLESS = 1e-12
 """Radius of the reservoir that stands for μ = 0: sets have the origin inside."""
 
+NO_LAW = -1
+"""Number of the law of a contact without friction."""
+
 
 class Source(Protocol):
     """An open file."""
@@ -71,12 +74,13 @@ def coefficients(problem: ContactProblem) -> Array | None:
         return None
     if any(force is not None for force in problem.normal_force):
         return None
-    if len({law.dimension for law in problem.laws}) > 1:
+    laws = [law for law in problem.laws if law is not None]
+    if len(laws) < len(problem.laws) or len({law.dimension for law in laws}) > 1:
         return None
     # Thousands of contacts share few laws.
-    different = {id(law): law for law in problem.laws}
+    different = {id(law): law for law in laws}
     known = {number: coefficient(law) for number, law in different.items()}
-    mu = [known[id(law)] for law in problem.laws]
+    mu = [known[id(law)] for law in laws]
     return None if None in mu else np.array(mu, dtype=np.float64)
 
 
@@ -113,10 +117,10 @@ def form(problem: ContactProblem) -> str:
 def details(problem: ContactProblem) -> dict[str, NDArray[Any]]:
     """Return what a problem that is not plain needs besides W and q."""
     # Hashing a law takes long: contacts that share the object share the number.
-    objects = {id(law): law for law in problem.laws}
+    objects = {id(law): law for law in problem.laws if law is not None}
     different = list(dict.fromkeys(objects.values()))
     number = {law: i for i, law in enumerate(different)}
-    place = {key: number[law] for key, law in objects.items()}
+    place = {id(None): NO_LAW, **{key: number[law] for key, law in objects.items()}}
     force = [np.nan if force is None else force for force in problem.normal_force]
     return {
         "laws": np.array(law_files.written(different)),
@@ -132,14 +136,14 @@ def read_details(source: Source, prefix: str = "") -> dict[str, Any]:
     """Return the arguments that `details` has written."""
     listed = law_files.read(text(source, f"{prefix}laws"), f"{prefix}laws")
     number = integers(source, f"{prefix}law")
-    if number.size and not 0 <= number.min() <= number.max() < len(listed):
-        raise ParameterError(f"{prefix}law", f"must lie in 0..{len(listed) - 1}")
+    if number.size and not NO_LAW <= number.min() <= number.max() < len(listed):
+        raise ParameterError(f"{prefix}law", f"must lie in {NO_LAW}..{len(listed) - 1}")
     key = f"{prefix}normal_force"
     force = source[key]
     if force.dtype.kind != "f" or force.shape != number.shape:
         raise DimensionError(key, f"must hold {number.size} numbers, one per contact")
     return {
-        "laws": [listed[i] for i in number.tolist()],
+        "laws": [None if i == NO_LAW else listed[i] for i in number.tolist()],
         "normal_force": [None if np.isnan(one) else one for one in force.tolist()],
         **{
             name: numbers(source, f"{prefix}{name}")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from asperity._base.storage.files import atomic
 from asperity.contact import compressed, operator
+from asperity.contact.arguments import dimension
 from asperity.contact.files import contents
 from asperity.contact.files.contents import Percussions
 from asperity.contact.problem import ContactProblem
@@ -101,10 +102,11 @@ def save(problem: ContactProblem, path: Path) -> None:
                 vectors["b"] = problem.bilateral_velocity
             _write(file, "fclib_global", matrices, vectors)
             groups.append("fclib_global")
-        if mu is not None and problem.laws[0].dimension <= 2:
+        p = dimension(problem.laws[0])
+        if mu is not None and p <= 2:
             for group in groups:
                 _put(file, f"{group}/vectors/mu", mu)
-                _put(file, f"{group}/spacedim", np.array([problem.laws[0].dimension + 1], np.int32))
+                _put(file, f"{group}/spacedim", np.array([p + 1], np.int32))
         else:
             for name, values in contents.details(problem).items():
                 _put(file, f"data/{name}", values)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from asperity._base.storage.archive import Archive
 from asperity._base.storage.files import atomic
 from asperity.contact import operator
+from asperity.contact.arguments import dimension
 from asperity.contact.files import contents
 from asperity.contact.files.contents import Percussions
 from asperity.contact.problem import ContactProblem
@@ -40,7 +41,7 @@ def save(problem: ContactProblem, path: Path) -> None:
     if form != contents.SPARSE:
         arrays["W_form"] = np.array(form)
     mu = contents.coefficients(problem)
-    if mu is not None and problem.laws[0].dimension == 2:
+    if mu is not None and dimension(problem.laws[0]) == 2:
         arrays["mu"] = mu
     else:
         arrays.update(contents.details(problem))

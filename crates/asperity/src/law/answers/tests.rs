@@ -103,6 +103,7 @@ fn points_of_the_direction_set_are_unknowns_of_their_own() {
                 "∂λ/∂γ at z",
             );
             let projected = |target: &[f64]| match law {
+                Law::Zero(_) => unreachable!(),
                 Law::One(law) => padded(&law.direction().project(&vector(target))),
                 Law::Two(law) => padded(&law.direction().project(&vector(target))),
                 Law::Three(law) => padded(&law.direction().project(&vector(target))),

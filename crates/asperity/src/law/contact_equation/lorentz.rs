@@ -18,6 +18,9 @@ pub(crate) struct LorentzCone {
 
 /// `T = s diag(1, S)` and `K = diag(1, R)/s` with the size `s` of the reservoir.
 pub(in crate::law) fn cone<const P: usize>(law: &FrictionLaw<P>) -> Option<LorentzCone> {
+    if P == 0 {
+        return Some(LorentzCone { t: ContactMatrix::identity(), k: ContactMatrix::identity() });
+    }
     let Star::Convex(reservoir) = law.reservoir() else { return None };
     let s = to_ball(reservoir)?;
     let d = to_ball(law.direction())?;

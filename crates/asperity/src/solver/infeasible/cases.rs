@@ -55,6 +55,7 @@ impl State {
     fn parts(self, dimension: usize) -> Vec<Self> {
         match self {
             Self::Any => vec![Self::Open, Self::Closed],
+            Self::Closed if dimension == 0 => Vec::new(),
             Self::Closed if dimension == 1 => {
                 vec![Self::Stick, Self::Slip(0.0, 0.0), Self::Slip(PI, PI)]
             }
@@ -83,6 +84,7 @@ impl State {
     fn friction(self, law: &Law) -> Option<Vec<Vector<2>>> {
         match (self, law) {
             (Self::Open, _) => Some(Vec::new()),
+            (_, Law::Zero(_)) => Some(vec![Vector::<2>::zeros()]),
             (_, Law::One(law)) => {
                 let end = |angle: &f64| {
                     let sign = Vector::<1>::new(angle.cos().signum());
@@ -253,13 +255,14 @@ impl Search<'_> {
                 NormalForce::Prescribed(push) => (push / self.largest, 0.0),
             };
             right[rows + i] = 1.0 - along_normal;
+            let own = tangent.min(contact.rows().end - 1);
             for x in state.friction(law)? {
                 let mut percussion = on_rows(&-x, &|row| push * scales[row]);
                 if contact.normal == NormalForce::Unilateral {
                     percussion[contact.offset] = along_normal;
                     percussion /= percussion.lp_norm(1);
                 }
-                add(&self.operator * percussion, push * scales[tangent], 1.0 - along_normal);
+                add(&self.operator * percussion, push * scales[own], 1.0 - along_normal);
             }
         }
         let mut generators = DMatrix::from_columns(&columns);
@@ -296,10 +299,10 @@ impl Search<'_> {
         }
         let mut worth = vec![0.0; states.len()];
         factors.iter().zip(owners).for_each(|(factor, (i, size))| worth[i] += factor * size);
-        for (worth, state) in worth.iter_mut().zip(states) {
+        for (i, (worth, state)) in worth.iter_mut().zip(states).enumerate() {
             *worth *= match state {
                 State::Any => 2.0 * TAU,
-                State::Closed => TAU,
+                State::Closed if problem.contacts()[i].law.dimension() > 0 => TAU,
                 State::Slip(from, to) if to - from > SLACK => to - from,
                 _ => 0.0,
             };

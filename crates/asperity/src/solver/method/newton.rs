@@ -79,7 +79,10 @@ impl Newton {
             let first = rows.normal_rows();
             let tangent: f64 = (first..rows.len()).map(diagonal).sum();
             let normal = if first == 1 { factor / diagonal(0) } else { 0.0 };
-            Rho { normal, tangent: factor * (rows.len() - first) as f64 / tangent }
+            // Without friction there is no tangent, and nobody asks for its parameter but `match_rho`.
+            let tangents = rows.len() - first;
+            let tangent = if tangents == 0 { normal } else { factor * tangents as f64 / tangent };
+            Rho { normal, tangent }
         }));
     }
 

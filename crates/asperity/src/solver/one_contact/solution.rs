@@ -31,6 +31,15 @@ pub(crate) struct LocalSolution<const P: usize> {
     pub ambiguous: bool,
 }
 
+impl LocalSolution<0> {
+    /// The solution `0 ≤ P_N ⊥ g_NN P_N + b_N ≥ 0` of a contact without friction.
+    pub(crate) fn on_the_normal(b_n: f64, g_nn: f64) -> Self {
+        let (phase, normal) =
+            if b_n >= 0.0 { (Phase::Open, 0.0) } else { (Phase::Stick, -b_n / g_nn) };
+        Self::new(phase, normal, Vector::zeros(), Vector::zeros())
+    }
+}
+
 impl<const P: usize> LocalSolution<P> {
     /// A solution that is isolated, beside which no other is known.
     #[inline(always)]

@@ -47,12 +47,16 @@ pub(crate) struct Start<'a> {
     pub(crate) slip: Option<[f64; 3]>,
 }
 
-/// What one of three expressions says of a contact with the data of its dimension: on a line, in the plane, in space.
+/// What one of three expressions says of a contact with the data of its dimension: without friction, on a line, in the plane, in space.
 macro_rules! by_dimension {
-    ($contact:expr, Line($line:pat) => $on_line:expr, Plane($plane:pat) => $in_plane:expr, Space($space:pat) => $in_space:expr) => {{
+    ($contact:expr, Normal($normal:pat) => $on_the_normal:expr, Line($line:pat) => $on_line:expr, Plane($plane:pat) => $in_plane:expr, Space($space:pat) => $in_space:expr) => {{
         let OneContact { problem, contact, block, held } = *$contact;
         let rows = &problem.contacts()[contact];
         match &rows.law {
+            Law::Zero(_) => {
+                let $normal = &LocalSolution::on_the_normal(held[0], block.g_nn);
+                $on_the_normal
+            }
             Law::One(law) => {
                 let $line = &Local::<1>::new(law, rows, block, &held);
                 $on_line
@@ -118,6 +122,7 @@ impl<'a> OneContact<'a> {
     ) -> Option<Found> {
         let history = start.history;
         by_dimension!(self,
+            Normal(found) => Some(keep(found, percussion)),
             Line(local) => Some(keep(&line::solve(local, history)?, percussion)),
             Plane(local) => {
                 let guess = || guess(local, start.slip.unwrap_or_else(|| history.ahead()));
@@ -160,6 +165,7 @@ impl<'a> OneContact<'a> {
             return false;
         }
         by_dimension!(self,
+            Normal(_) => false,
             Line(local) => line::solve(local, state).is_some_and(|s| s.ambiguous),
             Plane(local) => {
                 let guess = || guess(local, state.ahead());
@@ -175,6 +181,10 @@ impl<'a> OneContact<'a> {
         let mut percussion = [0.0; 3];
         let own = &mut percussion[..self.problem.contacts()[self.contact].rows().len().min(3)];
         by_dimension!(self,
+            Normal(found) => {
+                found.store(own);
+                visit(found.phase, own, false);
+            },
             Line(local) => line::solutions(local).iter().flatten().for_each(|found| {
                 found.store(own);
                 visit(found.phase, own, found.degenerate);
@@ -201,6 +211,7 @@ impl<'a> OneContact<'a> {
         candidates: &mut Candidates,
     ) -> Option<ImplicitSolution> {
         by_dimension!(self,
+            Normal(_) => None,
             Line(local) => {
                 let all = &mut candidates.linear;
                 plane::solutions_on_a_line(local, factor, all);
@@ -230,6 +241,7 @@ impl<'a> OneContact<'a> {
     /// `p = 3`: there are contacts without a solution for which this is false.
     pub(crate) fn proves_no_solution(&self) -> bool {
         by_dimension!(self,
+            Normal(_) => false,
             Line(local) => line::proves_no_solution(local),
             Plane(local) => plane::proves_no_solution(local),
             Space(_) => false

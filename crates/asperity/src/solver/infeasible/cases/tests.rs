@@ -29,7 +29,7 @@ fn with_a_solution(seed: &mut u64) -> ContactProblem {
         let z = match &law {
             Law::One(_) => unit(angle),
             Law::Two(law) => law.direction().support_point(&unit(angle)),
-            Law::Three(_) => unreachable!(),
+            Law::Zero(_) | Law::Three(_) => unreachable!(),
         };
         let friction = -z / law.gauge(&z.as_slice()[..p]);
         let normal =
