@@ -180,23 +180,30 @@ class Configuration(Value):
         calibration = self._calibration()
         files = sources(paths)
         constant = self._constant_normal(files)
-        if constant is not None and calibration is not None and _mixes_normal(calibration):
-            raise RecordError(
-                name_of(files[0]),
-                "normal: the calibration says that the normal load moves the other channels, "
-                "which normal_load cannot replace: give the column of the normal channel as well",
-            )
+        if constant is not None and calibration is not None:
+            t = calibration.matrix
+            if abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max():
+                raise RecordError(
+                    name_of(files[0]),
+                    "normal: the calibration says that the normal load moves the other channels, "
+                    "which normal_load cannot replace: give the column of the normal channel as "
+                    "well",
+                )
         idle = self._no_load
         whole = len(files) + len(idle)
         runs, within = self._runs(files, constant, part_of(report, 0, whole))
-        later = part_of(report, len(files), whole)
-        without = self._records_without_load(idle, constant, later) if idle else within
+        if idle:
+            later = part_of(report, len(files), whole)
+            options = self._reading(constant)
+            within = read_csv(
+                idle, run=self._windows("no_load"), loaded=False, progress=later, **options
+            )
         if calibration is not None and "file" not in self._section("calibration"):
             self._refuse_scaled(runs)
         return RawData(
             runs,
             calibration=calibration,
-            no_load=without,
+            no_load=within,
             one_channel=self._section("file").get("one_channel", False),
             processing=Processing(**self._processing()),
             **self._section("tribometer"),
@@ -267,17 +274,6 @@ class Configuration(Value):
             **self._reading(normal_load),
         )
 
-    def _records_without_load(
-        self, files: Sequence[Path], normal_load: float | None, report: Report | None
-    ) -> tuple[Recording, ...]:
-        return read_csv(
-            files,
-            run=self._windows("no_load"),
-            loaded=False,
-            progress=report,
-            **self._reading(normal_load),
-        )
-
     def _windows(self, section: str) -> list[Window] | None:
         """Return the windows of time of a section; None if it has none."""
         given = self._section(section)
@@ -341,8 +337,3 @@ def read_raw(
         ConfigurationError: for the configuration, naming file, line and key.
     """
     return Configuration.load(config).read(paths, progress=progress)
-
-
-def _mixes_normal(calibration: Calibration) -> bool:
-    t = calibration.matrix
-    return bool(abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max())

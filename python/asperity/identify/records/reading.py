@@ -453,11 +453,11 @@ class _Part:
 
     @property
     def _unit(self) -> str:
-        return f" {self.named['time'].removeprefix('-')}"
+        return self.named["time"].removeprefix("-")
 
     @property
     def _has_clock(self) -> bool:
-        return self.named["time"].removeprefix("-") == CLOCK
+        return self._unit == CLOCK
 
     def _said(self, time: float) -> str:
         """Return a time as the file has it."""
@@ -504,7 +504,9 @@ class _Part:
         source = table.source
         if not whole:
             first, last = (self._said(series["time"][at]) for at in (0, -1))
-            source = f"{source} from {first} to {last}" + ("" if self._has_clock else self._unit)
+            source = f"{source} from {first} to {last}" + (
+                "" if self._has_clock else f" {self._unit}"
+            )
         defects = _defects(series, where)
         if defects and self.reader.on_defect == "raise":
             raise RecordError(

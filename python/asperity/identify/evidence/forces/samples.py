@@ -13,6 +13,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, FitError
 from asperity.identify.evidence.coefficient.static import sliding
+from asperity.identify.evidence.coefficient.turns import runs_of as runs_of_recordings
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.strokes import Axes
 
@@ -162,12 +163,8 @@ def runs_of(samples: Samples, data: Any) -> NDArray[np.intp]:
     """Return the number of the run of each turn; arrays are one run, and so are pieces of one."""
     result = np.zeros(samples.turns, dtype=np.intp)
     if getattr(data, "raw", None) is not None:
-        files: dict[str, int] = {}
-        runs = [
-            files.setdefault(one.file, at) if one.source != one.file else at
-            for at, one in enumerate(data.raw.recordings)
-        ]
-        result[samples.runs[:, 2]] = np.array(runs)[_recordings(samples, data)]
+        recording = np.searchsorted(data.run, samples.runs[:, 0], side="right") - 1
+        result[samples.runs[:, 2]] = runs_of_recordings(data)[recording]
     return result
 
 
@@ -181,11 +178,6 @@ def clusters_of(samples: Samples, data: Any) -> NDArray[np.intp]:
         if runs.size >= _FEWEST_RUNS:
             return number
     return np.arange(samples.turns)
-
-
-def _recordings(samples: Samples, data: Any) -> NDArray[np.intp]:
-    first: NDArray[np.intp] = np.searchsorted(data.run, samples.runs[:, 0], side="right")
-    return first - 1
 
 
 def _counted_turns(phi: Array) -> NDArray[Any]:

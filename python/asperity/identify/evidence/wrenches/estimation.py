@@ -473,10 +473,6 @@ def _positive(values: Any, name: str) -> Array:
     return numbers
 
 
-def _contiguous(count: int, parts: int) -> Labels:
-    return np.arange(count) * parts // count
-
-
 def _folds(labels: Labels) -> Labels:
     """Return parts of whole blocks in the order in which they begin, of nearly equal size.
 
@@ -508,4 +504,4 @@ def _labels(blocks: Any, count: int) -> Labels:
     number = arrays.count(blocks, "blocks", least=2)
     if number > count:
         raise ParameterError("blocks", f"must be {count} or fewer, as many as there are pairs")
-    return _contiguous(count, number)
+    return np.arange(count) * number // count
