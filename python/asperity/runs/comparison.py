@@ -226,8 +226,7 @@ def compare_path(
 def _samples(measured: TimedPath | Run) -> tuple[Array, Array, Array | None]:
     if isinstance(measured, Run):
         return measured.t, measured.q[:, :2], None
-    if not isinstance(measured, TimedPath):
-        raise ParameterError("measured", f"must be a path with time and position, got {measured!r}")
+    arrays.of_kind(measured, "measured", TimedPath, "a path with time and position")
     t = arrays.array(measured.time, "measured.time", (None,))
     if (np.diff(t) <= 0.0).any():
         raise ParameterError("measured.time", "must ascend")

@@ -108,15 +108,13 @@ class Run(SavedResult, Value):
         counts = series["q"].shape[1], series["u"].shape[1], series["phase"].shape[1]
         if labels is None:
             labels = numbered(*counts)
-        if not isinstance(labels, Labels):
-            raise ParameterError("labels", f"must be Labels or None, got {labels!r}")
+        arrays.of_kind(labels, "labels", Labels, "Labels or None")
         found = len(labels.coordinates), len(labels.velocities), len(labels.contacts)
         if found != counts:
             raise DimensionError(
                 "labels", f"must name {counts} coordinates, velocities and contacts, names {found}"
             )
-        if not isinstance(origin, Origin | None):
-            raise ParameterError("origin", f"must be an Origin or None, got {origin!r}")
+        arrays.of_kind(origin, "origin", Origin | None, "an Origin or None")
         return {"labels": labels, "origin": origin}
 
     @property

@@ -134,8 +134,7 @@ def growth_chart(
     >>> (chart.growth > 0.0).tolist()
     [False, True]
     """
-    if not isinstance(system, MassOnBelt):
-        raise ParameterError("system", f"must be a MassOnBelt, got {system!r}")
+    arrays.of_kind(system, "system", MassOnBelt, "a MassOnBelt")
     if system.dof != 2:
         raise DimensionError("system", f"must be planar, its law has dimension {system.dof}")
     speed = float(np.linalg.norm(system.belt_velocity))
