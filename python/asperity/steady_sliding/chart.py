@@ -90,16 +90,14 @@ class GrowthChart(SavedResult, Record):
             f"belt moves along {np.rad2deg(phi):.6g}° and C is turned by {np.rad2deg(zeta):.6g}°."
         )
 
-    def _flat(self) -> Array:
-        return self.growth.reshape(self.phi.size, self.zeta.size)
-
     def _table(self) -> Table:
         axes = {
             "phi": Axis(self.phi.ravel(), "rad", "direction of the belt velocity"),
             "zeta": Axis(self.zeta.ravel(), "rad", "rotation of C"),
         }
         words = "largest real part of an eigenvalue"
-        return Table(axes, {"growth": Series(self._flat(), ("phi", "zeta"), "1/s", words)}, {})
+        flat = self.growth.reshape(self.phi.size, self.zeta.size)
+        return Table(axes, {"growth": Series(flat, ("phi", "zeta"), "1/s", words)}, {})
 
 
 def growth_chart(

@@ -21,7 +21,6 @@ from asperity.identify.campaigns.coefficient import (
     STROKES,
     WITH_RATE,
     OneChannel,
-    estimate_data,
     with_rate,
     write_coefficient,
 )
@@ -134,7 +133,7 @@ class Identification:
     def results(self) -> dict[str, Any]:
         """Return parameters, coefficients and warnings as numbers and texts, for ``--json``."""
         return {
-            "parameters": {name: estimate_data(x) for name, x in self.fit.parameters.items()},
+            "parameters": {name: dict(x._parameters) for name, x in self.fit.parameters.items()},
             "models": [self.fit.reservoir_model, self.fit.direction_model],
             "residuals": self.fit.rms,
             "coefficient": self.coefficient.data(),

@@ -32,12 +32,6 @@ class Zero:
     middle: float
     covariance: Array | None
 
-    def at(self, time: Array) -> Array:
-        """Return the zero at times ``(n,)``, shape ``(n, 3)``."""
-        if not self.slope.any():
-            return self.mean[None, :]
-        return self.mean + (time - self.middle)[:, None] * self.slope
-
     def shifted(self, shift: Array) -> Zero:
         """Return another mean with the same drift."""
         return replace(self, mean=self.mean + shift)

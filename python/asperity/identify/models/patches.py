@@ -617,11 +617,6 @@ class OffsetPatch(PatchModel):
         places = (Coordinate(f"point.x{axis}", Scale.PLAIN) for axis in (1, 2))
         self._keep(coordinates=(*self.of.coordinates, *places), frame=self.of.frame)
 
-    @property
-    def words(self) -> str:
-        """The model in words."""
-        return f"{self.of.words}, with torques about another point"
-
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ and its derivatives."""
         f, own = self.of.both(p[:-2], pairs)

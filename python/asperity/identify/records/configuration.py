@@ -20,8 +20,8 @@ from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.reading import (
     FORM,
     PathLike,
+    Reader,
     Window,
-    read_csv,
     read_records,
     sources,
 )
@@ -194,10 +194,9 @@ class Configuration(Value):
         runs, within = self._runs(files, constant, part_of(report, 0, whole))
         if idle:
             later = part_of(report, len(files), whole)
-            options = self._reading(constant)
-            within = read_csv(
-                idle, run=self._windows("no_load"), loaded=False, progress=later, **options
-            )
+            given = self._windows("no_load")
+            windows = {False: [(None, None)] if given is None else given}
+            within = read_records(idle, windows, self._reader(constant), progress=later)[1]
         if calibration is not None and "file" not in self._section("calibration"):
             self._refuse_scaled(runs)
         return RawData(
@@ -250,29 +249,21 @@ class Configuration(Value):
             return None
         return float(load)
 
-    def _reading(self, normal_load: float | None) -> dict[str, Any]:
-        """Return the options of `read_csv` that are the same for all files."""
-        return {
-            "columns": self._section("columns"),
-            "units": self._section("units"),
-            "normal_load": normal_load,
-            **self._section("file"),
-        }
+    def _reader(self, normal_load: float | None) -> Reader:
+        """Return what reads all files alike."""
+        others = {k: v for k, v in self._section("file").items() if k not in FORM}
+        columns, units = self._section("columns"), self._section("units")
+        return Reader(self._format, columns, units, normal_load=normal_load, **others)
 
     def _runs(
         self, files: Sequence[Source], normal_load: float | None, report: Report | None
     ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
         """Return the runs, and what the windows without load of the same files hold."""
-        windows = self._windows("run")
-        idle = None if self._no_load else self._windows("no_load")
-        angles = self._section("run").get("angles")
-        return read_records(
-            files,
-            {True: windows or [(None, None)], **({} if idle is None else {False: idle})},
-            angles=angles,
-            progress=report,
-            **self._reading(normal_load),
-        )
+        windows = {True: self._windows("run") or [(None, None)]}
+        if not self._no_load and (idle := self._windows("no_load")) is not None:
+            windows[False] = idle
+        angles, reader = self._section("run").get("angles"), self._reader(normal_load)
+        return read_records(files, windows, reader, angles=angles, progress=report)
 
     def _windows(self, section: str) -> list[Window] | None:
         """Return the windows of time of a section; None if it has none."""

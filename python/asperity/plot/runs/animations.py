@@ -98,7 +98,9 @@ def save_animation(
     if system is not None or isinstance(one.system, RigidBodies):
         stage, times = staged(one, system, view, bodies, contacts)
         draw = _Bodies(stage, times, forces=forces, paths=paths)
-    elif isinstance(one.system, LinearSystem) and _is_chain(one.system):
+    elif isinstance(one.system, LinearSystem) and all(
+        contact.law.dimension == 1 for contact in one.system.contacts
+    ):
         draw = _Blocks(one, paths=paths)
     elif view != "above":
         raise ParameterError("system", f"must be given for view={view!r}")
@@ -132,10 +134,6 @@ class _Point:
             ax.plot(*self._points[: last + 1].T, color=look.GREY, linewidth=1.2)
         ax.plot(*self._points[last : last + 1].T, "o", color=look.SLIDING, markersize=7.0)
         ax.set(aspect="equal", xlabel="$q_1$ in m", ylabel="$q_2$ in m")
-
-
-def _is_chain(system: LinearSystem) -> bool:
-    return all(contact.law.dimension == 1 for contact in system.contacts)
 
 
 class _Blocks:
