@@ -128,13 +128,8 @@ def chosen(samples: Samples, rows: NDArray[np.intp], kept: NDArray[np.bool_]) ->
     ends = np.cumsum(samples.runs[:, 1] - samples.runs[:, 0])
     last = np.append(0, np.cumsum(kept))[ends]
     runs = np.stack([np.append(0, last[:-1]), last, samples.runs[:, 2]], axis=-1)
-    return replace(
-        samples,
-        phi=samples.phi[rows[kept]],
-        force=samples.force[rows[kept]],
-        normal=samples.normal[rows[kept]],
-        runs=runs,
-    )
+    at = rows[kept]
+    return Samples(samples.phi[at], samples.force[at], samples.normal[at], runs, samples.turns)
 
 
 def reads_normal_force(data: Any) -> bool:
