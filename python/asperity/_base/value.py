@@ -265,17 +265,12 @@ def a_tuple(value: Any, _: str) -> Any:
     return tuple(value)
 
 
-def a_text(value: Any, _: str) -> str:
-    """Return a value as text."""
-    return str(value)
-
-
 def a_path(value: Any, _: str) -> str:
     """Return a path as text."""
     return os.fspath(value)
 
 
-Text: TypeAlias = Annotated[str, a_text]
+Text: TypeAlias = Annotated[str, lambda value, _: str(value)]
 AnyArray: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], unchecked]
 """An array that `_complete` checks."""
 AnyArrayOrNone: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array], unchecked]

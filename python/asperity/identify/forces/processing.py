@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import EllipsisType
 
@@ -300,7 +300,8 @@ class ProcessedData(Value):
         out = self._sized()
         for number in range(len(self.raw.recordings)):
             rows = slice(self.run[number], self.run[number + 1])
-            other = self._zeros[number].shifted(shift)
+            zero_of = self._zeros[number]
+            other = replace(zero_of, mean=zero_of.mean + shift)
             self._forces(number, t, other, out.force[rows], out.normal[rows])
         return out.force, out.normal
 

@@ -421,7 +421,6 @@ class _Part:
     scale: Mapping[str, float]
 
     def rows(self, window: Window) -> slice:
-        """Return the rows of a window."""
         time = self.series["time"]
         if window == (None, None):
             return slice(0, len(time))

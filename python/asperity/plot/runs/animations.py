@@ -162,8 +162,6 @@ class _Blocks:
 
 
 class _Bodies:
-    """Draws rigid bodies."""
-
     def __init__(self, stage: Stage, times: Array, *, forces: bool, paths: bool) -> None:
         self._stage, self._times, self._forces, self._paths = stage, times, forces, paths
         self.limits = stage.limits

@@ -152,7 +152,6 @@ def _solved(
     level: float | None,
     scale: float | None = None,
 ) -> AnyFit:
-    """Return the fit of a model to pairs."""
     measure = Loss(loss, components=1)
     pairs.check(model.size)
     starts = starts_of(model, pairs, loss, scale)
@@ -428,7 +427,6 @@ _COLUMNS = 9
 
 
 def _logs(pushes: Any, points: Any) -> tuple[list[Array], list[Array]]:
-    """Return the pushes and the points of each log."""
     if np.ndim(pushes) == 2 if isinstance(pushes, np.ndarray) else _is_table(pushes):
         pushes, points = [pushes], [points]
     logs = []
