@@ -10,7 +10,6 @@ from typing import Annotated, ClassVar, Literal, TypeAlias
 import asperity._core as _core
 from asperity._base import arrays
 from asperity._base.value import Count, Record
-from asperity.errors import ParameterError
 
 __all__ = [
     "ADMM",
@@ -259,9 +258,7 @@ def chosen(solver: Solver | None) -> Solver:
     """Return the solver, `Auto` if none was given."""
     if solver is None:
         return _DEFAULT
-    if not isinstance(solver, Solver):
-        raise ParameterError("solver", f"must be a solver such as Auto(), got {solver!r}")
-    return solver
+    return arrays.of_kind(solver, "solver", Solver, "a solver such as Auto()")
 
 
 def named(name: str) -> Solver:

@@ -229,6 +229,11 @@ def shaped(*shape: int | None) -> Check:
     return lambda value, name: arrays.array(value, name, shape)
 
 
+def of_kind(kind: type | UnionType, words: str) -> Check:
+    """Return the check that lets objects of a class pass, for which there are words."""
+    return lambda value, name: arrays.of_kind(value, name, kind, words)
+
+
 def optional(check: Check) -> Check:
     """Return a check that lets None pass."""
     return lambda value, name: None if value is None else check(value, name)
@@ -260,17 +265,12 @@ def a_tuple(value: Any, _: str) -> Any:
     return tuple(value)
 
 
-def a_text(value: Any, _: str) -> str:
-    """Return a value as text."""
-    return str(value)
-
-
 def a_path(value: Any, _: str) -> str:
     """Return a path as text."""
     return os.fspath(value)
 
 
-Text: TypeAlias = Annotated[str, a_text]
+Text: TypeAlias = Annotated[str, lambda value, _: str(value)]
 AnyArray: TypeAlias = Annotated[Given[ArrayLike, arrays.Array], unchecked]
 """An array that `_complete` checks."""
 AnyArrayOrNone: TypeAlias = Annotated[Given[ArrayLike | None, arrays.Array], unchecked]
@@ -373,7 +373,7 @@ def _check_of(hint: Any, ending: str = "") -> Check:
     if isinstance(hint, type) and issubclass(hint, Value):
         article = "an" if hint.__name__[0] in "AEIOU" else "a"
         words = f"{article} {hint.__name__}{ending}"
-        return lambda value, name: arrays.of_kind(value, name, hint, words)
+        return of_kind(hint, words)
     if get_origin(hint) is np.ndarray:
         return lambda value, _: np.asarray(value)
     if hint in (int, float, bool) or (isinstance(hint, type) and issubclass(hint, Enum)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity.commands.options import SUCCESS, Commands, add_json, add_out
+from asperity.commands.options import SUCCESS, Commands, add_json, add_out, show
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -41,7 +41,6 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 def run(options: argparse.Namespace) -> int:
     """Compare and print; return the exit code."""
     from asperity.predict.comparison_sheet import describe_comparison
-    from asperity.predict.simulation import as_json
 
     sheet = describe_comparison(
         options.law,
@@ -49,7 +48,5 @@ def run(options: argparse.Namespace) -> int:
         same_calibration=options.same_calibration,
         out=options.out,
     )
-    print(as_json(sheet.data()) if options.json else sheet.text())
-    if options.out is not None and not options.json:
-        print(f"\nfigures, table and report.html in {options.out}")
+    show(sheet, options, "figures, table and report.html")
     return SUCCESS

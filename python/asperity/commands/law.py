@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity.commands.options import SUCCESS, Commands, add_json, add_out
+from asperity.commands.options import SUCCESS, Commands, add_json, add_out, show
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -30,10 +30,7 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 def run(options: argparse.Namespace) -> int:
     """Describe and print; return the exit code."""
     from asperity.predict.law_sheet import describe_law
-    from asperity.predict.simulation import as_json
 
     sheet = describe_law(options.law, out=options.out)
-    print(as_json(sheet.data()) if options.json else sheet.text())
-    if options.out is not None and not options.json:
-        print(f"\nfigures, table and report.html in {options.out}")
+    show(sheet, options, "figures, table and report.html")
     return SUCCESS

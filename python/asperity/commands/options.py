@@ -9,7 +9,7 @@ import subprocess
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from asperity._base.tables import aligned
 from asperity.errors import ParameterError
@@ -107,6 +107,15 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json", action="store_true", help="print the results as JSON, for other programs"
     )
+
+
+def show(sheet: Any, options: argparse.Namespace, files: str) -> None:
+    """Print what a sheet says, as JSON if asked for, or else with where its files are."""
+    from asperity.predict.simulation import as_json
+
+    print(as_json(sheet.data()) if options.json else sheet.text())
+    if options.out is not None and not options.json:
+        print(f"\n{files} in {options.out}")
 
 
 def print_checks(run: Callable[[], Sequence[Check]], out: Path) -> int:

@@ -19,7 +19,7 @@ from asperity._base.extras import library
 from asperity._base.progress import bar_if_there
 from asperity.commands.options import DOUBTFUL, SUCCESS, Commands
 from asperity.errors import ParameterError
-from asperity.sweeps import SweepStatus, sweep, sweep_status
+from asperity.sweeps import sweep, sweep_status
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -85,10 +85,6 @@ def run(options: argparse.Namespace) -> int:
         _compute(options)
     status = sweep_status(options.store)
     print(status.summary())
-    return _code(status)
-
-
-def _code(status: SweepStatus) -> int:
     return DOUBTFUL if status.failed else SUCCESS
 
 

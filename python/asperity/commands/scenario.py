@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from asperity._base.progress import bar_if_there
-from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_json, add_out
+from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_json, add_out, show
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -44,7 +44,7 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Simulate and print; return the exit code."""
-    from asperity.predict.simulation import as_json, simulate_scenario
+    from asperity.predict.simulation import simulate_scenario
 
     with bar_if_there() as move:
         found = simulate_scenario(
@@ -54,10 +54,5 @@ def run(options: argparse.Namespace) -> int:
             out=options.out,
             progress=move,
         )
-    if options.json:
-        print(as_json(found.data()))
-    else:
-        print(found.text())
-        if options.out is not None:
-            print(f"\nfigures, tables and report.html in {options.out}")
+    show(found, options, "figures, tables and report.html")
     return DOUBTFUL if found.warnings else SUCCESS

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from asperity._base.progress import bar_if_there
-from asperity.commands.options import SUCCESS, Commands, add_json, add_out
+from asperity.commands.options import SUCCESS, Commands, add_json, add_out, show
 
 _BELT = (
     ("mass", "kg", "of the mass on the belt"),
@@ -41,13 +41,10 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Describe and print; return the exit code."""
-    from asperity.predict.simulation import as_json
     from asperity.predict.stability_sheet import Belt, describe_stability
 
     belt = Belt(options.mass, options.stiffness, options.speed, options.normal_force)
     with bar_if_there("part") as bar:
         sheet = describe_stability(options.law, belt=belt, out=options.out, progress=bar)
-    print(as_json(sheet.data()) if options.json else sheet.text())
-    if options.out is not None and not options.json:
-        print(f"\nfigure, table and report.html in {options.out}")
+    show(sheet, options, "figure, table and report.html")
     return SUCCESS

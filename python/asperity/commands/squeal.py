@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from asperity._base.progress import bar_if_there
-from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_json, add_out
+from asperity.commands.options import DOUBTFUL, SUCCESS, Commands, add_json, add_out, show
 
 
 def add(commands: Commands) -> argparse.ArgumentParser:
@@ -46,14 +46,11 @@ def add(commands: Commands) -> argparse.ArgumentParser:
 
 def run(options: argparse.Namespace) -> int:
     """Describe and print; return the exit code."""
-    from asperity.predict.simulation import as_json
     from asperity.predict.squeal_sheet import describe_squeal
 
     with bar_if_there("case") as bar:
         sheet = describe_squeal(
             options.model, law=options.law, out=options.out, engine=options.engine, progress=bar
         )
-    print(as_json(sheet.data()) if options.json else sheet.text())
-    if options.out is not None and not options.json:
-        print(f"\nfigure, table and report.html in {options.out}")
+    show(sheet, options, "figure, table and report.html")
     return DOUBTFUL if sheet.warnings else SUCCESS

@@ -157,7 +157,6 @@ class _Entries:
         self._count += len(values)
 
     def matrix(self, width: int) -> csr_array:
-        """Return the matrix."""
         from scipy.sparse import csr_array
 
         if not self._parts:

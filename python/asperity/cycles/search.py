@@ -113,8 +113,7 @@ def limit_cycle(
             "must not depend on time, as it does by a load, the length of a spring or a surface: "
             "a motion that returns to its state does not go on as before",
         )
-    if section is not None and not isinstance(section, Section):
-        raise ParameterError("section", f"must be a Section or None, got {section!r}")
+    arrays.of_kind(section, "section", Section | None, "a Section or None")
     if near is not None:
         if any(given is not None for given in (q0, u0, start, section, t_end)):
             raise ParameterError("near", "excludes q0, u0, start, section and t_end")
@@ -142,8 +141,7 @@ def limit_cycle(
 
 
 def _continued(system: Model, near: LimitCycle, tolerance: float) -> LimitCycle:
-    if not isinstance(near, LimitCycle):
-        raise ParameterError("near", f"must be a LimitCycle, got {near!r}")
+    arrays.of_kind(near, "near", LimitCycle, "a LimitCycle")
     if near.motion.q.shape[1] != system.dof:
         raise ParameterError("near", f"must be the cycle of a system with {system.dof} coordinates")
     section, state = middle(near.motion)

@@ -63,7 +63,10 @@ class Members:
         axes: Any,
     ) -> None:
         self.variants = variants
-        own = beginning(variants.first, None, None, None) if _has_own(variants.first, q0) else None
+        system = variants.first
+        # Whether the state that a system starts from by itself is known without what is given.
+        has_own = not isinstance(system, System) or system.coordinates is None or q0 is None
+        own = beginning(system, None, None, None) if has_own else None
         sizes = (None, None) if own is None else (len(own.q), len(own.u))
         self.q0 = _states(q0, "q0", sizes[0])
         self.u0 = _states(u0, "u0", sizes[1] or variants.first.dof)
@@ -224,11 +227,6 @@ class Members:
                 np.array(u),
             )
             yield Part(np.array(runs, dtype=np.int64), (*arguments, len(runs)))
-
-
-def _has_own(system: Model, q0: ArrayLike | None) -> bool:
-    """Whether the state that a system starts from by itself is known without what is given."""
-    return not (isinstance(system, System) and system.coordinates is not None and q0 is not None)
 
 
 def _state(system: Model, q0: Array | None, u0: Array | None) -> State:

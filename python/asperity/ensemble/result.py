@@ -243,7 +243,8 @@ class AnyEnsemble(TableResult, Value):
         }
         for name, values in self.values.items():
             if name in variables:
-                varying = [k for k, n in enumerate(_padded(values.shape, len(self.shape))) if n > 1]
+                ahead = len(self.shape) - values.ndim
+                varying = [k for k, n in enumerate(values.shape, ahead) if n > 1]
                 if len(varying) == 1:
                     coordinates[name] = ((self.axes[varying[0]],), values.ravel())
                     del variables[name]
@@ -252,7 +253,3 @@ class AnyEnsemble(TableResult, Value):
     def _more_variables(self) -> dict[str, Any]:
         """Return what xarray can hold and a table cannot."""
         return {}
-
-
-def _padded(shape: tuple[int, ...], count: int) -> tuple[int, ...]:
-    return (*(1,) * (count - len(shape)), *shape)

@@ -133,13 +133,9 @@ def simulate_many(
         members,
         compute,
         lambda system: plane_motion.check_rates(system, 0.0, t_end),
-        _error,
+        lambda failure, system: time_stepping.unsolved(failure["unsolved"], system),
         Again(members, time_stepping.simulate, {**options, "until_rest": bool(until_rest)}),
         kept.names,
         on_failure=on_failure,
         progress=progress,
     )
-
-
-def _error(failure: dict[str, Any], system: Model) -> BaseException:
-    return time_stepping.unsolved(failure["unsolved"], system)

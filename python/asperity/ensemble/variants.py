@@ -187,8 +187,7 @@ def _listed(systems: Any) -> tuple[Model, ...]:
     if not listed:
         raise ParameterError("systems", "must not be empty")
     for system in listed:
-        if not isinstance(system, Model):
-            raise ParameterError("systems", f"must be systems such as SlidingPoint, got {system!r}")
+        arrays.of_kind(system, "systems", Model, "systems such as SlidingPoint")
     return listed
 
 

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY
-from typing import Annotated, Any
+from typing import Annotated
 
 from asperity._base import arrays
-from asperity._base.value import NonNegative, Number, Record
+from asperity._base.value import NonNegative, Number, Record, of_kind
 
-
-def _text(value: Any, argument: str) -> str:
-    words: str = arrays.of_kind(value, argument, str, "a text")
-    return words
-
-
-Text = Annotated[str, _text]
+Text = Annotated[str, of_kind(str, "a text")]
 
 
 class EngineReport(Record):

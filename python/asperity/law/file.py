@@ -97,15 +97,13 @@ def law_of(table: Any, key: str) -> FrictionLaw:
         if inner == f"{key}.rate":
             return data.built(Stribeck, table, inner, set_file.set_of)
         if inner == f"{key}.report":
-            return data.built(_report_kind(table), table, inner, set_file.set_of)
+            # Only an engine's says which engine.
+            is_engine = isinstance(table, dict) and "engine" in table
+            kind = EngineReport if is_engine else FlowReport
+            return data.built(kind, table, inner, set_file.set_of)
         return set_file.set_of(table, inner)
 
     return data.built(FrictionLaw, table, key, part)
-
-
-def _report_kind(table: Any) -> type[FlowReport | EngineReport]:
-    """Return the kind of report that a table is: only an engine's says which engine."""
-    return EngineReport if isinstance(table, dict) and "engine" in table else FlowReport
 
 
 class LawFile(Value):

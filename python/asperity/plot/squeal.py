@@ -57,7 +57,10 @@ def plot_squeal_map(
     Returns:
         The axes.
     """
-    axes = [_axis(name, values) for name, values in chart.parameters.items()]
+    axes = [
+        (np.rad2deg(values) if name == "phi" else values, _WORDS[name])
+        for name, values in chart.parameters.items()
+    ]
     if len(axes) == 2:
         growth = np.where(np.isfinite(chart.growth_rate), chart.growth_rate, np.nan)
         # Directions across, as the friction is up.
@@ -104,7 +107,3 @@ def plot_damping_ratios(modes: HasModes, *, ax: Axes | None = None) -> Axes:
         ax.axhline(0.0, color=look.INK, linewidth=0.6)
         ax.set(xlabel="frequency in kHz", ylabel="damping ratio")
         return ax
-
-
-def _axis(name: str, values: Array) -> tuple[Array, str]:
-    return (np.rad2deg(values) if name == "phi" else values), _WORDS[name]

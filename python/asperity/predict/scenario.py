@@ -315,7 +315,6 @@ class Scenario:
 
 
 def _kind(file: TomlFile) -> ScenarioKind:
-    """Return the kind of a scenario."""
     if "system" not in file.values:
         raise file.error("system", f"is missing; its type is one of {', '.join(_SYSTEMS)}")
     name = file.values["system"].get("type")

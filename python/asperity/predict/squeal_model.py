@@ -98,7 +98,9 @@ class SquealModel:
             ConfigurationError: with file, line and key of what is wrong.
         """
         file = TomlFile(path, _SCHEMA)
-        place = _path(file, "law", _needed(file, "law")) if law is None else Path(law)
+        if law is None and "law" not in file.values:
+            raise file.error("law", "is missing: name the file of a friction law")
+        place = _path(file, "law", str(file.values["law"])) if law is None else Path(law)
         known = planar_law(place).law
         search = dict(file.values.get("squeal", {}))
         band = np.asarray(search.pop("band", ()), dtype=float)
@@ -218,12 +220,6 @@ def _model(file: TomlFile) -> FiniteElementModel:
         numbers = given["first_node"] + np.arange(n) // 3
         dof = np.stack([numbers, 1 + np.arange(n) % 3], axis=1)
         return read_matrices(**sources, deck=deck, dof=dof)
-
-
-def _needed(file: TomlFile, key: str) -> str:
-    if key not in file.values:
-        raise file.error(key, "is missing: name the file of a friction law")
-    return str(file.values[key])
 
 
 def _path(file: TomlFile, key: str, name: str) -> Path:

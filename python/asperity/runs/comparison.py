@@ -215,7 +215,7 @@ def compare_path(
         raise ParameterError("measured", "has no position within the time of the run")
     return PathComparison(
         t[known],
-        _at(run, local[known]),
+        hermite(run.t, run.q[:, :2], run.u[:, :2], local[known]),
         position[known],
         position_error=None if error is None else error[known],
         deviation=_from_curve(run.q[:, :2], position[known]),
@@ -226,8 +226,7 @@ def compare_path(
 def _samples(measured: TimedPath | Run) -> tuple[Array, Array, Array | None]:
     if isinstance(measured, Run):
         return measured.t, measured.q[:, :2], None
-    if not isinstance(measured, TimedPath):
-        raise ParameterError("measured", f"must be a path with time and position, got {measured!r}")
+    arrays.of_kind(measured, "measured", TimedPath, "a path with time and position")
     t = arrays.array(measured.time, "measured.time", (None,))
     if (np.diff(t) <= 0.0).any():
         raise ParameterError("measured.time", "must ascend")
@@ -237,11 +236,6 @@ def _samples(measured: TimedPath | Run) -> tuple[Array, Array, Array | None]:
     if error is None:
         return t, position, None
     return t, position, np.broadcast_to(np.asarray(error, dtype=float), position.shape)
-
-
-def _at(run: Run, times: Array) -> Array:
-    """Return the positions of a run at times, by cubic Hermite interpolation."""
-    return hermite(run.t, run.q[:, :2], run.u[:, :2], times)
 
 
 def hermite(t: Array, q: Array, u: Array, times: Array) -> Array:

@@ -158,8 +158,7 @@ def integrate(
     >>> round(float(motion.q[-1, 0]), 12)
     0.4
     """
-    if not isinstance(system, Model):
-        raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    arrays.of_kind(system, "system", Model, "a system such as SlidingPoint")
     check(system)
     state = touching(system, beginning(system, q0, u0, start))
     if state.t < 0.0:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import KW_ONLY
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity._base.arrays import Array
 from asperity._base.result import counted
+from asperity._base.value import AnyArray, Given, a_tuple, field, unchecked
 from asperity.runs.event import Event, EventKind
 from asperity.runs.model import Model
 from asperity.runs.origin import Origin
-from asperity.runs.run import Run
+from asperity.runs.run import AnyLabels, AnyPhases, Run
 from asperity.runs.state import State
 from asperity.status import Outcome, Phase
-from asperity.system.labels import Labels
 
 _COUNTED = (Phase.OPEN, Phase.STICK, Phase.SLIP)
 # Most events in a summary.
@@ -68,35 +69,20 @@ class Motion(Run):
     contact 0 sticks at t = 0.4 s.
     """
 
-    events: tuple[Event, ...]
+    t: AnyArray
+    q: AnyArray
+    u: AnyArray
+    slip: AnyArray
+    force: AnyArray
+    normal_force: AnyArray
+    phase: AnyPhases
+    _: KW_ONLY
+    events: Annotated[Given[Sequence[Event], tuple[Event, ...]], a_tuple]
+    status: Outcome
+    steps: int
     rejected_steps: int
-
-    def __init__(
-        self,
-        t: ArrayLike,
-        q: ArrayLike,
-        u: ArrayLike,
-        slip: ArrayLike,
-        force: ArrayLike,
-        normal_force: ArrayLike,
-        phase: ArrayLike,
-        *,
-        events: Sequence[Event],
-        status: Outcome,
-        steps: int,
-        rejected_steps: int,
-        labels: Labels | None = None,
-        origin: Origin | None = None,
-    ) -> None:
-        series = self._frozen(t, q, u, slip, force, normal_force, phase)
-        self._set(
-            **series,
-            events=tuple(events),
-            status=Outcome(status),
-            steps=int(steps),
-            rejected_steps=int(rejected_steps),
-            **self._described(series, labels, origin),
-        )
+    labels: AnyLabels = field(default=None)
+    origin: Annotated[Origin | None, unchecked] = None
 
     def _extent(self) -> str:
         return f"{super()._extent()} and {counted(len(self.events), 'event')}"

@@ -10,7 +10,7 @@ import asperity._core as _core
 from asperity import law, sets, solvers, system
 from asperity._base import arrays
 from asperity._base.storage import data
-from asperity._base.value import Count, Number, Positive, Record, Text
+from asperity._base.value import Count, Number, Positive, Record, Text, of_kind
 from asperity.errors import ParameterError
 from asperity.runs.model import Model
 from asperity.runs.section import Section
@@ -95,12 +95,6 @@ class EventDriven(Record):
     max_events: Count
 
 
-def _options(value: Any, argument: str) -> Any:
-    if not isinstance(value, TimeStepping | EventDriven):
-        raise ParameterError(argument, f"must be of simulate or integrate, got {value!r}")
-    return value
-
-
 def _system(value: Any, argument: str) -> Any:
     # Asking for the whole protocol takes longer than some runs.
     if value is not None and not hasattr(value, "dof"):
@@ -119,7 +113,9 @@ class Origin(Record):
     """
 
     system: Annotated[Model | None, _system]
-    options: Annotated[TimeStepping | EventDriven, _options]
+    options: Annotated[
+        TimeStepping | EventDriven, of_kind(TimeStepping | EventDriven, "of simulate or integrate")
+    ]
     _: KW_ONLY
     version: Text = _core.__version__
     note: Text = ""

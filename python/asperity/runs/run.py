@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from asperity._base.arrays import Array
 from asperity._base.result import Axis, Series, Table, counted
 from asperity._base.storage.data import Kinds
 from asperity._base.storage.result_file import SavedResult
-from asperity._base.value import Value
+from asperity._base.value import AnyArray, Given, Record, field, unchecked
 from asperity.errors import DimensionError, ParameterError
 from asperity.runs.event import Event
 from asperity.runs.model import Model
@@ -23,6 +23,10 @@ from asperity.runs.origin import KNOWN, EventDriven, Origin, TimeStepping
 from asperity.runs.state import State
 from asperity.status import Outcome, Phase
 from asperity.system.labels import Labels, numbered
+
+AnyPhases: TypeAlias = Annotated[Given[ArrayLike, NDArray[np.int8]], unchecked]
+AnyLabels: TypeAlias = Annotated[Given[Labels | None, Labels], unchecked]
+"""Names and units, by default numbers."""
 
 # Axes, unit and meaning of the series; coordinates and velocities have units of their own.
 _MEANINGS: dict[str, tuple[tuple[str, ...], str, str]] = {
@@ -47,23 +51,23 @@ _ENDS = {
 _TOLD = 8
 
 
-class Run(SavedResult, Value):
+class Run(SavedResult, Record):
     """States, forces and phases over time; base of `Trajectory` and `Motion`.
 
     Two runs are equal if all their numbers are: names, and what made them, are not compared.
     """
 
-    t: Array
-    q: Array
-    u: Array
-    slip: Array
-    force: Array
-    normal_force: Array
-    phase: NDArray[np.int8]
-    status: Outcome
-    steps: int
-    labels: Labels
-    origin: Origin | None
+    t: AnyArray = field(init=False)
+    q: AnyArray = field(init=False)
+    u: AnyArray = field(init=False)
+    slip: AnyArray = field(init=False)
+    force: AnyArray = field(init=False)
+    normal_force: AnyArray = field(init=False)
+    phase: AnyPhases = field(init=False)
+    status: Outcome = field(init=False)
+    steps: int = field(init=False)
+    labels: Labels = field(init=False)
+    origin: Origin | None = field(init=False)
 
     if TYPE_CHECKING:
 
@@ -79,15 +83,13 @@ class Run(SavedResult, Value):
         "phase": np.int8,
     }
 
-    @classmethod
-    def _frozen(cls, *series: ArrayLike) -> dict[str, NDArray[Any]]:
-        """Return the series by their names, as arrays that refuse writing."""
-        frozen = {
-            name: arrays.read_only(_cast(values, name, kind))
-            for (name, kind), values in zip(cls._series.items(), series, strict=True)
+    def _complete(self, given: dict[str, Any]) -> None:
+        series = {
+            name: arrays.read_only(_cast(given[name], name, kind))
+            for name, kind in self._series.items()
         }
         lengths: dict[str, int] = {}
-        for name, values in frozen.items():
+        for name, values in series.items():
             axes = _MEANINGS[name][0]
             wanted = values.ndim == len(axes) and tuple(
                 lengths.setdefault(axis, length)
@@ -98,26 +100,18 @@ class Run(SavedResult, Value):
                     name, f"must have an axis for {', '.join(axes)} like the others, has shape "
                     f"{values.shape}"
                 )  # fmt: skip
-        return frozen
-
-    @staticmethod
-    def _described(
-        series: dict[str, NDArray[Any]], labels: Labels | None, origin: Origin | None
-    ) -> dict[str, Any]:
-        """Return labels and origin, checked."""
+        given.update(series)
         counts = series["q"].shape[1], series["u"].shape[1], series["phase"].shape[1]
-        if labels is None:
-            labels = numbered(*counts)
-        if not isinstance(labels, Labels):
-            raise ParameterError("labels", f"must be Labels or None, got {labels!r}")
+        if given["labels"] is None:
+            given["labels"] = numbered(*counts)
+        labels = given["labels"]
+        arrays.of_kind(labels, "labels", Labels, "Labels or None")
         found = len(labels.coordinates), len(labels.velocities), len(labels.contacts)
         if found != counts:
             raise DimensionError(
                 "labels", f"must name {counts} coordinates, velocities and contacts, names {found}"
             )
-        if not isinstance(origin, Origin | None):
-            raise ParameterError("origin", f"must be an Origin or None, got {origin!r}")
-        return {"labels": labels, "origin": origin}
+        arrays.of_kind(given["origin"], "origin", Origin | None, "an Origin or None")
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:

@@ -126,8 +126,7 @@ def simulate(
     [2.0, 1.0, 0.0, 0.0, 0.0, 0.0]
     """
     # Asking a sparse system for the whole protocol would refuse it.
-    if not isinstance(system, LinearSystem | Model):
-        raise ParameterError("system", f"must be a system such as SlidingPoint, got {system!r}")
+    arrays.of_kind(system, "system", LinearSystem | Model, "a system such as SlidingPoint")
     dt = arrays.positive(dt, "dt")
     t_end = arrays.number(t_end, "t_end")
     if start is None:

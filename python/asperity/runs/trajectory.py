@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
+from dataclasses import KW_ONLY
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity._base.result import counted
+from asperity._base.value import AnyArray, Given, Positive, field, unchecked
 from asperity.runs.model import Model
 from asperity.runs.origin import Origin
-from asperity.runs.run import Run
+from asperity.runs.run import AnyLabels, AnyPhases, Run
 from asperity.runs.state import State
 from asperity.status import Outcome, Phase
-from asperity.system.labels import Labels
 
 
 class Trajectory(Run):
@@ -58,50 +58,31 @@ class Trajectory(Run):
     True
     """
 
-    iterations: NDArray[np.int64]
-    residual: Array
-    dt: float
+    t: AnyArray
+    q: AnyArray
+    u: AnyArray
+    slip: AnyArray
+    force: AnyArray
+    normal_force: AnyArray
+    phase: AnyPhases
+    iterations: Annotated[Given[ArrayLike, NDArray[np.int64]], unchecked]
+    residual: AnyArray
+    _: KW_ONLY
+    status: Outcome
+    dt: Positive
+    steps: int
     ambiguous_steps: int
     failed_steps: int
-    phase_counts: NDArray[np.int64]
-    end: State | None
+    phase_counts: Annotated[Given[ArrayLike, NDArray[np.int64]], unchecked]
+    end: Annotated[State | None, unchecked] = None
+    labels: AnyLabels = field(default=None)
+    origin: Annotated[Origin | None, unchecked] = None
 
     _series: ClassVar = {**Run._series, "iterations": np.int64, "residual": np.float64}
 
-    def __init__(
-        self,
-        t: ArrayLike,
-        q: ArrayLike,
-        u: ArrayLike,
-        slip: ArrayLike,
-        force: ArrayLike,
-        normal_force: ArrayLike,
-        phase: ArrayLike,
-        iterations: ArrayLike,
-        residual: ArrayLike,
-        *,
-        status: Outcome,
-        dt: float,
-        steps: int,
-        ambiguous_steps: int,
-        failed_steps: int,
-        phase_counts: ArrayLike,
-        end: State | None = None,
-        labels: Labels | None = None,
-        origin: Origin | None = None,
-    ) -> None:
-        series = self._frozen(t, q, u, slip, force, normal_force, phase, iterations, residual)
-        self._set(
-            **series,
-            status=Outcome(status),
-            dt=arrays.positive(dt, "dt"),
-            steps=int(steps),
-            ambiguous_steps=int(ambiguous_steps),
-            failed_steps=int(failed_steps),
-            phase_counts=arrays.read_only(np.asarray(phase_counts, dtype=np.int64)),
-            end=end,
-            **self._described(series, labels, origin),
-        )
+    def _complete(self, given: dict[str, Any]) -> None:
+        super()._complete(given)
+        given["phase_counts"] = np.asarray(given["phase_counts"], dtype=np.int64)
 
     def _extent(self) -> str:
         return f"{super()._extent()} of {counted(self.steps, 'step')}"

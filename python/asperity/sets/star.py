@@ -255,9 +255,7 @@ class StarSet(SupportMethods):
 
 def checked_set(value: object, argument: str) -> StarSet:
     """Return `value` if it is a set."""
-    if not isinstance(value, StarSet):
-        raise ParameterError(argument, f"must be a set such as Disk or Ellipse, got {value!r}")
-    return value
+    return arrays.of_kind(value, argument, StarSet, "a set such as Disk or Ellipse")
 
 
 def same_dimension(

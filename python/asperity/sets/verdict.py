@@ -5,19 +5,12 @@ from __future__ import annotations
 from dataclasses import KW_ONLY
 from typing import Annotated, TypeAlias
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import Given, NonNegative, Record, optional, shaped
+from asperity._base.value import Given, NonNegative, Record, Truth, optional, shaped
 
 Answer: TypeAlias = tuple[bool, bool, float, float, Array | None]
-
-
-def _truth(value: object, argument: str) -> bool:
-    arrays.of_kind(value, argument, bool | np.bool_, "True or False")
-    return bool(value)
 
 
 class Verdict(Record):
@@ -38,9 +31,9 @@ class Verdict(Record):
     False
     """
 
-    holds: Annotated[bool, _truth]
+    holds: Truth
     _: KW_ONLY
-    exact: Annotated[bool, _truth]
+    exact: Truth
     tolerance: NonNegative
     defect: NonNegative
     witness: Annotated[Given[ArrayLike | None, Array | None], optional(shaped(None, None))]

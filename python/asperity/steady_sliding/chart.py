@@ -90,16 +90,14 @@ class GrowthChart(SavedResult, Record):
             f"belt moves along {np.rad2deg(phi):.6g}° and C is turned by {np.rad2deg(zeta):.6g}°."
         )
 
-    def _flat(self) -> Array:
-        return self.growth.reshape(self.phi.size, self.zeta.size)
-
     def _table(self) -> Table:
         axes = {
             "phi": Axis(self.phi.ravel(), "rad", "direction of the belt velocity"),
             "zeta": Axis(self.zeta.ravel(), "rad", "rotation of C"),
         }
         words = "largest real part of an eigenvalue"
-        return Table(axes, {"growth": Series(self._flat(), ("phi", "zeta"), "1/s", words)}, {})
+        flat = self.growth.reshape(self.phi.size, self.zeta.size)
+        return Table(axes, {"growth": Series(flat, ("phi", "zeta"), "1/s", words)}, {})
 
 
 def growth_chart(
@@ -134,8 +132,7 @@ def growth_chart(
     >>> (chart.growth > 0.0).tolist()
     [False, True]
     """
-    if not isinstance(system, MassOnBelt):
-        raise ParameterError("system", f"must be a MassOnBelt, got {system!r}")
+    arrays.of_kind(system, "system", MassOnBelt, "a MassOnBelt")
     if system.dof != 2:
         raise DimensionError("system", f"must be planar, its law has dimension {system.dof}")
     speed = float(np.linalg.norm(system.belt_velocity))

@@ -31,10 +31,6 @@ def _real(value: ArrayLike, _: str) -> Array:
     return np.asarray(value, dtype=np.float64)
 
 
-def _numbers(value: Sequence[int], _: str) -> tuple[int, ...]:
-    return tuple(int(i) for i in value)
-
-
 class Equilibrium(Result, Record):
     """Steady sliding: u = 0 while the contacts slide with γ = χ, 0 = h + W_N λ_N + W λ.
 
@@ -57,7 +53,9 @@ class Equilibrium(Result, Record):
     normal_force: Vector
     slip: Annotated[Given[ArrayLike, Array], _real]
     _: KW_ONLY
-    closed: Annotated[Given[Sequence[int], tuple[int, ...]], _numbers] = field(default=())
+    closed: Annotated[
+        Given[Sequence[int], tuple[int, ...]], lambda value, _: tuple(map(int, value))
+    ] = field(default=())
     residual: float = 0.0
 
     def summary(self) -> str:

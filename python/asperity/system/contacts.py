@@ -191,10 +191,3 @@ def _number(chosen: Any, names: list[str | None], argument: str) -> int:
     if number >= len(names):
         raise ParameterError(argument, f"must be below {len(names)}, got {number}")
     return number
-
-
-def checked_law(law: object) -> FrictionLaw:
-    """Return `law` if it is one."""
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
-    return law

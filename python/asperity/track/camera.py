@@ -23,6 +23,7 @@ from asperity._base.value import (
     Positive,
     Record,
     field,
+    of_kind,
     unchecked,
 )
 from asperity.errors import DimensionError, ParameterError
@@ -83,7 +84,7 @@ class VirtualCamera(Record):
     ((240, 320, 3), 13)
     """
 
-    run: Annotated[Run, _run]
+    run: Annotated[Run, of_kind(Run, "a Trajectory or a Motion")]
     _: KW_ONLY
     fps: Positive = 500.0
     coordinates: Annotated[tuple[int, int], unchecked] = (0, 1)
@@ -257,10 +258,6 @@ def _two(coordinates: ArrayLike, count: int) -> tuple[int, int]:
     if len(pair) != 2 or max(pair) >= count:
         raise DimensionError("coordinates", f"must be two of 0..{count - 1}, got {coordinates!r}")
     return pair
-
-
-def _run(value: Any, argument: str) -> Any:
-    return arrays.of_kind(value, argument, Run, "a Trajectory or a Motion")
 
 
 def _mark(value: Mark | None, argument: str) -> Mark:

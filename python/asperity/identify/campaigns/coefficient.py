@@ -15,7 +15,6 @@ from asperity.errors import FitError, ParameterError
 from asperity.identify.estimator.identified_law import IdentifiedLaw
 from asperity.identify.evidence.coefficient.result import FrictionCoefficient
 from asperity.identify.forces.turns import cells
-from asperity.identify.models.coordinates import Estimate
 from asperity.law import FrictionLaw, LawFile, Provenance
 
 FIRST = "runs.csv"
@@ -185,14 +184,3 @@ class OneChannel:
         sections = write_coefficient(self.coefficient, folder)
         head = Section("", *(Text(one, "warning") for one in self._further))
         write_report(folder / "report.html", title, [head, *sections])
-
-
-def estimate_data(one: Estimate) -> dict[str, float | bool]:
-    """Return an estimate as numbers."""
-    return {
-        "value": one.value,
-        "low": one.low,
-        "high": one.high,
-        "standard_error": one.standard_error,
-        "identifiable": one.identifiable,
-    }

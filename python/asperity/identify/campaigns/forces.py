@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity._base.arrays import Array, unit_vectors
+from asperity._base.arrays import Array, along_and_across
 from asperity._base.progress import Count, Progress, Report, reporter
 from asperity._base.storage.files import ResultFolder
 from asperity._base.tables import aligned, write_columns, write_csv
@@ -21,7 +21,6 @@ from asperity.identify.campaigns.coefficient import (
     STROKES,
     WITH_RATE,
     OneChannel,
-    estimate_data,
     with_rate,
     write_coefficient,
 )
@@ -134,7 +133,7 @@ class Identification:
     def results(self) -> dict[str, Any]:
         """Return parameters, coefficients and warnings as numbers and texts, for ``--json``."""
         return {
-            "parameters": {name: estimate_data(x) for name, x in self.fit.parameters.items()},
+            "parameters": {name: dict(x._parameters) for name, x in self.fit.parameters.items()},
             "models": [self.fit.reservoir_model, self.fit.direction_model],
             "residuals": self.fit.rms,
             "coefficient": self.coefficient.data(),
@@ -212,7 +211,7 @@ class Identification:
         """Return mean measured and modelled forces over directions of sliding, and points of D."""
         bins = self.averaged
         force = bins.force / bins.normal_force[:, None]
-        e = unit_vectors(bins.phi)
+        against, across = along_and_across(force, bins.phi)
         bands = self.fit.bands(bins.phi)
         points = np.full((len(bins.phi), 2), np.nan)
         if self.data.goes_round:
@@ -221,8 +220,8 @@ class Identification:
             "phi [rad]": bins.phi,
             "measured -lambda_1/lambda_N": force[:, 0],
             "measured -lambda_2/lambda_N": force[:, 1],
-            "measured l_t": np.sum(e * force, axis=1),
-            "measured l_p": e[:, 0] * force[:, 1] - e[:, 1] * force[:, 0],
+            "measured l_t": against,
+            "measured l_p": across,
             "model l_t": bands.resistance[:, 0],
             "model l_p": bands.resistance[:, 1],
             "half width l_t": bands.resistance_half_width[:, 0],

@@ -54,7 +54,9 @@ def strokes_of_all(runs: Sequence[Recording]) -> list[Strokes]:
         except RecordError as error:
             # A piece may have no stroke where others have some.
             refused.setdefault(group[0].file, error)
-            found += [_without(run) for run in group]
+            for run in group:
+                none = np.full(len(run), -1, dtype=np.int32)
+                found.append(Strokes(none, 0, np.zeros(len(run)), 0.5 / run.duration))
     _refuse_without(runs, found, refused)
     found = _paced(runs, found)
     before = np.cumsum([0, *(one.count for one in found)])
@@ -62,11 +64,6 @@ def strokes_of_all(runs: Sequence[Recording]) -> list[Strokes]:
         replace(one, number=np.where(one.number >= 0, one.number + first, -1).astype(np.int32))
         for one, first in zip(found, before, strict=False)
     ]
-
-
-def _without(run: Recording) -> Strokes:
-    """Return that a recording has no stroke."""
-    return Strokes(np.full(len(run), -1, dtype=np.int32), 0, np.zeros(len(run)), 0.5 / run.duration)
 
 
 def _refuse_without(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import EllipsisType
 
@@ -31,7 +31,7 @@ from asperity.identify.forces.turns import (
     full_bins,
 )
 from asperity.identify.forces.zero import Zero, shared_covariance, zeros_of
-from asperity.identify.records.record import Processing, RawData, Recording
+from asperity.identify.records.record import Processing, RawData
 
 # Samples that are worked on at a time.
 _CHUNK = 1 << 15
@@ -99,8 +99,8 @@ class ProcessedData(Value):
         starts = np.concatenate([[0], np.cumsum(lengths)])
         strokes = strokes_of_all(raw.recordings)
         for run, one in zip(raw.recordings, strokes, strict=True):
-            if isinstance(one.turned, float):
-                _refuse_rest(run)
+            if isinstance(one.turned, float) and abs(run.turns) < 1e-3:
+                raise RecordError(run.source, "angle: the disk does not turn")
         matrix = np.eye(3) if calibration is None else calibration.matrix
         weighed = (
             None
@@ -125,7 +125,7 @@ class ProcessedData(Value):
             _turned=tuple(one.turned for one in strokes),
         )
         _refuse_incomplete(raw, strokes)
-        loaded = loaded_strokes(raw.recordings, strokes, self._pressing)
+        loaded = loaded_strokes(raw.recordings, strokes, lambda at: self._read(at, 2))
         if loaded.lifted:
             log.warning(
                 "%d of %d strokes are left out: there the pin is lifted, λ_N is near zero",
@@ -136,10 +136,6 @@ class ProcessedData(Value):
         self._fill(self._sized(), loaded.strokes)
         along = [self._read(number, 0) for number in range(len(lengths))]
         refuse_rectified(raw, along, loaded.strokes)
-
-    def _pressing(self, number: int) -> Array:
-        """Return what the readings of a run say of λ_N in N, not filtered."""
-        return self._read(number, 2)
 
     def _read(self, number: int, channel: int) -> Array:
         """Return the force of a channel of a run in N, without the zero, not filtered."""
@@ -304,7 +300,8 @@ class ProcessedData(Value):
         out = self._sized()
         for number in range(len(self.raw.recordings)):
             rows = slice(self.run[number], self.run[number + 1])
-            other = self._zeros[number].shifted(shift)
+            zero_of = self._zeros[number]
+            other = replace(zero_of, mean=zero_of.mean + shift)
             self._forces(number, t, other, out.force[rows], out.normal[rows])
         return out.force, out.normal
 
@@ -447,11 +444,6 @@ def _cut_off(turns: float | None, rate: float, sample_rate: float) -> float | No
         f"must lie below half the samples per turn, which are {sample_rate / rate:.4g}, got "
         f"{turns:g}",
     )
-
-
-def _refuse_rest(run: Recording) -> None:
-    if abs(run.turns) < 1e-3:
-        raise RecordError(run.source, "angle: the disk does not turn")
 
 
 def _refuse_incomplete(raw: RawData, strokes: Sequence[Strokes]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -31,16 +31,6 @@ class Zero:
     slope: Array
     middle: float
     covariance: Array | None
-
-    def at(self, time: Array) -> Array:
-        """Return the zero at times ``(n,)``, shape ``(n, 3)``."""
-        if not self.slope.any():
-            return self.mean[None, :]
-        return self.mean + (time - self.middle)[:, None] * self.slope
-
-    def shifted(self, shift: Array) -> Zero:
-        """Return another mean with the same drift."""
-        return replace(self, mean=self.mean + shift)
 
 
 def zeros_of(raw: RawData) -> tuple[Zero, ...]:

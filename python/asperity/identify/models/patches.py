@@ -186,10 +186,7 @@ class EllipsoidPatch(PatchModel):
             for name, one in zip(names, extents, strict=True)
         ]
         # The zero-moment point is the place of the resultant while the patch slides.
-        return found + [
-            Reported(f"reservoir.tilt_{name}", Scale.PLAIN, one)
-            for name, one in zip(("12", "13", "23"), tilts, strict=True)
-        ]
+        return found + _tilts("reservoir", tilts)
 
 
 class PointsPatch(PatchModel):
@@ -531,10 +528,7 @@ class ExtendedPatch(PatchModel):
         found = self.of.reported(p[: self.of.size])
         for name, one in zip(("force_2", "moment"), extents[1:], strict=True):
             found.append(Reported(f"direction.{name}_ratio", Scale.LOG, math.log(one / extents[0])))
-        return found + [
-            Reported(f"direction.tilt_{name}", Scale.PLAIN, one)
-            for name, one in zip(("12", "13", "23"), tilts, strict=True)
-        ]
+        return found + _tilts("direction", tilts)
 
 
 class ExtendedPoints(PatchModel):
@@ -617,11 +611,6 @@ class OffsetPatch(PatchModel):
         places = (Coordinate(f"point.x{axis}", Scale.PLAIN) for axis in (1, 2))
         self._keep(coordinates=(*self.of.coordinates, *places), frame=self.of.frame)
 
-    @property
-    def words(self) -> str:
-        """The model in words."""
-        return f"{self.of.words}, with torques about another point"
-
     def both(self, p: Array, pairs: Pairs) -> tuple[Array, Array]:
         """Return −λ and its derivatives."""
         f, own = self.of.both(p[:-2], pairs)
@@ -647,6 +636,11 @@ def _extents(A: Array) -> tuple[Array, Array]:
     extents: Array = np.sqrt(np.diag(C))
     R = C / np.outer(extents, extents)
     return extents, R[[0, 0, 1], [1, 2, 2]]
+
+
+def _tilts(part: str, tilts: Array) -> list[Reported]:
+    pairs = zip(("12", "13", "23"), tilts, strict=True)
+    return [Reported(f"{part}.tilt_{name}", Scale.PLAIN, one) for name, one in pairs]
 
 
 def _stretch(q: Array) -> tuple[Array, tuple[Array, Array]]:

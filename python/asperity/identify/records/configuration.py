@@ -20,8 +20,8 @@ from asperity.identify.records.calibration import Calibration
 from asperity.identify.records.reading import (
     FORM,
     PathLike,
+    Reader,
     Window,
-    read_csv,
     read_records,
     sources,
 )
@@ -180,23 +180,29 @@ class Configuration(Value):
         calibration = self._calibration()
         files = sources(paths)
         constant = self._constant_normal(files)
-        if constant is not None and calibration is not None and _mixes_normal(calibration):
-            raise RecordError(
-                name_of(files[0]),
-                "normal: the calibration says that the normal load moves the other channels, "
-                "which normal_load cannot replace: give the column of the normal channel as well",
-            )
+        if constant is not None and calibration is not None:
+            t = calibration.matrix
+            if abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max():
+                raise RecordError(
+                    name_of(files[0]),
+                    "normal: the calibration says that the normal load moves the other channels, "
+                    "which normal_load cannot replace: give the column of the normal channel as "
+                    "well",
+                )
         idle = self._no_load
         whole = len(files) + len(idle)
         runs, within = self._runs(files, constant, part_of(report, 0, whole))
-        later = part_of(report, len(files), whole)
-        without = self._records_without_load(idle, constant, later) if idle else within
+        if idle:
+            later = part_of(report, len(files), whole)
+            given = self._windows("no_load")
+            windows = {False: [(None, None)] if given is None else given}
+            within = read_records(idle, windows, self._reader(constant), progress=later)[1]
         if calibration is not None and "file" not in self._section("calibration"):
             self._refuse_scaled(runs)
         return RawData(
             runs,
             calibration=calibration,
-            no_load=without,
+            no_load=within,
             one_channel=self._section("file").get("one_channel", False),
             processing=Processing(**self._processing()),
             **self._section("tribometer"),
@@ -243,40 +249,21 @@ class Configuration(Value):
             return None
         return float(load)
 
-    def _reading(self, normal_load: float | None) -> dict[str, Any]:
-        """Return the options of `read_csv` that are the same for all files."""
-        return {
-            "columns": self._section("columns"),
-            "units": self._section("units"),
-            "normal_load": normal_load,
-            **self._section("file"),
-        }
+    def _reader(self, normal_load: float | None) -> Reader:
+        """Return what reads all files alike."""
+        others = {k: v for k, v in self._section("file").items() if k not in FORM}
+        columns, units = self._section("columns"), self._section("units")
+        return Reader(self._format, columns, units, normal_load=normal_load, **others)
 
     def _runs(
         self, files: Sequence[Source], normal_load: float | None, report: Report | None
     ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
         """Return the runs, and what the windows without load of the same files hold."""
-        windows = self._windows("run")
-        idle = None if self._no_load else self._windows("no_load")
-        angles = self._section("run").get("angles")
-        return read_records(
-            files,
-            {True: windows or [(None, None)], **({} if idle is None else {False: idle})},
-            angles=angles,
-            progress=report,
-            **self._reading(normal_load),
-        )
-
-    def _records_without_load(
-        self, files: Sequence[Path], normal_load: float | None, report: Report | None
-    ) -> tuple[Recording, ...]:
-        return read_csv(
-            files,
-            run=self._windows("no_load"),
-            loaded=False,
-            progress=report,
-            **self._reading(normal_load),
-        )
+        windows = {True: self._windows("run") or [(None, None)]}
+        if not self._no_load and (idle := self._windows("no_load")) is not None:
+            windows[False] = idle
+        angles, reader = self._section("run").get("angles"), self._reader(normal_load)
+        return read_records(files, windows, reader, angles=angles, progress=report)
 
     def _windows(self, section: str) -> list[Window] | None:
         """Return the windows of time of a section; None if it has none."""
@@ -341,8 +328,3 @@ def read_raw(
         ConfigurationError: for the configuration, naming file, line and key.
     """
     return Configuration.load(config).read(paths, progress=progress)
-
-
-def _mixes_normal(calibration: Calibration) -> bool:
-    t = calibration.matrix
-    return bool(abs(t[:2, 2]).max() > _NEGLIGIBLE * abs(t).max())

@@ -109,7 +109,9 @@ class Inspection(Record):
             low, high = ("" if x is None else f"{x:.6g}" for x in (one.low, one.high))
             rows.append((str(at), one.name, one.unit, low, high, one.role))
         parts = [f"{self.path}: {written or 'as by default'}", aligned(rows, right=(0, 3, 4))]
-        return "\n\n".join([*parts, *([_listed(self.notes)] if self.notes else [])])
+        if self.notes:
+            parts.append("\n".join(f"- {note}" for note in self.notes))
+        return "\n\n".join(parts)
 
     def text(self) -> str:
         """Return the configuration as TOML, with the notes as comments."""
@@ -411,7 +413,8 @@ def _sections(
     names = [one.name for one in columns]
     wanted: dict[str, Any] = {}
     units: dict[str, str] = {}
-    for role in _order(by_role):
+    known = ("time", "angle", "turn_rate", *MOTION, *CHANNELS, *FORCES, *PATH_WORDS)
+    for role in (one for one in dict.fromkeys(known) if one in by_role):
         at = by_role[role]
         name = columns[at].name
         wanted[role] = name if named and name and names.count(name) == 1 else at
@@ -482,11 +485,6 @@ def _rate(found: Guess) -> float:
     return float(f"{1.0 / step:.7g}") if step > 0.0 else 0.0
 
 
-def _order(by_role: Mapping[str, int]) -> list[str]:
-    known = ["time", "angle", "turn_rate", *MOTION, *CHANNELS, *FORCES, *PATH_WORDS]
-    return [role for role in dict.fromkeys(known) if role in by_role]
-
-
 def _is_clock(found: Guess, at: int) -> bool:
     """Return whether the cells of a column are times of day, or durations, in words."""
     cell = next((row[at] for row in found.body if at < len(row) and row[at] != ""), "")
@@ -529,7 +527,3 @@ def _counts(column: Array) -> int:
     if abs(near - size) <= max(step, 0.002 * near):
         return near
     return round(max(size, float(column.max()) + 1.0))
-
-
-def _listed(notes: Sequence[str]) -> str:
-    return "\n".join(f"- {note}" for note in notes)

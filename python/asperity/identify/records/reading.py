@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,51 +172,42 @@ def read_csv(
     ...     )[0].readings[0].tolist()
     [1.25, 0.0, 9.5]
     """
-    options = {
-        "columns": columns,
-        "units": units,
-        "delimiter": delimiter,
-        "decimal": decimal,
-        "header": header,
-        "encoding": encoding,
-        "names": names,
-        "thousands": thousands,
-        "sheet": sheet,
-        "sample_rate": sample_rate,
-        "turn_rate": turn_rate,
-        "counts_per_turn": counts_per_turn,
-        "arm": arm,
-        "normal_load": normal_load,
-        "one_channel": one_channel,
-        "rectified": rectified,
-        "check_units": check_units,
-        "on_defect": on_defect,
-    }
+    reader = Reader(
+        Format(delimiter, decimal, header, encoding, names, thousands, sheet),
+        dict(columns or {}),
+        dict(units or {}),
+        sample_rate=sample_rate,
+        turn_rate=turn_rate,
+        counts_per_turn=counts_per_turn,
+        arm=arm,
+        normal_load=normal_load,
+        one_channel=one_channel,
+        rectified=rectified,
+        check_units=check_units,
+        on_defect=on_defect,
+    )
     windows = {bool(loaded): [(None, None)] if run is None else list(run)}
-    runs, idle = read_records(paths, windows, angles=angles, progress=progress, **options)
+    runs, idle = read_records(paths, windows, reader, angles=angles, progress=progress)
     return runs if loaded else idle
 
 
 def read_records(
     paths: Source | Iterable[Source],
     windows: Mapping[bool, Sequence[Window]],
+    reader: Reader,
     *,
     angles: float | Sequence[float] | None = None,
     progress: Progress = None,
-    **options: Any,
 ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
     """Return the recordings with and without load in some files, each of which is read once.
 
     Args:
         paths: as of `read_csv`, like the other options.
         windows: of the recordings with load, True, and of those without, False.
+        reader: what reads the files.
         angles: how the surface lies.
         progress: as of `read_csv`.
-        **options: the others of `read_csv`.
     """
-    form = Format(**{name: options.pop(name) for name in FORM if name in options})
-    columns, units = (dict(options.pop(name, None) or {}) for name in ("columns", "units"))
-    reader = Reader(form, columns, units, **options)
     files = sources(paths)
     lie = _one_for_each(angles, files, reader)
     found: dict[bool, list[Recording]] = {True: [], False: []}
@@ -430,7 +421,6 @@ class _Part:
     scale: Mapping[str, float]
 
     def rows(self, window: Window) -> slice:
-        """Return the rows of a window."""
         time = self.series["time"]
         if window == (None, None):
             return slice(0, len(time))
@@ -453,11 +443,11 @@ class _Part:
 
     @property
     def _unit(self) -> str:
-        return f" {self.named['time'].removeprefix('-')}"
+        return self.named["time"].removeprefix("-")
 
     @property
     def _has_clock(self) -> bool:
-        return self.named["time"].removeprefix("-") == CLOCK
+        return self._unit == CLOCK
 
     def _said(self, time: float) -> str:
         """Return a time as the file has it."""
@@ -504,7 +494,9 @@ class _Part:
         source = table.source
         if not whole:
             first, last = (self._said(series["time"][at]) for at in (0, -1))
-            source = f"{source} from {first} to {last}" + ("" if self._has_clock else self._unit)
+            source = f"{source} from {first} to {last}" + (
+                "" if self._has_clock else f" {self._unit}"
+            )
         defects = _defects(series, where)
         if defects and self.reader.on_defect == "raise":
             raise RecordError(

@@ -98,7 +98,9 @@ def save_animation(
     if system is not None or isinstance(one.system, RigidBodies):
         stage, times = staged(one, system, view, bodies, contacts)
         draw = _Bodies(stage, times, forces=forces, paths=paths)
-    elif isinstance(one.system, LinearSystem) and _is_chain(one.system):
+    elif isinstance(one.system, LinearSystem) and all(
+        contact.law.dimension == 1 for contact in one.system.contacts
+    ):
         draw = _Blocks(one, paths=paths)
     elif view != "above":
         raise ParameterError("system", f"must be given for view={view!r}")
@@ -134,10 +136,6 @@ class _Point:
         ax.set(aspect="equal", xlabel="$q_1$ in m", ylabel="$q_2$ in m")
 
 
-def _is_chain(system: LinearSystem) -> bool:
-    return all(contact.law.dimension == 1 for contact in system.contacts)
-
-
 class _Blocks:
     """Draws the coordinates as blocks, each on a line of its own, the first one at the top."""
 
@@ -164,8 +162,6 @@ class _Blocks:
 
 
 class _Bodies:
-    """Draws rigid bodies."""
-
     def __init__(self, stage: Stage, times: Array, *, forces: bool, paths: bool) -> None:
         self._stage, self._times, self._forces, self._paths = stage, times, forces, paths
         self.limits = stage.limits

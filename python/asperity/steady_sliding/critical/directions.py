@@ -76,8 +76,7 @@ def critical_directions(law: FrictionLaw) -> CriticalIntervals:
     >>> [round(math.degrees(phi), 3) for phi in critical_directions(law)[0]]
     [44.106, 75.894]
     """
-    if not isinstance(law, FrictionLaw):
-        raise ParameterError("law", f"must be a FrictionLaw, got {law!r}")
+    arrays.of_kind(law, "law", FrictionLaw, "a FrictionLaw")
     if law.dimension != 2:
         raise DimensionError(
             "law", f"must be planar for this, this one is not: p = {law.dimension}"

@@ -132,7 +132,6 @@ class _Measured:
 
     @property
     def points(self) -> Complex:
-        """The points."""
         return self._point(np.arange(self.count) / self.count)
 
     def without(self, known: Complex) -> tuple[Array, Complex]:

@@ -19,6 +19,7 @@ from asperity._base.value import (
     NonNegative,
     Positive,
     field,
+    of_kind,
     unchecked,
 )
 from asperity.errors import DimensionError, ParameterError
@@ -70,10 +71,6 @@ class Pair(AnyContact):
         return {**super()._core_data(), "kind": self._kind}
 
 
-def _surface(value: Any, argument: str) -> Any:
-    return arrays.of_kind(value, argument, Plane | Line, "a Plane or a Line")
-
-
 def _body_axis(value: BodyAxis | None, argument: str) -> BodyAxis:
     axis = BodyAxis((1.0, 0.0, 0.0)) if value is None else value
     return arrays.of_kind(axis, argument, BodyAxis, "a BodyAxis between spheres")
@@ -83,7 +80,7 @@ class PlanePair(Pair):
     """Base of the pairs of a body and a plane, or a line for planar bodies."""
 
     _: KW_ONLY
-    plane: Annotated[Plane | Line, _surface]
+    plane: Annotated[Plane | Line, of_kind(Plane | Line, "a Plane or a Line")]
     frame: Annotated[Frame, unchecked] = "plane"
 
     def _complete(self, given: dict[str, Any]) -> None:

@@ -95,7 +95,9 @@ class Follower:
         before = self._last_whole
         if before is None or not before.frames or Sight.REFLECTION in sighting.status:
             return True
-        found = search(frame.crop(slice(None), slice(None)), self.mark, self._coarseness())
+        # The largest step at which a mark of this size is found.
+        coarseness = next((step for step in _STEPS if 2.0 * step < self._radius), _STEPS[-1])
+        found = search(frame.crop(slice(None), slice(None)), self.mark, coarseness)
         middles = _middles(found)
         alike = np.abs(np.log(found.areas / (math.pi * self._radius**2))) <= math.log(_ALIKE)
         others = middles[alike & (np.hypot(*(middles - sighting.pixel).T) > self._radius)]
@@ -106,10 +108,6 @@ class Follower:
         )
         near = away <= self._radius + turned
         return bool(near[0] and not near[1:].any())
-
-    def _coarseness(self) -> int:
-        """Return the largest step at which a mark of this size is found."""
-        return next((step for step in _STEPS if 2.0 * step < self._radius), _STEPS[-1])
 
     def _search(self, frame: Frame) -> Sighting:
         whole = frame.crop(slice(None), slice(None))

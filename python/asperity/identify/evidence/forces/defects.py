@@ -75,7 +75,8 @@ def means_of_strokes(samples: Samples) -> tuple[Array, Array] | None:
         rows = [np.arange(a, b) for a, b, number in samples.runs if number == turn]
         at = np.concatenate(rows)
         # Angles of one direction may differ by whole turns, as they do on both sides of π.
-        off = _wrapped(samples.phi[at] - samples.phi[at[0]])
+        off = samples.phi[at] - samples.phi[at[0]]
+        off -= 2.0 * np.pi * np.rint(off / (2.0 * np.pi))
         if np.ptp(off) > _STROKE:
             return None
         load = samples.normal[at]
@@ -88,10 +89,6 @@ def means_of_strokes(samples: Samples) -> tuple[Array, Array] | None:
     order = [np.flatnonzero(direction == one)[:repeats] for one in range(direction.max() + 1)]
     chosen = np.stack(order, axis=1)
     return phi[chosen], force[chosen]
-
-
-def _wrapped(angle: Array) -> Array:
-    return angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi))
 
 
 def _directions(phi: Array) -> NDArray[np.intp]:

@@ -16,7 +16,7 @@ which is safe.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -223,14 +223,8 @@ def _near(samples: Samples, angle: float, width: float) -> Samples:
         close = np.abs(_off_axis(np.cos(phi), np.sin(phi), angle)[0]) <= width
         parts.append(part.start + np.flatnonzero(close))
     rows = np.concatenate(parts)
-    return replace(
-        samples,
-        phi=samples.phi[rows],
-        force=samples.force[rows],
-        normal=samples.normal[rows],
-        runs=np.array([[0, rows.size, 0]], dtype=np.intp),
-        turns=1,
-    )
+    runs = np.array([[0, rows.size, 0]], dtype=np.intp)
+    return Samples(samples.phi[rows], samples.force[rows], samples.normal[rows], runs, 1)
 
 
 def _is_away(phi: Array, angle: float) -> NDArray[np.bool_]:

@@ -13,6 +13,7 @@ from asperity._base import arrays
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, FitError
 from asperity.identify.evidence.coefficient.static import sliding
+from asperity.identify.evidence.coefficient.turns import runs_of as runs_of_recordings
 from asperity.identify.forces.processing import ProcessedData
 from asperity.identify.forces.strokes import Axes
 
@@ -127,13 +128,8 @@ def chosen(samples: Samples, rows: NDArray[np.intp], kept: NDArray[np.bool_]) ->
     ends = np.cumsum(samples.runs[:, 1] - samples.runs[:, 0])
     last = np.append(0, np.cumsum(kept))[ends]
     runs = np.stack([np.append(0, last[:-1]), last, samples.runs[:, 2]], axis=-1)
-    return replace(
-        samples,
-        phi=samples.phi[rows[kept]],
-        force=samples.force[rows[kept]],
-        normal=samples.normal[rows[kept]],
-        runs=runs,
-    )
+    at = rows[kept]
+    return Samples(samples.phi[at], samples.force[at], samples.normal[at], runs, samples.turns)
 
 
 def reads_normal_force(data: Any) -> bool:
@@ -162,12 +158,8 @@ def runs_of(samples: Samples, data: Any) -> NDArray[np.intp]:
     """Return the number of the run of each turn; arrays are one run, and so are pieces of one."""
     result = np.zeros(samples.turns, dtype=np.intp)
     if getattr(data, "raw", None) is not None:
-        files: dict[str, int] = {}
-        runs = [
-            files.setdefault(one.file, at) if one.source != one.file else at
-            for at, one in enumerate(data.raw.recordings)
-        ]
-        result[samples.runs[:, 2]] = np.array(runs)[_recordings(samples, data)]
+        recording = np.searchsorted(data.run, samples.runs[:, 0], side="right") - 1
+        result[samples.runs[:, 2]] = runs_of_recordings(data)[recording]
     return result
 
 
@@ -181,11 +173,6 @@ def clusters_of(samples: Samples, data: Any) -> NDArray[np.intp]:
         if runs.size >= _FEWEST_RUNS:
             return number
     return np.arange(samples.turns)
-
-
-def _recordings(samples: Samples, data: Any) -> NDArray[np.intp]:
-    first: NDArray[np.intp] = np.searchsorted(data.run, samples.runs[:, 0], side="right")
-    return first - 1
 
 
 def _counted_turns(phi: Array) -> NDArray[Any]:

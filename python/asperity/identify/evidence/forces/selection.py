@@ -59,7 +59,6 @@ BEST = "best"
 
 # Fits are compared on means over half a degree; more groups of turns than this tell no more.
 _WIDTH = 5
-_SUMS = ("cost", "gradient", "matrix")
 
 
 def matching_pairs(
@@ -200,7 +199,8 @@ def _sums_of_groups(family: Family, sums: GroupedBins, p: Array) -> Sums:
         family.sums(sums.only(group, _WIDTH).samples, p, Loss())
         for group in range(len(sums.squares))
     ]
-    return Sums(*(np.concatenate([getattr(one, name) for one in parts]) for name in _SUMS))
+    series = zip(*((one.cost, one.gradient, one.matrix) for one in parts), strict=True)
+    return Sums(*map(np.concatenate, series))
 
 
 def _left_out(family: Family, sums: GroupedBins, p: Array) -> Array:

@@ -143,7 +143,6 @@ def fit_paths(
 
 
 def _launches(launch: Any, count: int) -> tuple[Launch, ...]:
-    """Return what is known of every launch."""
     one = Launch() if launch is None else launch
     launches = (one,) * count if isinstance(one, Launch) else arrays.several(one, "launch")
     if len(launches) != count:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
-from asperity._base import arrays
 from asperity._base.arrays import Array
-from asperity._base.value import NonNegative, Number, Positive, Record
+from asperity._base.value import NonNegative, Number, Positive, Record, shaped
 from asperity.errors import ParameterError
 
 QUANTITIES = ("speed", "direction", "time", "x1", "x2")
@@ -19,10 +18,6 @@ UNITS = ("m/s", "rad", "s", "m", "m")
 """Their units."""
 
 SPEED, DIRECTION, TIME, PLACE = 0, 1, 2, slice(3, 5)
-
-
-def _place(value: Any, name: str) -> Array:
-    return arrays.array(value, name, (2,))
 
 
 class Launch(Record):
@@ -50,7 +45,7 @@ class Launch(Record):
     """
 
     _: KW_ONLY
-    place: Annotated[Array, _place] | None = None
+    place: Annotated[Array, shaped(2)] | None = None
     place_error: NonNegative = 0.0
     speed: Positive | None = None
     speed_error: NonNegative = 0.0
@@ -59,8 +54,7 @@ class Launch(Record):
     time: Number | None = None
     time_error: NonNegative = 0.0
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        super().__init__(*args, **kwargs)
+    def _derive(self) -> None:
         for name in ("place", "speed", "direction", "time"):
             if getattr(self, name) is None and getattr(self, f"{name}_error"):
                 raise ParameterError(f"{name}_error", f"needs the {name} that it is the error of")

@@ -16,7 +16,7 @@ from asperity.identify.estimator.leverage import Leverage, leverage_of
 from asperity.identify.estimator.loss import Loss
 from asperity.identify.evidence.paths.misfits import Misfits
 from asperity.identify.evidence.paths.motions import Motions
-from asperity.identify.models.coordinates import Coordinate, at_bounds
+from asperity.identify.models.coordinates import at_bounds
 from asperity.identify.models.structure import PlanarStructure
 
 # A logarithm with a larger standard error is not known.
@@ -137,7 +137,8 @@ class Solution:
                 "is stated of the launches (directions are in rad, places in m), or state its error"
             )
         wide = np.sqrt(np.diag(found.inverse)) > _UNKNOWN
-        wide &= ~at_bounds(self.z[: self.misfits.size], self._listed)
+        coordinates = [self.structure.coordinates[at][1] for at in self.free]
+        wide &= ~at_bounds(self.z[: self.misfits.size], coordinates)
         if wide.any():
             listed = ", ".join(n for n, one in zip(names, wide, strict=True) if one)
             raise FitError(
@@ -145,10 +146,6 @@ class Solution:
                 f"are known; {self.remedy}"
             )
         return found
-
-    @property
-    def _listed(self) -> list[Coordinate]:
-        return [self.structure.coordinates[at][1] for at in self.free]
 
     @cached_property
     def remedy(self) -> str:

@@ -152,7 +152,6 @@ def _solved(
     level: float | None,
     scale: float | None = None,
 ) -> AnyFit:
-    """Return the fit of a model to pairs."""
     measure = Loss(loss, components=1)
     pairs.check(model.size)
     starts = starts_of(model, pairs, loss, scale)
@@ -428,7 +427,6 @@ _COLUMNS = 9
 
 
 def _logs(pushes: Any, points: Any) -> tuple[list[Array], list[Array]]:
-    """Return the pushes and the points of each log."""
     if np.ndim(pushes) == 2 if isinstance(pushes, np.ndarray) else _is_table(pushes):
         pushes, points = [pushes], [points]
     logs = []
@@ -473,10 +471,6 @@ def _positive(values: Any, name: str) -> Array:
     return numbers
 
 
-def _contiguous(count: int, parts: int) -> Labels:
-    return np.arange(count) * parts // count
-
-
 def _folds(labels: Labels) -> Labels:
     """Return parts of whole blocks in the order in which they begin, of nearly equal size.
 
@@ -508,4 +502,4 @@ def _labels(blocks: Any, count: int) -> Labels:
     number = arrays.count(blocks, "blocks", least=2)
     if number > count:
         raise ParameterError("blocks", f"must be {count} or fewer, as many as there are pairs")
-    return _contiguous(count, number)
+    return np.arange(count) * number // count

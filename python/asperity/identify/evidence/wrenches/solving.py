@@ -122,25 +122,22 @@ def starts_of(
     model: PatchModel, pairs: Pairs, loss: LossName, scale: float | None = None
 ) -> list[Array]:
     """Return coordinates to start from, the simpler models of which follow from the data."""
+
+    def roughly(simpler: PatchModel) -> Array:
+        starts = starts_of(simpler, pairs, loss, scale)
+        return fitted(simpler, pairs, starts, loss, scale, roughly=True).p
+
     if isinstance(model, EllipsoidPatch):
         return [model.start(pairs)]
     if isinstance(model, ExtendedPoints):
-        plain = PointsPatch(pairs.points, radius=0.0, known=True)
-        p = fitted(plain, pairs, starts_of(plain, pairs, loss), loss, scale, roughly=True).p
+        p = roughly(PointsPatch(pairs.points, radius=0.0, known=True))
         return [
             np.concatenate([p, [0.02, 0.0, 0.02, 0.0]]),
             np.concatenate([p, [0, 0.02, 0, 0.02]]),
         ]
     if isinstance(model, ExtendedPatch):
-        round_one = EllipsoidPatch(frame=model.frame)
-        ellipsoid = fitted(
-            round_one, pairs, starts_of(round_one, pairs, loss), loss, scale, roughly=True
-        ).p
-        if isinstance(model.of, EllipsoidPatch):
-            return [model.start(ellipsoid, ellipsoid)]
-        own = fitted(
-            model.of, pairs, starts_of(model.of, pairs, loss, scale), loss, scale, roughly=True
-        ).p
+        ellipsoid = roughly(EllipsoidPatch(frame=model.frame))
+        own = ellipsoid if isinstance(model.of, EllipsoidPatch) else roughly(model.of)
         return [model.start(own, ellipsoid)]
     assert isinstance(model, PointsPatch)
     if model.known:
@@ -151,15 +148,10 @@ def starts_of(
         return [p]
     if model.friction == "ellipse":
         # Isotropic friction first: its best places are where ellipses begin.
-        plain = model.replace(friction="isotropic")
-        found = fitted(
-            plain, pairs, starts_of(plain, pairs, loss, scale), loss, scale, roughly=True
-        )
-        return [np.concatenate([found.p, [0.0, 0.0]])]
+        return [np.concatenate([roughly(model.replace(friction="isotropic")), [0.0, 0.0]])]
     # The ellipsoid of the second moments knows size, centre and radius of the patch.
-    A = EllipsoidPatch().reservoir(EllipsoidPatch().start(pairs))
-    extents = A.support(np.eye(3))
     upright = EllipsoidPatch().start(pairs)
+    extents = EllipsoidPatch().reservoir(upright).support(np.eye(3))
     C = _square(upright)
     centre = np.array([C[2, 1] / C[1, 1], -C[2, 0] / C[0, 0]])
     load = float(np.sqrt(extents[0] * extents[1]))

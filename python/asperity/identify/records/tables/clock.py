@@ -20,8 +20,11 @@ _CLOCK = re.compile(
 # Durations as MATLAB writes them.
 _LASTING = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?) (?P<unit>sec|min|hr)")
 _LASTS = {"sec": 1.0, "min": 60.0, "hr": 3600.0}
-_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_GERMAN = {"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12}
+_MONTHS = {
+    **{"jan": 1, "feb": 2, "mar": 3, "apr": 4, "may": 5, "jun": 6},
+    **{"jul": 7, "aug": 8, "sep": 9, "oct": 10, "nov": 11, "dec": 12},
+    **{"mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12},
+}
 
 
 def seconds(text: str) -> float:
@@ -58,7 +61,7 @@ def _day(date: str) -> float:
     texts = [one for one in re.split(r"[-./]", date) if one]
     named = texts[1][0].isalpha()
     if named:
-        texts[1] = str(_month(texts[1].lower()[:3]))
+        texts[1] = str(_MONTHS.get(texts[1].lower()[:3], 0))
     parts = [int(one) for one in texts]
     if parts[0] > 31:
         year, month, day = parts
@@ -70,11 +73,6 @@ def _day(date: str) -> float:
         return float(datetime.date(year, month, day).toordinal() - _EPOCH)
     except ValueError:
         return math.nan
-
-
-def _month(name: str) -> int:
-    """Return the number of a month, 0 if there is none of that name."""
-    return _MONTHS.index(name) + 1 if name in _MONTHS else _GERMAN.get(name, 0)
 
 
 _BEGIN = datetime.datetime(1970, 1, 1)

@@ -133,10 +133,12 @@ def _looked_at(path: Path) -> tuple[str, list[str], list[str]]:
             return encoding, _table_lines(lines)[:_LINES], []
         size = file.seek(0, io.SEEK_END)
         later: list[str] = []
+        # Only the start of a file has a mark.
+        unmarked = {"utf-8-sig": "utf-8", "utf-16": "utf-16-le"}.get(encoding, encoding)
         for at in (size // 2, size - _LATER):
             # Characters of two bytes begin at even places.
             file.seek(max(at - at % 2, 0))
-            part = file.read(_LATER).decode(_plain(encoding), "ignore").splitlines()
+            part = file.read(_LATER).decode(unmarked, "ignore").splitlines()
             later += part[1:-1]
     # The last line may be cut.
     return encoding, _table_lines(lines[:-1])[:_LINES], later
@@ -149,11 +151,6 @@ def _table_lines(lines: list[str]) -> list[str]:
         return lines
     head = names + 1
     return lines[:head] + [line.strip("\n") for line in labview.Parts(lines[head:], lines[:head])]
-
-
-def _plain(encoding: str) -> str:
-    """Return an encoding without the mark at the start of a file."""
-    return {"utf-8-sig": "utf-8", "utf-16": "utf-16-le"}.get(encoding, encoding)
 
 
 def _parts_groups(rows: Sequence[Sequence[Any]], mark: str) -> bool:
