@@ -255,6 +255,11 @@ def test_islands_remain_islands():
         ),
         ({"bilateral": np.eye(3)[:, :1]}, "directions", "bilateral rows hold row 0"),
         ({"directions": np.diag([1.0, 0.0, 1.0])}, "directions", "row 1 moves nothing"),
+        (
+            {"directions": np.diag([1.0, 0.0, 1.0]), "bilateral": None},
+            "directions",
+            "row 1 moves nothing",
+        ),
         ({"bilateral": [[np.nan], [0.0], [1.0]]}, "bilateral", "finite"),
     ],
 )

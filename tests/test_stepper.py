@@ -396,10 +396,10 @@ def test_no_items_are_solved():
 @pytest.mark.parametrize(
     ("changes", "argument", "message"),
     [
-        ({"items": [9]}, "items", "item 0"),
-        ({"items": [-7]}, "items", "item 0"),
+        ({"items": [9]}, "items", "item 0 names neither one of"),
+        ({"items": [-7]}, "items", "item 0 names neither one of"),
         ({"items": [0.5]}, "items", "integers"),
-        ({"items": [0, FREE]}, "free_velocity", "4"),
+        ({"items": [0, FREE]}, "free_velocity", "each of the 4 rows of items, has 3"),
         ({"keys": [1, 2]}, "keys", "1"),
         ({"items": [FREE] * 3, "keys": [4, 5, 4]}, "keys", "items 0 and 2"),
         ({"free_velocity": [np.nan, 0.0, 0.0]}, "free_velocity", "finite"),
@@ -407,7 +407,7 @@ def test_no_items_are_solved():
         ({"delassus": np.eye(3) + np.eye(3, k=1), "items": [JOINT] * 3}, "delassus", "symmetric"),
         ({"delassus": np.eye(3)[:2]}, "delassus", r"entries, 3, got shape \(2, 3\)"),
         ({"delassus": np.eye(2)}, "delassus", r"entries, 3, got shape \(2, 2\)"),
-        ({"items": [DRY] * 3}, "bounds", "item 0"),
+        ({"items": [DRY] * 3}, "bounds", "must be given, item 0 is DRY_FRICTION"),
         ({"items": [DRY] * 3, "bounds": [1.0]}, "bounds", "one entry per item"),
     ],
 )
