@@ -323,6 +323,11 @@ def test_held_rows_are_those_of_the_stepper(count):
         ),
         ({"bilateral": np.eye(3)[:, :1]}, "directions", "must move contact 0, nothing does"),
         ({"directions": np.diag([0.0, 1.0, 1.0])}, "directions", "must move contact 0"),
+        (
+            {"directions": np.diag([1.0, 0.0, 1.0]), "bilateral": None},
+            "directions",
+            "row 1 moves nothing",
+        ),
         ({"bilateral": [[np.nan], [0.0], [1.0]]}, "bilateral", "finite"),
     ],
 )

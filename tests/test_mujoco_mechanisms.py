@@ -1,5 +1,8 @@
 """Joints, limits, loops and dry joints of MuJoCo models, held rigidly."""
 
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
 import asperity as asp
 import mujoco
 import numpy as np
@@ -366,6 +369,8 @@ def test_equalities_that_are_switched_on_far_from_where_they_hold_are_refused():
     scene.step(data)
 
 
+TABLE = """<worldbody><body name="table" mocap="true"><geom type="plane" size="1 1 .1"/></body>
+<body pos="0 0 .05"><freejoint/><geom type="box" size=".1 .1 .05"/></body></worldbody>"""
 HAND = """<worldbody><body name="hand" mocap="true"/><body name="tool" pos=".2 0 0"><freejoint/>
 <geom type="box" size=".05 .02 .03" mass="2"/></body></worldbody>
 <equality><weld body1="hand" body2="tool"/></equality>"""
@@ -476,6 +481,52 @@ def test_hands_that_are_placed_elsewhere_give_no_velocity():
     data.mocap_pos[0, 0] = np.nan
     with pytest.raises(asp.ParameterError, match="finite mocap_pos"):
         scene.step(data)
+
+
+def test_a_reset_puts_hands_back_without_a_velocity():
+    """Also where nothing else has moved, and past what is between."""
+    model = model_of(
+        '<worldbody><body mocap="true" pos="-.2 0 0"><geom size=".05"/></body><body>'
+        '<joint type="slide" axis="1 0 0"/><geom size=".05"/></body></worldbody>'
+    )
+    data, scene = mujoco.MjData(model), Scene(model)
+    data.mocap_pos[0, 0] = 0.3
+    scene.step(data)
+    mujoco.mj_resetData(model, data)
+    scene.step(data)
+    assert not data.qpos.any()
+    assert not data.qvel.any()
+
+
+def test_data_that_take_turns_move_as_each_alone():
+    """A table that moves under a box, in two states that one scene steps."""
+    model = model_of(TABLE)
+    scene, alone = Scene(model), Scene(model)
+    data = [mujoco.MjData(model) for _ in range(3)]
+    for k in range(100):
+        for one in data:
+            one.mocap_pos[0, 0] += 2e-6 * k
+        for one in data[:2]:
+            scene.step(one)
+        alone.step(data[2])
+    assert data[2].qvel[0] > 0.1
+    for one in data[:2]:
+        np.testing.assert_allclose(one.qpos, data[2].qpos, rtol=0.0, atol=1e-9)
+
+
+def test_threads_wait_for_a_scene():
+    model = model_of(TABLE)
+
+    def end(scene, speed):
+        data = mujoco.MjData(model)
+        data.qvel[0] = speed
+        return scene.simulate(data, t_end=0.1).qpos[-1]
+
+    speeds, scene = (0.1, 0.5, 1.0), Scene(model)
+    with ThreadPoolExecutor(3) as pool:
+        ends = list(pool.map(partial(end, scene), speeds))
+    expected = [end(Scene(model), speed) for speed in speeds]
+    np.testing.assert_allclose(ends, expected, rtol=0.0, atol=1e-9)
 
 
 def test_a_hand_out_of_reach_is_named_and_leaves_the_state():

@@ -388,6 +388,23 @@ def test_forces_are_where_mujoco_has_them(cone):
     assert data.time == pytest.approx(0.003)
 
 
+def test_accelerations_of_sensors_are_those_of_their_step():
+    """A box that falls and then rests."""
+    names = ("accelerometer", "force")
+    model = box(
+        height=0.006,
+        geom='/><site name="s"',
+        more="<sensor>" + "".join(f'<{name} site="s"/>' for name in names) + "</sensor>",
+    )
+    data, scene = mujoco.MjData(model), Scene(model)
+    for rests, steps in ((False, 3), (True, 100)):
+        for _ in range(steps):
+            scene.step(data)
+        upwards = data.sensordata.reshape(2, 3)
+        np.testing.assert_allclose(upwards[0], [0.0, 0.0, GRAVITY * rests], atol=1e-6)
+        np.testing.assert_allclose(upwards[1], 0.0, atol=1e-6)
+
+
 def test_contacts_that_are_near_and_open_have_no_force():
     model = box(option='cone="pyramidal"', height=0.00500001)
     data, scene = mujoco.MjData(model), Scene(model)
@@ -676,7 +693,7 @@ def test_forces_that_are_not_finite_end_by_name_and_leave_the_state():
 
 FLOOR_AND_BASE = (
     '<geom name="floor" type="plane" size="1 1 .1"/><body name="base"/>'
-    '<body><freejoint/><geom name="box" size=".1"/></body>'
+    '<body name="ball"><freejoint/><geom name="box" size=".1"/></body>'
 )
 
 
@@ -699,6 +716,10 @@ FLOOR_AND_BASE = (
             "name the pairs of a friction_factor",
         ),
         ({("box", "box"): HALF_LOAD}, r"\('box', 'box'\), which MuJoCo never lets touch"),
+        (
+            {("ball", "floor"): HALF_LOAD, ("box", "world"): HALF_LOAD},
+            r"\('ball', 'floor'\) and \('box', 'world'\), both for 'box' and 'floor'",
+        ),
     ],
 )
 def test_laws_are_checked(laws, message):

@@ -92,6 +92,13 @@ def check_mass(mass: CompressedRows) -> None:
         raise ParameterError("mass", f"must be symmetric, it is off by {skew:.3g}")
 
 
+def check_directions(directions: CompressedRows) -> None:
+    """Refuse columns that move nothing."""
+    idle = np.flatnonzero(abs(directions.tocsr()).sum(axis=0) == 0.0)
+    if idle.size:
+        raise ParameterError("directions", f"must move in every row, row {idle[0]} moves nothing")
+
+
 def assembled(mass: csr_array, directions: csr_array) -> csr_array:
     """Return G = Wᵀ M⁻¹ W."""
     product = directions.T @ (inverse(mass) @ directions)

@@ -151,6 +151,8 @@ class ContactProblem(Value):
             if error.argument == "mass":
                 # Which of its properties it lacks takes longer to find than to refuse it.
                 operator.check_mass(self._parameters["mass"])
+            if error.argument == "delassus" and self._parameters["directions"] is not None:
+                operator.check_directions(self._parameters["directions"])
             raise
         self._keep(_core=core)
 

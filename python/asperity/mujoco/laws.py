@@ -125,7 +125,8 @@ class PairLaws:
                 raise ParameterError("laws", f"have {key!r} and the reverse: give one of them")
             named.append((sum(name in rows.names for name in key), key, pair))
         # Pairs of geoms come after those of bodies and win.
-        for _, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
+        named_by: dict[tuple[int, int], tuple[int, tuple[str, str]]] = {}
+        for rank, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
             made = self._made(pair, first)
             reverse = made
             if made.axes is not None:
@@ -136,6 +137,13 @@ class PairLaws:
             rows.raise_condim(ones | others, 1 + pair.law.dimension)
             for a in ones:
                 for b in others:
+                    same, key = named_by.get((a, b), (-1, None))
+                    if same == rank and key != (first, second):
+                        names = f"{rows.names[a]!r} and {rows.names[b]!r}"
+                        raise ParameterError(
+                            "laws", f"have {key!r} and {(first, second)!r}, both for {names}"
+                        )
+                    named_by[a, b] = named_by[b, a] = rank, (first, second)
                     self._pairs[b, a] = reverse
                     self._pairs[a, b] = made
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Sequence
+from functools import wraps
+from threading import RLock
+from typing import TYPE_CHECKING, Any, Concatenate, Literal, NamedTuple, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +41,31 @@ _CRUSHED = Status.NO_SOLUTION, Status.UNBOUNDED
 _QUIET = 100
 
 
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
+
+
+def _alone(
+    method: Callable[Concatenate[Scene, _Given], _Found],
+) -> Callable[Concatenate[Scene, _Given], _Found]:
+    """Have other threads wait: a scene has buffers, and remembers the last step."""
+
+    @wraps(method)
+    def locked(scene: Scene, /, *given: _Given.args, **named: _Given.kwargs) -> _Found:
+        with scene._lock:
+            return method(scene, *given, **named)
+
+    return locked
+
+
+class _Left(NamedTuple):
+    """The end of a step: time and state, where mocap bodies were, and whether they had moved."""
+
+    state: tuple[float, bytes]
+    places: Places | None
+    moved: bool
+
+
 class Scene:
     """A MuJoCo model whose contacts, limits and joints are rigid, with set-valued friction.
 
@@ -65,8 +93,9 @@ class Scene:
     (``efc_force``, ``qacc``, ``cfrc_ext`` by ``mj_rnePostConstraint``, sensors) are those of its
     midpoint. Contacts nearby are listed, too.
 
-    Copies, by pickle too, do not remember the steps before: they begin as a scene does with other
-    data, with mocap bodies at rest. Those of a subclass are of it, with its attributes.
+    A scene may step several data in turns; threads wait for each other. Copies, by pickle too, do
+    not remember the steps before: they begin as a scene does with new data, with mocap bodies at
+    rest. Those of a subclass are of it, with its attributes.
 
     Args:
         model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
@@ -144,13 +173,11 @@ class Scene:
         self._least_detection = 1e-4 * self._extent
         rows.widen(self._least_detection)
         self._quiet = 0
-        # The state at the end of the last step, as bytes.
-        self._left = b""
+        self._lock = RLock()
+        # How the last step of each data left it.
+        self._left: WeakKeyDictionary[mujoco.MjData, _Left] = WeakKeyDictionary()
         # The least velocity that equalities allow.
         self._still = np.zeros(rows.model.nv)
-        # Where mocap bodies were then, and whether they had moved.
-        self._places: Places | None = None
-        self._moved = False
         # Whose step was the last one, and what it solved, if anything.
         self._owner: mujoco.MjData | None = None
         self._last: tuple[_core.TreeStep, StepSolution, Array, Array] | None = None
@@ -180,6 +207,7 @@ class Scene:
         of, name = self._model, type(self).__name__
         return f"<{name}: {of.ngeom} geoms, {of.nv} velocities, dt {self._dt:g} s>"
 
+    @_alone
     def step(self, data: mujoco.MjData) -> SceneStep:
         """Take one step.
 
@@ -194,6 +222,7 @@ class Scene:
         is_new = self._is_new(data)
         if is_new:
             self._rows.check(data)
+        if is_new or self._owner is not data:
             self._reader.stepper.forget()
         q, v = before = data.qpos.copy(), data.qvel.copy()
         try:
@@ -221,9 +250,8 @@ class Scene:
             data.qvel[:] = self._projector.level(after)
         if self._has_energy:
             data.energy[:] = self._projector.energy(data.qvel)
-        self._left, self._moved = self._state(data), self._reader.guidance is not None
-        if self._model.nmocap:
-            self._places = Places.of(self._mj, data)
+        places = Places.of(self._mj, data) if self._model.nmocap else None
+        self._left[data] = _Left(self._state(data), places, guided)
         self._quiet += 1
         if self._quiet > _QUIET and self._rows.detection > self._least_detection:
             self._quiet = 0
@@ -270,6 +298,7 @@ class Scene:
                 samples[k] = value
         return SceneRun(t, kept, residual, violation)
 
+    @_alone
     def problem(self, data: mujoco.MjData) -> SceneProblem:
         """Return the rows of the step from here, without taking it.
 
@@ -293,6 +322,7 @@ class Scene:
             names=tuple(self._name(trial, Layout(*layout), near, k) for k in range(len(kinds))),
         )
 
+    @_alone
     def contacts(self, data: mujoco.MjData) -> list[SceneContact]:
         """Return the contacts that took part in the last step, closed or about to close.
 
@@ -302,7 +332,7 @@ class Scene:
         Raises:
             ParameterError: if it is not.
         """
-        if self._is_new(data):
+        if self._owner is not data or self._is_new(data):
             raise ParameterError("data", "must be as the scene's last step left it")
         if self._last is None:
             return []
@@ -331,6 +361,7 @@ class Scene:
             )
         return contacts
 
+    @_alone
     def project(self, data: mujoco.MjData) -> Projection:
         """Move a state, by as little as possible in M, to where gaps, limits and equalities hold.
 
@@ -338,7 +369,7 @@ class Scene:
             NoSolutionError: if they cannot, to 1e-6 of the model's extent.
         """
         self._rows.check(data)
-        self._left = b""
+        self._left.pop(data, None)
         ahead = self._projector
         ahead.place(data)
         violations = ahead.violations(_EXACT * self._extent)
@@ -371,17 +402,18 @@ class Scene:
         """Have mocap bodies move to where they are now; return v with that of equalities."""
         self._reader.guidance = self._projector.reader.guidance = None
         self._still = np.zeros_like(v)
-        if is_new or self._places is None:
+        left = None if is_new else self._left[data]
+        if left is None or left.places is None:
             return v
         places = Places.of(self._mj, data)
-        moves = any((a != b).any() for a, b in zip(places, self._places, strict=True))
-        if not (moves or self._moved):
+        moves = any((a != b).any() for a, b in zip(places, left.places, strict=True))
+        if not (moves or left.moved):
             return v
         ahead = self._projector
         ahead.place(data)
         if moves:
             rates = ahead.rates(self._dt)
-            guidance = Guidance.between(self._mj, self._places, places, self._dt, rates)
+            guidance = Guidance.between(self._mj, left.places, places, self._dt, rates)
             ahead.guide(guidance)
             self._reader.guidance = guidance
         if not ahead.data.ne:
@@ -401,11 +433,14 @@ class Scene:
         raise NoSolutionError(f"{why}, at {data.time:g} s: {_listed(left)} are left")
 
     def _is_new(self, data: mujoco.MjData) -> bool:
-        return self._owner is None or self._owner is not data or self._left != self._state(data)
+        arrays.of_kind(data, "data", self._mj.MjData, "a mujoco.MjData")
+        left = self._left.get(data)
+        return left is None or left.state != self._state(data)
 
-    def _state(self, data: mujoco.MjData) -> bytes:
+    def _state(self, data: mujoco.MjData) -> tuple[float, bytes]:
         state = data.qpos.tobytes() + data.qvel.tobytes()
-        return state + data.eq_active.tobytes() if self._model.neq else state
+        # A reset may leave all but the time.
+        return data.time, state + data.eq_active.tobytes() if self._model.neq else state
 
     def _advance(
         self, data: mujoco.MjData, q: Array, v: Array, start: Array
@@ -554,6 +589,8 @@ class Scene:
         else:
             data.efc_force[:] = 0.0 if solution is None else found.forces
         mj.mj_fwdVelocity(m, data)
+        # Or sensors would read the accelerations of an earlier step.
+        data.flg_rnepost = False
         if m.nsensor:
             for sense in (mj.mj_sensorPos, mj.mj_sensorVel, mj.mj_sensorAcc):
                 sense(self._rows.user, data)

@@ -99,7 +99,11 @@ impl Stepper {
             items.push(match kind {
                 FRICTIONLESS => Rows::Frictionless,
                 BILATERAL => Rows::Bilateral,
-                DRY_FRICTION => Rows::DryFriction(bounds.map_or(f64::NAN, |bounds| bounds[item])),
+                DRY_FRICTION => {
+                    let message = format!("must be given, item {item} is DRY_FRICTION");
+                    let given = bounds.ok_or_else(|| parameter("bounds", &message))?;
+                    Rows::DryFriction(given[item])
+                }
                 law => Rows::Contact(usize::try_from(law).unwrap_or(usize::MAX)),
             });
         }

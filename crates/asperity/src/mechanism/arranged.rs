@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::trees::TreeRows;
-use super::{DRIFT, ROUNDED, refuse_item};
-use crate::argument::{ArgumentError, length, not_negative, refuse};
+use super::{DRIFT, ROUNDED};
+use crate::argument::{ArgumentError, Fault, length, not_negative, refuse};
 use crate::contact::{BlockMatrix, Csr, LARGEST};
 use crate::law::Law;
 
@@ -93,10 +93,18 @@ impl Arranged {
             self.firsts.push(first);
             first += match kind.count(laws) {
                 Some(size) => size,
-                None => return refuse_item(item, "must have the number of a law that there is"),
+                None => {
+                    let laws = laws.len();
+                    let message = format!("item {item} names neither one of {laws} laws nor a row");
+                    return refuse("items", message);
+                }
             };
         }
-        length("free_velocity", first, all)?;
+        if first != all {
+            let message =
+                format!("must have an entry for each of the {first} rows of items, has {all}");
+            return Err(ArgumentError { argument: "free_velocity", message, fault: Fault::Size });
+        }
         rows.factors.map_or(Ok(()), |factors| length("factors", count, factors.len()))?;
         check_size("free_velocity", rows.free_velocity)?;
         self.order.clear();

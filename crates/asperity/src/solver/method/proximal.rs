@@ -135,6 +135,13 @@ impl ProximalPoint {
             }
             incumbent.begin_anew();
             self.new_start(incumbent, start > 0);
+            // Where percussions hardly matter, steps around the last ones only creep.
+            let counted = self.newton.factorizations;
+            self.newton_alone(incumbent, matrix, 1.0, (INNER, PATIENCE));
+            self.newton.factorizations = counted;
+            if incumbent.is_over() {
+                break;
+            }
             (schedule, grade) = (Schedule { turn: start, ..Schedule::new(1.0) }, 1.0);
         }
         incumbent.record(Method::ProximalPoint, steps, self.newton.factorizations - before);
@@ -211,6 +218,17 @@ impl ProximalPoint {
         if !incumbent.has_left(NEARER) {
             self.centre.copy_from_slice(incumbent.task.start);
         }
+        self.newton_alone(incumbent, matrix, grade, (max_iterations, patience))
+    }
+
+    /// The same from the centre, whose natural map is `grade`.
+    fn newton_alone(
+        &mut self,
+        incumbent: &mut Incumbent<'_>,
+        matrix: &mut NewtonMatrix,
+        grade: f64,
+        (max_iterations, patience): (usize, usize),
+    ) -> bool {
         self.newton.scale_rho(incumbent.task.problem, 1.0);
         let goal = self.inner_goal(incumbent, grade, 0.0, max_iterations);
         let promising = PROMISING * incumbent.task.stop.tolerance * incumbent.scale(&self.centre);
