@@ -1,18 +1,18 @@
 #!/bin/sh
 # Where two meet: MuJoCo's model files (MJCF) and Brax 0.14.2
 #
-# Brax reads MJCF with MuJoCo and refuses much of it with NotImplementedError: elliptic cones, impratio,
-# priorities, wind. Dry friction of a joint (frictionloss) it neither refuses nor uses: an arm that turns
-# about a hinge and has 2 rad/s is stopped by 5 N m in 0.11 s in MuJoCo and turns on as without it in the
-# pipelines generalized, spring and positional. The joint's damping is used by generalized only: the
-# other two have the same speed, to the last bit, with damping="2" and "0".
+# Brax's validate_model, "compatible with brax physics pipelines", refuses elliptic cones, impratio, wind
+# and more with NotImplementedError. Dry friction of a joint (frictionloss) passes, and none of the
+# pipelines generalized, spring and positional uses it: an arm on a hinge that 5 N m brake from 2 to 0.09
+# rad/s within 0.1 s in MuJoCo turns on as without them. The joint's damping is used by generalized
+# only: the other two have the same speed, to the last bit, with damping="2" and "0".
 set -eu
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 python3 -m venv "$dir/venv"
 "$dir/venv/bin/pip" install -q --disable-pip-version-check brax==0.14.2 mujoco==4.0.0 \
     mujoco-mjx==3.17.0 jax==0.10.2 numpy==2.4.6
-JAX_PLATFORMS=cpu "$dir/venv/bin/python" -W ignore - <<'PY' 2> /dev/null
+JAX_PLATFORMS=cpu "$dir/venv/bin/python" -W ignore - <<'PY'
 import importlib
 
 import jax
@@ -30,6 +30,12 @@ def text(damping, dry, cone="pyramidal"):
     )
 
 
+compiled = {}
+for name in ("generalized", "spring", "positional"):
+    pipeline = importlib.import_module(f"brax.{name}.pipeline")
+    compiled[name] = jax.jit(pipeline.init), jax.jit(pipeline.step)
+
+
 def speed(name, damping, dry):
     """Speed in rad/s after 0.1 s from 2 rad/s."""
     if name == "mujoco":
@@ -38,8 +44,10 @@ def speed(name, damping, dry):
         data.qvel[0] = 2.0
         mujoco.mj_step(model, data, 100)
         return float(data.qvel[0])
-    pipeline, model = importlib.import_module(f"brax.{name}.pipeline"), mjcf.loads(text(damping, dry))
-    state, step = pipeline.init(model, jnp.zeros(1), jnp.array([2.0])), jax.jit(pipeline.step)
+    # Without the MuJoCo model the pipeline is compiled once for all numbers.
+    model = mjcf.loads(text(damping, dry)).replace(mj_model=None)
+    init, step = compiled[name]
+    state = init(model, jnp.zeros(1), jnp.array([2.0]))
     for _ in range(100):
         state = step(model, state, jnp.zeros(0))
     return float(state.qd[0])
@@ -56,10 +64,11 @@ for name, dry_counts, damping_counts in (
     for value, counts in ((dry, dry_counts), (damped, damping_counts)):
         if (value != free) != counts or (counts and value > free - 0.5):
             raise SystemExit("changed")
+mjcf.validate_model(mujoco.MjModel.from_xml_string(text(2, 5)))
 try:
-    mjcf.loads(text(0, 0, cone="elliptic"))
+    mjcf.validate_model(mujoco.MjModel.from_xml_string(text(0, 0, cone="elliptic")))
 except NotImplementedError as error:
     print(f"cone=elliptic: {error}")
 else:
-    raise SystemExit("changed: elliptic cones are read")
+    raise SystemExit("changed: elliptic cones pass")
 PY
