@@ -13,11 +13,10 @@ trap 'rm -rf "$dir"' EXIT
 python3 -m venv "$dir/venv"
 "$dir/venv/bin/pip" install -q --disable-pip-version-check numpy==2.4.6 scipy==1.17.1
 cd "$dir"
-# ccx and the libraries that it needs, unpacked here.
-kind=--no-recommends\ --no-suggests\ --no-conflicts\ --no-breaks\ --no-replaces\ --no-enhances
-# shellcheck disable=SC2086
-apt-cache depends --recurse $kind calculix-ccx | grep '^[a-z]' | grep -Ev ':|^(libc6|libcrypt1|debconf|dpkg|perl.*|calculix-ccx)$' |
-    sort -u > needed
+# ccx and the libraries that it needs, unpacked here. apt must have its lists: apt-get update.
+apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces \
+    --no-enhances calculix-ccx | grep '^[a-z]' | sort -u |
+    grep -Ev ':|^(libc6|libcrypt1|debconf|dpkg|perl.*|calculix-ccx)$' > needed
 # shellcheck disable=SC2046
 apt-get -qq -o APT::Sandbox::User=root download calculix-ccx=2.20-1 $(cat needed)
 for file in *.deb; do dpkg -x "$file" root; done
