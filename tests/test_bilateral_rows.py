@@ -273,7 +273,7 @@ def test_held_tangential_rows_are_let_be(angle, column):
     assert rest.phase.tolist() == [Phase.STICK]
 
 
-@pytest.mark.parametrize("rail", [1e3 / 3.0, 1e6 / 3.0, 1e6 / 7.0])
+@pytest.mark.parametrize("rail", [1e6 / 3.0, 1e6 / 7.0])
 def test_held_rows_do_not_rub_by_rounding(rail):
     """A foot rests on a rail that takes away a velocity across it, far larger than its own."""
     foot = ContactProblem.from_bodies(
