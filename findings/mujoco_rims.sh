@@ -3,10 +3,10 @@
 #
 # A rod lies along a radius over the rim of a disk, tilted by 4 degrees and 0.1 mm too low. MuJoCo makes
 # several contacts of edges that nearly lie on each other (multiccd, on unless a model disables it), and
-# takes the rim as a polygon of 16 corners for them: with the disk turned by 0, 3, 7 and 11.25 degrees
-# all of its contacts are 0.100 and 0.038 mm deep, and 0.015 and 0.034 mm apart, as a polygon is
-# r (1 - cos(pi/16)) sin 4 degrees = 0.134 mm farther away at the middle of a side. With multiccd
-# disabled, and by mj_geomDistance, it is 0.0998 mm in all four.
+# takes the rim as a polygon of 16 corners for them: with the disk turned by 0 and 3 degrees its deepest
+# contact is 0.100 and 0.038 mm deep, by 7 and 11.25 degrees even that is 0.015 and 0.034 mm apart, as a
+# polygon is r (1 - cos(pi/16)) sin 4 degrees = 0.134 mm farther away at the middle of a side. With
+# multiccd disabled, and by mj_geomDistance, it is 0.0998 mm deep in all four.
 #
 # What holds gaps at zero lets the rod into the disk, in and out again as the disk turns.
 set -eu

@@ -273,6 +273,23 @@ def test_held_tangential_rows_are_let_be(angle, column):
     assert rest.phase.tolist() == [Phase.STICK]
 
 
+@pytest.mark.parametrize("rail", [1e6 / 3.0, 1e6 / 7.0])
+def test_held_rows_do_not_rub_by_rounding(rail):
+    """A foot rests on a rail that takes away a velocity across it, far larger than its own."""
+    foot = ContactProblem.from_bodies(
+        np.diag([1.0, 2.0, 3.0]),
+        directions=np.diag([1.0, 1.0, 1.7]),
+        free_velocity=[-1.0, 0.2, 1.7 * rail],
+        laws=FrictionLaw.isotropic(0.5),
+        bilateral=np.array([[0.0], [0.0], [1.0 / 3.0]]),
+        bilateral_velocity=[rail / 3.0],
+    )
+    assert foot.free_velocity.tolist() == [-1.0, 0.2, 0.0]
+    found = foot.solve()
+    assert found.phase.tolist() == [Phase.STICK]
+    np.testing.assert_allclose(found.percussion, [1.0, -0.4, 0.0], atol=1e-12)
+
+
 @counts(20, 1000)
 def test_held_rows_are_those_of_the_stepper(count):
     """Feet of bodies in a plane, with laws across it, against the stepper's own treatment."""

@@ -727,6 +727,19 @@ def test_laws_are_checked(laws, message):
         Scene(model_of(FLOOR_AND_BASE), laws)
 
 
+def test_the_pair_of_geoms_decides_between_pairs_of_bodies():
+    """Also between those that would leave open which of them holds, in any order."""
+    others = asp.FrictionLaw.isotropic(0.1)
+    laws = {("ball", "floor"): others, ("box", "floor"): HALF_LOAD, ("box", "world"): others}
+    model = model_of(FLOOR_AND_BASE)
+    for order in itertools.permutations(laws):
+        data = mujoco.MjData(model)
+        data.qpos[2], data.qvel[0] = 0.1, 1.0
+        Scene(model, {key: laws[key] for key in order}).step(data)
+        slowed = 0.5 * GRAVITY * model.opt.timestep
+        assert 1.0 - data.qvel[0] == pytest.approx(slowed, rel=1e-6), order
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

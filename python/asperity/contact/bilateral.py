@@ -125,7 +125,10 @@ def eliminated(
     free = free - span.T @ (span @ free)
     product = free.T @ free
     delassus = sparse(0.5 * (product + product.T), "directions", (None, None))
-    free_velocity = free_velocity - coupling.T @ load
+    taken = coupling.T @ load
+    # What is left where both are the same is rounding of either.
+    rounding = _ROUNDED * max(abs(free_velocity).max(), abs(taken).max())
+    free_velocity = free_velocity - taken
     dead = delassus.diagonal() <= _ROUNDED * whole
     if dead.any():
         lent = np.zeros(len(dead))
@@ -137,8 +140,7 @@ def eliminated(
             before = np.where(whole[rows] > 0.0, whole[rows], whole[rows].max())
             lent[rows] = np.where(dead[rows], _LENT * before, 0.0)
         delassus = sparse(delassus + diags_array(lent), "directions", (None, None))
-        is_rounding = dead & (abs(free_velocity) <= _ROUNDED * abs(free_velocity).max())
-        free_velocity = np.where(is_rounding, 0.0, free_velocity)
+        free_velocity = np.where(dead & (abs(free_velocity) <= rounding), 0.0, free_velocity)
     return Joints(delassus, free_velocity, basis, coupling, load)
 
 

@@ -94,7 +94,7 @@ def proves_no_solution(problem: ContactProblem, proof: Infeasibility) -> bool:
     each case has its z. Up to rounding of 8 ε Σ sᵢ|zᵢ| in scaled rows, z·ξ ≤ 0 holds at the ends
     of sectors and (Gᵀz)·P ≥ 0 for the friction where tangents of C, 32 in half a turn, meet; a
     remainder η bounds percussions and velocities of any solution from below, which must be 5e9
-    times the largest |b|/s. It is checked for p = 1 and, with convex C, p = 2.
+    times the largest |b|/s. It is checked for p ≤ 1 and, with convex C, p = 2.
 
     Args:
         problem: with any laws.

@@ -124,9 +124,9 @@ class PairLaws:
             if key[0] != key[1] and key[::-1] in given:
                 raise ParameterError("laws", f"have {key!r} and the reverse: give one of them")
             named.append((sum(name in rows.names for name in key), key, pair))
-        # Pairs of geoms come after those of bodies and win.
+        # Pairs of geoms come before those of bodies and win.
         named_by: dict[tuple[int, int], tuple[int, tuple[str, str]]] = {}
-        for rank, (first, second), pair in sorted(named, key=lambda entry: entry[0]):
+        for rank, (first, second), pair in sorted(named, key=lambda entry: -entry[0]):
             made = self._made(pair, first)
             reverse = made
             if made.axes is not None:
@@ -137,11 +137,15 @@ class PairLaws:
             rows.raise_condim(ones | others, 1 + pair.law.dimension)
             for a in ones:
                 for b in others:
-                    same, key = named_by.get((a, b), (-1, None))
-                    if same == rank and key != (first, second):
+                    by, key = named_by.get((a, b), (rank, (first, second)))
+                    if by > rank:
+                        continue
+                    if key != (first, second):
                         names = f"{rows.names[a]!r} and {rows.names[b]!r}"
                         raise ParameterError(
-                            "laws", f"have {key!r} and {(first, second)!r}, both for {names}"
+                            "laws",
+                            f"have {key!r} and {(first, second)!r}, both for {names}: give one of "
+                            "them, or the pair of geoms",
                         )
                     named_by[a, b] = named_by[b, a] = rank, (first, second)
                     self._pairs[b, a] = reverse

@@ -93,9 +93,9 @@ class Scene:
     (``efc_force``, ``qacc``, ``cfrc_ext`` by ``mj_rnePostConstraint``, sensors) are those of its
     midpoint. Contacts nearby are listed, too.
 
-    A scene may step several data in turns; threads wait for each other. Copies, by pickle too, do
+    A scene may step several data in turn; threads wait for each other. Copies, by pickle too, do
     not remember the steps before: they begin as a scene does with new data, with mocap bodies at
-    rest. Those of a subclass are of it, with its attributes.
+    rest. A copy is of the same class and keeps the attributes that a subclass adds.
 
     Args:
         model: a ``mujoco.MjModel``. The scene works on a copy: later changes have no effect.
