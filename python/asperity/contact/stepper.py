@@ -129,8 +129,8 @@ class ContactStepper:
 
     Percussions and phases start from those that the item with the same key had in the step before.
     Items are solved in the order of their keys: the result does not depend on the order in which
-    they are listed, to the bit, also where percussions are not unique: contacts of one body that
-    slide in different directions share its load as if of equal compliance. Bilateral rows may
+    they are listed, to the bit, also where percussions are not unique: up to 64 contacts that
+    slide in different directions share their load as if of equal compliance. Bilateral rows may
     repeat each other, as in loops: their percussions have the least Σ G_ii P_i² among all that
     leave the least velocities. They may not contradict each other by more than 1e-6 of the
     velocities that they take out. Where the bodies of a contact cannot move in some of its rows, as

@@ -13,7 +13,7 @@
 
 use super::measure::stop::Stop;
 use super::report::SolveReport;
-use super::settings::Solver;
+use super::settings::{Solver, Steps};
 use super::solve::{Workspace, grade};
 use crate::contact::{
     BlockMatrix, ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
@@ -39,10 +39,12 @@ pub(crate) const LIGHT: f64 = 1e-10;
 const SAME: f64 = 1e-9;
 /// Most contacts of an island whose shares are looked for: its equations are dense.
 const MOST_CONTACTS: usize = 64;
-/// Compliance over the mean normal mobility that is as good as ε → 0 for which contacts carry load.
+/// Compliance over the mean normal mobility at which contacts carry load as for ε → 0.
 const STIFF: f64 = 1e-6;
-/// How often contacts exchange load at most, besides once for each of them.
-const MORE_EXCHANGES: usize = 4;
+/// How often contacts exchange load at most from where the solver ended; from stiff springs, besides once for each of them.
+const EXCHANGES: usize = 4;
+/// Outer steps of the proximal point iteration, which takes hundreds where it does not end soon: other starts lead on.
+const OUTER: usize = 30;
 /// Residual that counts as solved; what it is in the whole is looked at afterwards.
 const ROUNDED: f64 = 1e-9;
 /// Newton iterations that make what is found as accurate as rounding allows, so that it does not depend on the start.
@@ -276,16 +278,16 @@ impl Equations {
             !own.unilateral || force > 0.0 || xi <= may_carry
         }));
         let at_rest = f64::max(AT_REST * speed, rounding);
-        if self.exchange(feet, stop, at_rest).is_none() {
+        if self.exchange(feet, stop, at_rest, EXCHANGES).is_none() {
             self.take(feet, history, memory);
             self.load_springs(feet, stop)?;
-            self.exchange(feet, stop, at_rest)?;
+            self.exchange(feet, stop, at_rest, self.carries.len() + EXCHANGES)?;
         }
         self.put(feet, memory);
         Some(())
     }
 
-    /// Finds the contacts that carry load if all are on stiff springs, as exchange from others may go round in circles.
+    /// Finds the contacts that carry load on stiff springs: from others, exchange may be long or go round in circles.
     fn load_springs(&mut self, feet: &Feet<'_>, stop: Stop<'_>) -> Option<()> {
         self.carries.fill(true);
         let compliance = STIFF * self.take_normals();
@@ -305,8 +307,14 @@ impl Equations {
     }
 
     /// Lets contacts take up and give up load until all have the right sign.
-    fn exchange(&mut self, feet: &Feet<'_>, stop: Stop<'_>, at_rest: f64) -> Option<()> {
-        for _ in 0..=self.carries.len() + MORE_EXCHANGES {
+    fn exchange(
+        &mut self,
+        feet: &Feet<'_>,
+        stop: Stop<'_>,
+        at_rest: f64,
+        most: usize,
+    ) -> Option<()> {
+        for _ in 0..=most {
             self.factor_normals();
             self.solve(feet, stop)?;
             self.find_wrong_signs(at_rest);
@@ -556,7 +564,12 @@ fn solve(
         return true;
     }
     found.copy_from(start);
-    Solver::AUTO.solve_prepared(problem, stop, found, workspace);
+    let steps = Steps::ALL.without("proximal_point").unwrap_or(Steps::ALL);
+    let report = Solver::Auto { steps, threads: 1 }.solve_prepared(problem, stop, found, workspace);
+    if report.residual > ROUNDED {
+        let last = Solver::ProximalPoint { max_iterations: OUTER };
+        last.solve_prepared(problem, stop, found, workspace);
+    }
     found.states.clone_from(&start.states);
     workspace.polish(problem, finest, found, POLISH) <= ROUNDED
 }
