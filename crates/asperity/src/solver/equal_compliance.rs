@@ -41,7 +41,8 @@ const SAME: f64 = 1e-9;
 const MOST_CONTACTS: usize = 64;
 /// Compliance over the mean normal mobility at which contacts carry load as for ε → 0.
 const STIFF: f64 = 1e-6;
-/// How often contacts exchange load at most from where the solver ended; from stiff springs, besides once for each of them.
+/// How often contacts exchange load at most: at first, as stiff springs are a better start where it takes long; later, besides
+/// once for each of them.
 const EXCHANGES: usize = 4;
 /// Outer steps of the proximal point iteration, which takes hundreds where it does not end soon: other starts lead on.
 const OUTER: usize = 30;
@@ -268,6 +269,22 @@ impl Equations {
         history: &[ContactState],
         memory: &mut Memory,
     ) -> Option<()> {
+        let at_rest = self.begin(feet, history, memory);
+        let many = self.contacts.len() + EXCHANGES;
+        if self.exchange(feet, stop, at_rest, EXCHANGES).is_none() {
+            self.begin(feet, history, memory);
+            let loaded = self.load_springs(feet, stop);
+            if loaded.and_then(|()| self.exchange(feet, stop, at_rest, many)).is_none() {
+                self.begin(feet, history, memory);
+                self.exchange(feet, stop, at_rest, many)?;
+            }
+        }
+        self.put(feet, memory);
+        Some(())
+    }
+
+    /// Begins where the solver ended, with all contacts that may carry load; the velocity that counts as none.
+    fn begin(&mut self, feet: &Feet<'_>, history: &[ContactState], memory: &Memory) -> f64 {
         self.take(feet, history, memory);
         let (rounding, speed) = (ROUNDING * largest(&self.load), feet.speed(memory));
         self.find_velocity();
@@ -277,14 +294,7 @@ impl Equations {
             let (force, xi) = (self.percussion[own.offset], self.velocity[own.offset]);
             !own.unilateral || force > 0.0 || xi <= may_carry
         }));
-        let at_rest = f64::max(AT_REST * speed, rounding);
-        if self.exchange(feet, stop, at_rest, EXCHANGES).is_none() {
-            self.take(feet, history, memory);
-            self.load_springs(feet, stop)?;
-            self.exchange(feet, stop, at_rest, self.carries.len() + EXCHANGES)?;
-        }
-        self.put(feet, memory);
-        Some(())
+        f64::max(AT_REST * speed, rounding)
     }
 
     /// Finds the contacts that carry load on stiff springs: from others, exchange may be long or go round in circles.
