@@ -336,6 +336,34 @@ def test_a_rod_rests_on_the_rim_of_a_disk_and_not_on_a_polygon(degrees, turned):
     assert data.qpos[0] + 0.1 == pytest.approx(height, abs=10 * model.opt.ccd_tolerance)
 
 
+def test_a_step_that_was_interrupted_leaves_no_trace_in_the_scene(monkeypatch):
+    """Where nearest points alone are looked for, which every step after would have taken."""
+    model = model_of(
+        '<geom type="cylinder" size=".1 .004" euler="0 0 7"/><body pos="-.1 0 .025">'
+        '<joint type="slide" axis="0 0 1"/><geom type="capsule" size=".02 .08" euler="0 86 0"/>'
+        "</body>"
+    )
+    model.opt.timestep = 0.002
+    find, nearest = mujoco.mj_collision, int(mujoco.mjtDisableBit.mjDSBL_MULTICCD)
+
+    def interrupted(m, d):
+        if int(m.opt.disableflags) & nearest:
+            raise KeyboardInterrupt
+        find(m, d)
+
+    data, scene = mujoco.MjData(model), Scene(model)
+    with monkeypatch.context() as patched:
+        patched.setattr(mujoco, "mj_collision", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            scene.simulate(data, t_end=0.04)
+    other = mujoco.MjData(model)
+    other.qpos[:], other.qvel[:], other.time = data.qpos, data.qvel, data.time
+    scene.step(data)
+    Scene(model).step(other)
+    assert data.ncon == other.ncon > 1
+    np.testing.assert_allclose(data.qpos, other.qpos, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("floor", "body", "seed"),
     [
@@ -1036,6 +1064,18 @@ def test_a_problem_is_that_of_the_next_step():
     )
     taken = scene.step(data).solution
     np.testing.assert_allclose(alone.percussion, taken.percussion, atol=1e-15)
+
+
+def test_the_problem_of_a_step_in_flight_has_no_rows():
+    """Whatever took part in the step before."""
+    model = box()
+    data, scene = mujoco.MjData(model), Scene(model)
+    scene.step(data)
+    assert scene.contacts(data)
+    data.qpos[2], data.qvel[2] = 1.0, 3.0
+    problem = scene.problem(data)
+    assert problem.delassus.shape == (0, 0)
+    assert problem.free_velocity.size == problem.items.size == len(problem.names) == 0
 
 
 def test_sparse_jacobians_have_the_motion_of_dense_ones():

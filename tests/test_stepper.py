@@ -426,8 +426,8 @@ def test_no_items_are_solved():
 @pytest.mark.parametrize(
     ("changes", "argument", "message"),
     [
-        ({"items": [9]}, "items", "item 0 names neither one of"),
-        ({"items": [-7]}, "items", "item 0 names neither one of"),
+        ({"items": [9]}, "items", "item 0 must be the number of one of"),
+        ({"items": [-7]}, "items", "item 0 must be the number of one of"),
         ({"items": [0.5]}, "items", "integers"),
         ({"items": [0, FREE]}, "free_velocity", "each of the 4 rows of items, has 3"),
         ({"keys": [1, 2]}, "keys", "1"),

@@ -117,9 +117,11 @@ class RowsModel:
         if not missed:
             return False
         m.opt.disableflags |= self._nearest_alone
-        mj.mj_collision(m, data)
-        nearest = [copy.copy(c) for c in data.contact if tuple(c.geom.tolist()) in missed]
-        m.opt.disableflags &= ~self._nearest_alone
+        try:
+            mj.mj_collision(m, data)
+            nearest = [copy.copy(c) for c in data.contact if tuple(c.geom.tolist()) in missed]
+        finally:
+            m.opt.disableflags &= ~self._nearest_alone
         mj.mj_collision(m, data)
         for contact in nearest:
             mj.mj_addContact(m, data, contact)

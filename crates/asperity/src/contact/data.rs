@@ -1,7 +1,7 @@
 //! Contact problems as data that are written and read with serde.
 //!
-//! A problem is a table with its different `laws`, its `contacts` (the number of the `law`, if there is friction, and the `normal_force` where
-//! that is given), `free_velocity` b, `restitution` e γ_B, and the `delassus` operator: a table with the `type`
+//! A problem is a table with its different `laws`, its `contacts` (the number of the `law`, if there is friction, and the
+//! `normal_force` where that is given), `free_velocity` b, `restitution` e γ_B, and the `delassus` operator: a table with the `type`
 //! `Dense` (`rows`), `Blocks` (`sizes`, `neighbours`, `values`: block after block, row by row) or `Factored` (`mass` and
 //! `directions` as compressed rows, and the `blocks`). What is read goes through the checked constructors. An operator
 //! that is known by its products cannot be written.

@@ -152,8 +152,9 @@ impl ContactProblem {
     /// # Errors
     ///
     /// [`ArgumentError`] if `free_velocity` or the operator has not one row per row of the contacts, if a number is not
-    /// finite, a prescribed normal percussion is negative or that of a contact without friction, or the diagonal
-    /// of the operator is not positive, if numbers are so large that their squares are none, or if a law depends on the sliding speed.
+    /// finite, a prescribed normal percussion is negative or that of a contact without friction, or the diagonal of the
+    /// operator is not positive, if numbers are so large that their squares are none, or if a law depends on the sliding
+    /// speed.
     pub fn new(
         delassus: impl IntoDelassus,
         free_velocity: Vec<f64>,

@@ -77,7 +77,9 @@ impl<'de, const P: usize> Deserialize<'de> for FrictionLaw<P> {
 impl Serialize for Law {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Zero(_) => Err(S::Error::custom("no friction is no law to be written")),
+            Self::Zero(_) => {
+                Err(S::Error::custom("contacts without friction have no law that could be written"))
+            }
             Self::One(law) => law.as_ref().serialize(serializer),
             Self::Two(law) => law.as_ref().serialize(serializer),
             Self::Three(law) => law.as_ref().serialize(serializer),

@@ -95,7 +95,9 @@ impl Arranged {
                 Some(size) => size,
                 None => {
                     let laws = laws.len();
-                    let message = format!("item {item} names neither one of {laws} laws nor a row");
+                    let message = format!(
+                        "item {item} must be the number of one of {laws} laws, or a kind of row"
+                    );
                     return refuse("items", message);
                 }
             };

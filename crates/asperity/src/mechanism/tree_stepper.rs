@@ -414,6 +414,7 @@ impl TreeStepper {
             }
             self.change.clear();
             if self.items.is_empty() {
+                self.free.clear();
                 self.change.extend_from_slice(free);
                 return Ok(None);
             }

@@ -13,7 +13,7 @@
 
 use super::measure::stop::Stop;
 use super::report::SolveReport;
-use super::settings::Solver;
+use super::settings::{Solver, Steps};
 use super::solve::{Workspace, grade};
 use crate::contact::{
     BlockMatrix, ContactProblem, ContactRows, ContactState, Delassus, Memory, NormalForce, Phase,
@@ -37,12 +37,15 @@ pub(crate) const DEPENDENT: f64 = 1e-10;
 pub(crate) const LIGHT: f64 = 1e-10;
 /// Difference of the friction of contacts per unit normal force that counts as none: feet that slip in one direction.
 const SAME: f64 = 1e-9;
-/// Most contacts of an island whose shares are looked for: its equations are dense.
-const MOST_CONTACTS: usize = 64;
-/// Compliance over the mean normal mobility that is as good as ε → 0 for which contacts carry load.
+/// Most contacts of an island whose shares are looked for: its equations are dense, and are solved several times.
+const MOST_CONTACTS: usize = 32;
+/// Compliance over the mean normal mobility at which contacts carry load as for ε → 0.
 const STIFF: f64 = 1e-6;
-/// How often contacts exchange load at most, besides once for each of them.
-const MORE_EXCHANGES: usize = 4;
+/// How often contacts exchange load at most: at first, as stiff springs are a better start where it takes long; later, besides
+/// once for each of them.
+const EXCHANGES: usize = 4;
+/// Outer steps of the proximal point iteration, which takes hundreds where it does not end soon: other starts lead on.
+const OUTER: usize = 30;
 /// Residual that counts as solved; what it is in the whole is looked at afterwards.
 const ROUNDED: f64 = 1e-9;
 /// Newton iterations that make what is found as accurate as rounding allows, so that it does not depend on the start.
@@ -266,6 +269,22 @@ impl Equations {
         history: &[ContactState],
         memory: &mut Memory,
     ) -> Option<()> {
+        let at_rest = self.begin(feet, history, memory);
+        let many = self.contacts.len() + EXCHANGES;
+        if self.exchange(feet, stop, at_rest, EXCHANGES).is_none() {
+            self.begin(feet, history, memory);
+            let loaded = self.load_springs(feet, stop);
+            if loaded.and_then(|()| self.exchange(feet, stop, at_rest, many)).is_none() {
+                self.begin(feet, history, memory);
+                self.exchange(feet, stop, at_rest, many)?;
+            }
+        }
+        self.put(feet, memory);
+        Some(())
+    }
+
+    /// Begins where the solver ended, with all contacts that may carry load; the velocity that counts as none.
+    fn begin(&mut self, feet: &Feet<'_>, history: &[ContactState], memory: &Memory) -> f64 {
         self.take(feet, history, memory);
         let (rounding, speed) = (ROUNDING * largest(&self.load), feet.speed(memory));
         self.find_velocity();
@@ -275,17 +294,10 @@ impl Equations {
             let (force, xi) = (self.percussion[own.offset], self.velocity[own.offset]);
             !own.unilateral || force > 0.0 || xi <= may_carry
         }));
-        let at_rest = f64::max(AT_REST * speed, rounding);
-        if self.exchange(feet, stop, at_rest).is_none() {
-            self.take(feet, history, memory);
-            self.load_springs(feet, stop)?;
-            self.exchange(feet, stop, at_rest)?;
-        }
-        self.put(feet, memory);
-        Some(())
+        f64::max(AT_REST * speed, rounding)
     }
 
-    /// Finds the contacts that carry load if all are on stiff springs, as exchange from others may go round in circles.
+    /// Finds the contacts that carry load on stiff springs: from others, exchange may be long or go round in circles.
     fn load_springs(&mut self, feet: &Feet<'_>, stop: Stop<'_>) -> Option<()> {
         self.carries.fill(true);
         let compliance = STIFF * self.take_normals();
@@ -305,8 +317,14 @@ impl Equations {
     }
 
     /// Lets contacts take up and give up load until all have the right sign.
-    fn exchange(&mut self, feet: &Feet<'_>, stop: Stop<'_>, at_rest: f64) -> Option<()> {
-        for _ in 0..=self.carries.len() + MORE_EXCHANGES {
+    fn exchange(
+        &mut self,
+        feet: &Feet<'_>,
+        stop: Stop<'_>,
+        at_rest: f64,
+        most: usize,
+    ) -> Option<()> {
+        for _ in 0..=most {
             self.factor_normals();
             self.solve(feet, stop)?;
             self.find_wrong_signs(at_rest);
@@ -556,7 +574,12 @@ fn solve(
         return true;
     }
     found.copy_from(start);
-    Solver::AUTO.solve_prepared(problem, stop, found, workspace);
+    let steps = Steps::ALL.without("proximal_point").unwrap_or(Steps::ALL);
+    let report = Solver::Auto { steps, threads: 1 }.solve_prepared(problem, stop, found, workspace);
+    if report.residual > ROUNDED {
+        let last = Solver::ProximalPoint { max_iterations: OUTER };
+        last.solve_prepared(problem, stop, found, workspace);
+    }
     found.states.clone_from(&start.states);
     workspace.polish(problem, finest, found, POLISH) <= ROUNDED
 }

@@ -22,7 +22,7 @@ pub struct ContactSolution {
 /// All solutions of one contact, the percussions of the others held: open, stick, then slips
 /// counter-clockwise along bdry *D*.
 ///
-/// There must be such a contact with p = 1 or 2, one percussion per row, and an operator with entries.
+/// There must be such a contact with p ≤ 2, one percussion per row, and an operator with entries.
 ///
 /// # Errors
 ///

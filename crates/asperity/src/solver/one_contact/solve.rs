@@ -47,7 +47,8 @@ pub(crate) struct Start<'a> {
     pub(crate) slip: Option<[f64; 3]>,
 }
 
-/// What one of three expressions says of a contact with the data of its dimension: without friction, on a line, in the plane, in space.
+/// What one of four expressions says of a contact with the data of its dimension: without friction, on a line, in the plane,
+/// in space.
 macro_rules! by_dimension {
     ($contact:expr, Normal($normal:pat) => $on_the_normal:expr, Line($line:pat) => $on_line:expr, Plane($plane:pat) => $in_plane:expr, Space($space:pat) => $in_space:expr) => {{
         let OneContact { problem, contact, block, held } = *$contact;
