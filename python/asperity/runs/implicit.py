@@ -11,7 +11,7 @@ K and the damping B + Δt (2θ − 1) K, so that contacts, memory and failures a
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -28,18 +28,13 @@ from asperity.system import (
     SlidingPoint,
     SparseLinearSystem,
 )
+from asperity.system.implicit import DEPENDENT, effective_mass
 from asperity.system.sparse.factorisation import Factorisation, SingularMatrixError
-
-_Matrix = TypeVar("_Matrix", bound=Any)
 
 # Directions of contacts per solution with the factors of a sparse matrix.
 _BATCH = 64
 # Most entries of M̂⁻¹W that are held, 200 MB: otherwise each step solves twice.
 _HELD = 25_000_000
-# Sine of the angle between directions of contacts, in the metric of M̂⁻¹, that is rounding.
-_DEPENDENT = 1e-7
-# Part of M̂ below which the beginning of a step has less than six digits from its end.
-_ROUNDED = 1e-10
 
 
 class ImplicitSteps:
@@ -55,7 +50,7 @@ class ImplicitSteps:
 
     def __init__(self, system: LinearSystem, dt: float, theta: float, state: State) -> None:
         self._shift = dt * (theta - 0.5)
-        mass = _effective(system.mass, system.damping, system.stiffness, dt * theta)
+        mass = effective_mass(system.mass, system.damping, system.stiffness, dt * theta)
         try:
             np.linalg.cholesky(mass)
         except np.linalg.LinAlgError:
@@ -94,7 +89,7 @@ class SparseSteps(ImplicitSteps):
         self._stiffness, self._force = system.stiffness, system.force
         self._damping = (system.damping + 2.0 * self._shift * system.stiffness).tocsc()
         self._factors = _factors(
-            _effective(system.mass, system.damping, system.stiffness, dt * theta).tocsc()
+            effective_mass(system.mass, system.damping, system.stiffness, dt * theta).tocsc()
         )
         self._normals, self._gap = of.normals, of.gap
         self._directions, self._rows = of.stacked()
@@ -154,7 +149,7 @@ class SparseSteps(ImplicitSteps):
             L: Array = np.linalg.cholesky(0.5 * (G + G.T)).astype(np.float64)
         except np.linalg.LinAlgError:
             L = np.zeros((r, r))
-        if (np.diag(L) <= _DEPENDENT * np.sqrt(np.diag(G))).any():
+        if (np.diag(L) <= DEPENDENT * np.sqrt(np.diag(G))).any():
             raise ParameterError(
                 "system",
                 "has contacts with dependent directions, whose forces are not unique; "
@@ -242,53 +237,6 @@ def implicit_steps(
     if until_rest:
         raise ParameterError("until_rest", "has no effect on a system with sparse matrices")
     return SparseSteps(linear, dt, theta, state, stride)
-
-
-def loads(
-    system: LinearSystem, dt: float, theta: float, samples: tuple[Array, Array, Array]
-) -> tuple[Array, Array]:
-    """Return M̂ and what constraints bear in the steps that end at samples q, u, λ, −JᵀΛ.
-
-    With a = (u_E − u_B)/Δt and the step above, of which B̃ and q̃ are the damping and coordinates,
-
-        (M̂ − Δt B̃) a = f − B̃ u_E − K (q_E − Δt θ u_E) + W λ + JᵀΛ,    J a = 0:
-
-    the end of a step tells Λ wherever it tells the beginning.
-
-    Raises:
-        ParameterError: where it does not, as M̂ − Δt B̃ is singular among motions with J a = 0.
-    """
-    mass = _effective(system.mass, system.damping, system.stiffness, dt * theta)
-    damping = system.damping + dt * (2.0 * theta - 1.0) * system.stiffness
-    q, u, force = samples
-    load = system.force - u @ damping.T - (q - dt * theta * u) @ system.stiffness.T
-    first = 0
-    for contact in system.contacts:
-        for columns in (contact.normal, contact.direction):
-            if columns is not None:
-                part = columns.reshape(len(mass), -1)
-                load += force[:, first : first + part.shape[1]] @ part.T
-                first += part.shape[1]
-    rows = system.constraint_rows
-    assert rows is not None
-    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
-    _, values, right = np.linalg.svd(rows / np.where(sizes > 0.0, sizes, 1.0))
-    free = right[np.count_nonzero(values > _DEPENDENT) :].T
-    back = mass - dt * damping
-    among = free.T @ back @ free
-    if np.linalg.matrix_rank(among, _ROUNDED * np.linalg.norm(mass)) < len(among):
-        raise ParameterError(
-            "trajectory",
-            "must have steps whose ends tell their beginnings: M − dt (1 − implicit) B + "
-            "dt² (1 − implicit)² K is singular; take another dt",
-        )
-    return mass, load - load @ free @ np.linalg.solve(among.T, free.T) @ back.T
-
-
-def _effective(mass: _Matrix, damping: _Matrix, stiffness: _Matrix, h: float) -> _Matrix:
-    """Return M̂, of the symmetric parts: the core's masses are symmetric."""
-    whole = damping + h * stiffness
-    return mass + 0.5 * h * (whole + whole.T)
 
 
 def _factors(matrix: Any) -> Factorisation:

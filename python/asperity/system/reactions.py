@@ -10,6 +10,7 @@ import numpy as np
 import asperity._core as _core
 from asperity._base.arrays import Array
 from asperity.errors import DimensionError, ParameterError
+from asperity.system.implicit import loads
 
 if TYPE_CHECKING:
     from asperity.law import FrictionLaw
@@ -65,7 +66,6 @@ def constraint_forces(system: System | LinearSystem, trajectory: Run) -> Array:
     start, none = None if options is None else options.start.t, np.full(system.constraints, np.nan)
     rows = row_forces(trajectory, system.contacts)
     if options is not None and options.implicit is not None:
-        from asperity.runs.implicit import loads
         from asperity.system.linear import LinearSystem
 
         if not isinstance(system, LinearSystem):
