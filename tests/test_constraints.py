@@ -598,7 +598,7 @@ def test_a_step_that_ends_at_rest_wherever_it_began_has_no_known_forces():
     system = asp.LinearSystem(damping=np.diag([30.0, 0.0]), **LINK)
     run = asp.simulate(system, dt=0.2, t_end=1.0, implicit=0.5, u0=[1.0, 1.0])
     assert np.abs(run.u[1:]).max() < 1e-15
-    with pytest.raises(asp.ParameterError, match="ends tell their beginnings"):
+    with pytest.raises(asp.ParameterError, match="beginnings follow from their ends"):
         system.constraint_forces(run)
     run = asp.simulate(system, dt=0.2, t_end=1.0, implicit=1.0, u0=[1.0, 1.0])
     found, _ = link(run, system)
