@@ -129,15 +129,15 @@ class ContactStepper:
 
     Percussions and phases start from those that the item with the same key had in the step before.
     Items are solved in the order of their keys: the result does not depend on the order in which
-    they are listed, to the bit, also where percussions are not unique: up to 32 contacts that slide
-    in different directions share their load as if of equal compliance. Bilateral rows may repeat
-    each other, as in loops: their percussions have the least Σ G_ii P_i² among all that leave the
-    least velocities. They may not contradict each other by more than 1e-6 of the velocities that
-    they take out. Links 1e9 times as light as what they join look like repeated rows in G, and
-    joints that need them do not hold; `ContactProblem.from_bodies` takes masses. Where the bodies
-    of a contact cannot move in some of its rows, as in planar models, they stick up to the friction
-    of sliding in the direction that is left; at rest what is transmitted across it is undetermined,
-    and goes with the force along it as in sliding.
+    they are listed, to the bit, also where percussions are not unique: contacts of one body, or up
+    to 16 of several, that slide in different directions share their load as if of equal compliance.
+    Bilateral rows may repeat each other, as in loops: their percussions have the least Σ G_ii P_i²
+    among all that leave the least velocities. They may not contradict each other by more than 1e-6
+    of the velocities that they take out. Links 1e9 times as light as what they join look like
+    repeated rows in G, and joints that need them do not hold; `ContactProblem.from_bodies` takes
+    masses. Where the bodies of a contact cannot move in some of its rows, as in planar models, they
+    stick up to the friction of sliding in the direction that is left; at rest what is transmitted
+    across it is undetermined, and goes with the force along it as in sliding.
 
     A stepper changes with every step: one per simulation, and per thread. Copies, by pickle too, do
     not remember the steps before.

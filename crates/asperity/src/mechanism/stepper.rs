@@ -38,8 +38,8 @@ struct Found {
 /// Solves the contacts of a mechanism step after step, among its joints, limits and dry joints.
 ///
 /// Percussions and phases start from those that the item with the same key had in the step before. Items are solved in the
-/// order of their keys: percussions do not depend on the order in which an engine lists the contacts, unique or not. Up to 32 contacts
-/// that slide in different directions share what they carry as if of equal compliance. Percussions of joints that loops repeat
+/// order of their keys: percussions do not depend on the order in which an engine lists the contacts, unique or not. Contacts of one
+/// body, or up to 16 of several, that slide in different directions share what they carry as if of equal compliance. Percussions of joints that loops repeat
 /// are those of least weighted squares; of links 10⁹ times as light as what they join `G` does not tell whether they do. Where the
 /// bodies of a contact cannot move in some direction, they stick up to the friction of sliding in the direction that is left, and
 /// what is transmitted across it is that of sliding, too.

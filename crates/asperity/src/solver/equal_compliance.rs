@@ -37,8 +37,8 @@ pub(crate) const DEPENDENT: f64 = 1e-10;
 pub(crate) const LIGHT: f64 = 1e-10;
 /// Difference of the friction of contacts per unit normal force that counts as none: feet that slip in one direction.
 const SAME: f64 = 1e-9;
-/// Most contacts of an island whose shares are looked for: its equations are dense, and are solved several times.
-const MOST_CONTACTS: usize = 32;
+/// Most contacts of several bodies whose shares are looked for: their dense equations are solved several times.
+const MOST_CONTACTS: usize = 16;
 /// Compliance over the mean normal mobility at which contacts carry load as for ε → 0.
 const STIFF: f64 = 1e-6;
 /// How often contacts exchange load at most: at first, as stiff springs are a better start where it takes long; later, besides
@@ -72,8 +72,8 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// Puts the percussions of equal compliance in place of those of a solution, in every island of few contacts whose motion
-    /// depends on their shares; the new report, if there is such an island.
+    /// Puts the percussions of equal compliance in place of those of a solution, in every island of one body or of few contacts whose
+    /// motion depends on their shares; the new report, if there is such an island.
     pub(crate) fn find(
         &mut self,
         problem: &ContactProblem,
@@ -90,7 +90,9 @@ impl Shares {
             let contacts = workspace.members().of(number);
             let feet = Feet { problem, contacts, velocity: workspace.velocity(), by_place };
             let Self { closed, normals, .. } = self;
-            if feet.are_few() && feet.motion_depends_on_shares(memory, closed, normals) {
+            if feet.may_share()
+                && feet.motion_depends_on_shares(memory, stop.tolerance, closed, normals)
+            {
                 if !shared {
                     self.before.copy_from(memory);
                 }
@@ -127,8 +129,12 @@ struct Feet<'p> {
 }
 
 impl Feet<'_> {
-    fn are_few(&self) -> bool {
-        (2..=MOST_CONTACTS).contains(&self.contacts.len())
+    /// Whether they are those of one body, which all meet each other, or few.
+    fn may_share(&self) -> bool {
+        let blocks = self.problem.delassus().blocks();
+        let count = self.contacts.len();
+        let meets_all = |&i: &usize| blocks.neighbours(i).len() == count;
+        count > 1 && (count <= MOST_CONTACTS || self.contacts.iter().all(meets_all))
     }
 
     fn rows(&self) -> impl Iterator<Item = &ContactRows> {
@@ -157,13 +163,16 @@ impl Feet<'_> {
     fn motion_depends_on_shares(
         &self,
         memory: &Memory,
+        tolerance: f64,
         carrying: &mut Vec<usize>,
         normals: &mut BlockLu,
     ) -> bool {
         let percussion = &memory.percussion;
         let fastest = self.rows().flat_map(ContactRows::rows).map(|row| self.load(row).abs());
         let rounding = ROUNDING * fastest.fold(0.0, f64::max);
-        let at_rest = f64::max(MAY_CARRY * self.speed(memory), rounding);
+        let speed = self.speed(memory);
+        let at_rest = f64::max(MAY_CARRY * speed, rounding);
+        let still = f64::max(f64::max(AT_REST, tolerance) * speed, rounding);
         let most = self.rows().map(|rows| rows.normal_percussion(percussion)).fold(0.0, f64::max);
         let xi = |row: usize| self.velocity[row] + self.problem.restitution()[row];
         let closed = |rows: &ContactRows| {
@@ -190,6 +199,11 @@ impl Feet<'_> {
             } else {
                 let slip = friction.iter_mut().zip(rows.tangential_rows());
                 slip.for_each(|(to, row)| *to = xi(row));
+                // What slides no faster than the solver leaves has no direction.
+                if largest(&friction) <= still {
+                    sticks = true;
+                    continue;
+                }
                 match rows.law.sliding(&friction[..rows.law.dimension()]) {
                     Some(force) => friction = force,
                     None => continue,
